@@ -8,15 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.kernels.factors import bidiagonal_factor, incidence_factor
-from torsion.kernels.lapack import bidiagonal_singular_values, jacobi_svd
+from torsion.kernels.factors import incidence_factor, jacobi_svd
 from torsion.kernels.reduction import reduce_tree, rigidity
 from torsion.kernels.tree import Tree
 
 
 def chain_frequencies(inertia: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Elastic natural frequencies (stations - 1,) rad/s, ascending, of a free chain, kg m2 and N m/rad."""
-    return bidiagonal_singular_values(*bidiagonal_factor(inertia, stiffness, 0.0))[-2::-1].copy()
+    factor = np.zeros((len(inertia), len(inertia)))  # bidiagonal: what LAPACK then does is exact
+    np.fill_diagonal(factor, np.append(np.sqrt(stiffness / inertia[:-1]), 0.0))
+    np.fill_diagonal(factor[:, 1:], -np.sqrt(stiffness / inertia[1:]))
+    return np.linalg.svd(factor, compute_uv=False)[-2::-1].copy()
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
     "errors": -1,
     "arrays": -1,
+    "columns": -1,
     "user_files": -1,
     "sources": -1,  # the ground under every floor
     "units": 0,

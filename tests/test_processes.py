@@ -1,51 +1,86 @@
-"""Calls shared out to processes: the answers of one process in order, its errors, and no copies of copies."""
+"""Calls shared out to processes: the answers of one process in order, its errors, and no copies of copies.
 
+Every test runs in a Python of its own, as a process with other threads (those of earlier tests) begins no copies.
+"""
+
+import subprocess
+import sys
+
+BEGIN = """
 import os
-
-import pytest
-
 from torsion import processes
 from torsion.errors import InputError, SolveError, refusal
 from torsion.processes import shared_out
+processes.processors = lambda: 2
+"""
 
 
-@pytest.fixture
-def two(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(processes, "processors", lambda: 2)
+def run(text: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", BEGIN + text],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.usefixtures("two")
 def test_answers_of_processes_come_in_order_from_others_than_this_one() -> None:
-    answers = list(shared_out(lambda item: (item, os.getpid()), range(100)))
-    assert [item for item, _ in answers] == list(range(100))
-    assert os.getpid() not in {process for _, process in answers}
+    run("""
+answers = list(shared_out(lambda item: (item, os.getpid()), range(100)))
+assert [item for item, _ in answers] == list(range(100))
+assert os.getpid() not in {process for _, process in answers}
+""")
 
 
-@pytest.mark.usefixtures("two")
 def test_a_process_begins_no_others_and_few_calls_none() -> None:
-    def inner(item: int) -> bool:
-        own = set(shared_out(lambda _: os.getpid(), range(50)))
-        return own == {os.getpid()}
+    run("""
+def inner(item):
+    return set(shared_out(lambda _: os.getpid(), range(50))) == {os.getpid()}
 
-    assert all(shared_out(inner, range(50)))
-    assert inner(0) is False  # this process does
-    assert set(shared_out(lambda _: os.getpid(), range(5))) == {os.getpid()}
+assert all(shared_out(inner, range(50)))
+assert inner(0) is False  # this process does
+assert set(shared_out(lambda _: os.getpid(), range(5))) == {os.getpid()}
+""")
 
 
-@pytest.mark.usefixtures("two")
 def test_an_error_of_a_process_is_raised_whole_and_later_calls_work() -> None:
-    def fails(item: int) -> int:
-        if item == 30:
-            raise refusal("no", "try")
-        return item
+    run("""
+def fails(item):
+    if item == 30:
+        raise refusal("no", "try")
+    return item
 
-    with pytest.raises(InputError, match="no"):
-        list(shared_out(fails, range(60)))
-    assert list(shared_out(abs, range(60))) == list(range(60))
+try:
+    list(shared_out(fails, range(60)))
+except InputError as error:
+    assert "no" in str(error)
+else:
+    raise AssertionError("no error came")
+assert list(shared_out(abs, range(60))) == list(range(60))
+""")
 
 
-@pytest.mark.usefixtures("two")
 def test_a_process_that_is_killed_is_said_and_leaves_nothing_behind() -> None:
-    with pytest.raises(SolveError, match="ended from outside"):
-        list(shared_out(lambda item: os.kill(os.getpid(), 9), range(60)))
-    assert list(shared_out(abs, range(60))) == list(range(60))
+    run("""
+try:
+    list(shared_out(lambda item: os.kill(os.getpid(), 9), range(60)))
+except SolveError as error:
+    assert "ended from outside" in str(error)
+else:
+    raise AssertionError("no error came")
+assert list(shared_out(abs, range(60))) == list(range(60))
+""")
+
+
+def test_a_process_with_other_threads_answers_alone() -> None:
+    run("""
+import threading
+end = threading.Event()
+thread = threading.Thread(target=end.wait)
+thread.start()
+assert set(shared_out(lambda _: os.getpid(), range(50))) == {os.getpid()}
+end.set()
+thread.join()
+""")

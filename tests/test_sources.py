@@ -74,12 +74,12 @@ def test_a_block_within_a_block_counts_for_both() -> None:
         return 1
 
     with collected() as outer:
-        note("Kato1949")
+        note("Kruskal1956")
         with collected() as inner:
             assert passing() == 1
-    note("Kato1949")  # outside of a run nothing is collected
+    note("Kruskal1956")  # outside of a run nothing is collected
     assert list(inner) == [("Lewis1932", "fig. 1")]
-    assert list(outer) == [("Kato1949", ""), ("Lewis1932", "fig. 1")]
+    assert list(outer) == [("Kruskal1956", ""), ("Lewis1932", "fig. 1")]
     with pytest.raises(KeyError), collected():
         note("Nobody1900")
 

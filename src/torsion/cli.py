@@ -1,11 +1,13 @@
 """The command `torsion`."""
 
 import gc
+import json as json_text
+import os
 import signal
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -17,13 +19,11 @@ from torsion.command_endings import (
     refuse_with_json,
     show_progress,
     stop,
+    write_new,
 )
 from torsion.errors import BAD_INPUT
 from torsion.exchange_commands import compare, export, import_
 from torsion.lasting_output import make_streams_last, say
-
-if TYPE_CHECKING:
-    pass
 
 SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -35,6 +35,12 @@ Case = Annotated[
 ]
 JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
+Pdf = Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")]
+CSV_HELP = "Write values (data.zip), tables (tables.zip) and figures as CSV too."
+Csv = Annotated[bool, typer.Option("--csv", help=CSV_HELP)]
+Verbose = Annotated[
+    bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")
+]
 
 
 def _say_version(is_requested: bool) -> None:
@@ -43,9 +49,6 @@ def _say_version(is_requested: bool) -> None:
         raise typer.Exit
 
 
-Verbose = Annotated[
-    bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")
-]
 VERSION = typer.Option(
     "--version", callback=_say_version, is_eager=True, help="Print the version and end."
 )
@@ -63,7 +66,7 @@ def solve(
     json: Json = False,
     *,
     case: Case = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    pdf: Pdf = False,
     full: Annotated[
         bool,
         typer.Option(
@@ -80,12 +83,7 @@ def solve(
     vtu: Annotated[
         bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")
     ] = False,
-    csv: Annotated[
-        bool,
-        typer.Option(
-            "--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too."
-        ),
-    ] = False,
+    csv: Csv = False,
     xlsx: Annotated[
         bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")
     ] = False,
@@ -104,22 +102,12 @@ def solve(
     """
     from torsion import commands
 
-    refuse_with_json(
-        json,
-        {
-            "--vtu": vtu,
-            "--pdf": pdf,
-            "--csv": csv,
-            "--xlsx": xlsx,
-            "--full": full,
-            "--matrices": matrices,
-            "-o": out,
-        },
-    )
-    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
+    writing = {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full}
+    refuse_with_json(json, {**writing, "--matrices": matrices, "-o": out})
+    requested = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
     solved = partial(commands.solved, file, case=case, memory=memory)
     shown = {"is_full": full, "is_verbose": verbose}
-    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, **shown)
+    print_report("solve", file, out, solved, requested, as_json=json, matrices=matrices, **shown)
 
 
 @app.command()
@@ -148,7 +136,7 @@ def sweep(
         bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")
     ] = False,
     case: Case = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    pdf: Pdf = False,
     csv: Annotated[
         bool,
         typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does."),
@@ -164,20 +152,19 @@ def sweep(
     from torsion.sweeping import swept
     from torsion.sweeping.cluster import Scheduler
 
-    place = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
     solved = partial(
         swept.swept,
         file,
         out,
-        scheduler=place,
+        scheduler=Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key),
         fresh=fresh,
         csv=csv,
         case=case,
         notice=partial(say, err=True),
     )
     try:
-        also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
-        print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
+        requested = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
+        print_report("solve", file, out, solved, requested, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo(
             "ended; the finished parts stay, and the same command continues from there", err=True
@@ -205,9 +192,8 @@ def joint(
     from torsion import commands
 
     refuse_with_json(json, {"-o": out})
-    print_report(
-        "joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json
-    )
+    solved = partial(commands.joint, file, turns=turns, case=case)
+    print_report("joint", file, out, solved, as_json=json)
 
 
 @app.command()
@@ -241,17 +227,16 @@ def study(
     Exit status: 0 done, 2 and 3 as of `solve`.
     """
     from torsion import commands
+    from torsion.output import run_time_study
 
     refuse_with_json(json, {"-o": out})
     with refusals(file):
-        with show_progress() as report_progress:
+        with show_progress() as progress:
             findings, timings = commands.study(
-                file, tolerance=tolerance, quick=quick, case=case, progress=report_progress
+                file, tolerance=tolerance, quick=quick, case=case, progress=progress
             )
         if json:
-            from torsion.output.run_time_study import json_text
-
-            typer.echo(json_text(findings, timings), nl=False)
+            typer.echo(run_time_study.json_text(findings, timings), nl=False)
         else:
             from torsion.output.terminal import show
 
@@ -267,13 +252,8 @@ def report(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")
     ] = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
-    csv: Annotated[
-        bool,
-        typer.Option(
-            "--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too."
-        ),
-    ] = False,
+    pdf: Pdf = False,
+    csv: Csv = False,
     verbose: Verbose = False,
 ) -> None:
     """Draw the report again from its results, without solving: the page, and what the options name.
@@ -284,11 +264,10 @@ def report(
     from torsion.output.terminal import show
 
     with refusals(results):
-        made, folder = commands.report(
-            results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv)
-        )
-        show(made, folder, is_verbose=verbose or made.name != "solve")
-    end(made.ending.unanswered, made.ending.status)
+        requested = commands.outputs(pdf=pdf, figures=csv, tables=csv)
+        document, folder = commands.report(results, out, also=requested)
+        show(document, folder, is_verbose=verbose or document.name != "solve")
+    end(document.ending.unanswered, document.ending.status)
 
 
 app.command()(compare)
@@ -305,13 +284,13 @@ def plan(file: File, case: Case = None) -> None:
     from torsion import commands
 
     with refusals(file):
-        planned = commands.plan(file, case=case)
-        for name, one in {"": planned, **planned.cases}.items():
+        nominal = commands.plan(file, case=case)
+        for name, planned in {"": nominal, **nominal.cases}.items():
             if name:
                 typer.echo(f"\ncase {name}")
-            for what, size, why in one.steps:
+            for what, size, why in planned.steps:
                 typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
-            for what, why in one.left_out:
+            for what, why in planned.left_out:
                 typer.echo(f"left out: {what}, because {why}")
 
 
@@ -376,14 +355,17 @@ def live(
         server.end()
 
 
+def _schema_text() -> str:
+    """Return the JSON Schema of model files as text."""
+    from torsion.schema.json_schema import json_schema
+
+    return json_text.dumps(json_schema(), indent=2) + "\n"
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the file, by which an editor completes and checks it."""
-    import json
-
-    from torsion.schema.json_schema import json_schema
-
-    typer.echo(json.dumps(json_schema(), indent=2))
+    typer.echo(_schema_text(), nl=False)
 
 
 @app.command()
@@ -391,21 +373,12 @@ def new(
     file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml"),
 ) -> None:
     """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it."""
-    import json
-
     from torsion.schema import template
-    from torsion.schema.json_schema import json_schema
 
+    head = f"# yaml-language-server: $schema={SCHEMA_FILE}\n"
+    write_new(file, head + template("example.yaml"))
     try:
-        with file.open("x", encoding="utf-8") as target:
-            target.write(
-                f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}"
-            )
-        file.with_name(SCHEMA_FILE).write_text(
-            json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8"
-        )
-    except FileExistsError:
-        stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
+        file.with_name(SCHEMA_FILE).write_text(_schema_text(), encoding="utf-8")
     except OSError as error:
         stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
     say(f"{file} written; solve it with: torsion solve {file}")
@@ -423,19 +396,20 @@ def sources(
         say("\n\n".join(record.bibtex for record in SOURCES.values()))
         return
     for record in SOURCES.values():
-        say(
-            f"{record.key}: {record.words}; {record.use}"
-            + ("" if record.compared else "; edition not confirmed")
-        )
+        doubt = "" if record.compared else "; edition not confirmed"
+        say(f"{record.key}: {record.words}; {record.use}{doubt}")
     for name in RULES:
         say(f"{name}: {rule(name).edition or 'limits of the file or of a manufacturer'}")
 
 
 def main() -> None:
-    """Entry point of the console script.
+    """Run the console script.
 
     A reader that leaves (`| head`) changes no exit status; any other failure to print makes it that of faulty input.
     """
+    # Before numpy is imported: threads that spin cost up to 20 times the time on a shared machine.
+    for variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
     signal.signal(
         signal.SIGTERM, lambda number, _: sys.exit(128 + number)

@@ -25,10 +25,8 @@ def refusals(file: Path) -> Iterator[None]:
     except SolveError as error:
         stop(error.located or f"{file}: {error}", REFUSED)
     except MemoryError as error:
-        size, change = (
-            f" ({error})" if str(error) else "",
-            "request fewer speeds, orders, modes or segments",
-        )
+        size = f" ({error})" if str(error) else ""
+        change = "request fewer speeds, orders, modes or segments"
         stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
 
 
@@ -62,11 +60,8 @@ def print_report(
             from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
-            show(
-                commands.write(findings, folder, report, also=also, is_full=is_full),
-                folder,
-                is_verbose=is_verbose,
-            )
+            document = commands.write(findings, folder, report, also=also, is_full=is_full)
+            show(document, folder, is_verbose=is_verbose)
         if matrices is not None:
             say(commands.write_matrices(findings, matrices))
     end(findings.without_answer, findings.exit_status)
@@ -98,3 +93,14 @@ def refuse_with_json(json: bool, writing: dict[str, object]) -> None:
 def stop(message: str, status: int) -> NoReturn:
     say(message, err=True)
     raise typer.Exit(status)
+
+
+def write_new(file: Path, text: str) -> None:
+    """Write a text into a file that must not exist yet; end with a message and its exit status if it cannot be."""
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(text)
+    except FileExistsError:
+        stop(f"{file} exists already and is not changed (give another name)", BAD_INPUT)
+    except OSError as error:
+        stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)

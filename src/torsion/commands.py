@@ -20,7 +20,7 @@ from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import lines
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, nearest, printable
+from torsion.errors import Fault, InputError, nearest, printable, refusal
 from torsion.findings import NORMAL, Findings, Plan, Progress, silent
 from torsion.rules import needed, not_judged
 from torsion.runner import run
@@ -38,7 +38,12 @@ REST = (
     "everything but the joints",
     "`torsion joint` reports only the joints; `torsion solve` does the rest",
 )
+REST_OF_CHECK = (
+    "everything else",
+    "`torsion check` only compares the models; `torsion solve` does the rest",
+)
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
+NO_POWER = "neither the power of the loads nor a rated power is given"
 OTHER_FOLDER = " (choose another folder with -o)"
 ELSEWHERE = (
     "natural frequencies",
@@ -69,12 +74,8 @@ def solve(
     report stays whole then. With `vtu` the mode shapes are written too; `full` adds all appendices to the report.
     """
     findings = solved(file, case=case, memory=memory, progress=progress)
-    write(
-        findings,
-        folder_of(file, out, findings.study.case),
-        also=outputs(pdf=pdf, vtu=vtu),
-        is_full=full,
-    )
+    folder = folder_of(file, out, findings.study.case)
+    write(findings, folder, also=outputs(pdf=pdf, vtu=vtu), is_full=full)
     return findings
 
 
@@ -91,26 +92,28 @@ def solved(
 
 
 def one_case(study: Study, case: str | None) -> Study:
-    """The study without its cases, or one of them; raises InputError where none goes by that name."""
+    """Return the study without its cases, or one of them; raise InputError where none goes by that name."""
     if case is None or (case == NORMAL and study.cases):
         return replace(study, cases={})
     if case in study.cases:
         return study.cases[case]
-    near = nearest(case, study.cases)
-    known = f"did you mean '{near}'?" if near else f"there is {', '.join((NORMAL, *study.cases))}"
-    hint = known if study.cases else "a file states them under `cases: {...}`"
+    hint = "a file states them under `cases: {...}`"
+    if study.cases:
+        near = nearest(case, study.cases)
+        names = ", ".join((NORMAL, *study.cases))
+        hint = f"did you mean '{near}'?" if near else f"there is {names}"
     fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
     raise located(InputError([fault]), study)
 
 
-def _beside(
-    study: Study, left_out: tuple[tuple[str, str], ...], command: str
-) -> tuple[tuple[str, str], ...]:
-    """What was left out, with the cases of a study of which one alone was taken."""
-    if not study.cases:
-        return left_out
-    words = f"`torsion {command}` computes one case: the nominal case, or the one of --case; `torsion solve` solves all"
-    return (*left_out, (f"the cases {', '.join(study.cases)}", words))
+def _omit(
+    findings: Findings, scene: Study, omitted: tuple[tuple[str, str], ...], command: str
+) -> Findings:
+    """Return the findings with what the command omitted, among it the cases of a scene of which it took one."""
+    if scene.cases:
+        words = f"`torsion {command}` computes one case: the nominal case, or the one of --case; `torsion solve` solves all"
+        omitted = (*omitted, (f"the cases {', '.join(scene.cases)}", words))
+    return replace(findings, plan=replace(findings.plan, left_out=omitted))
 
 
 def outputs(**requested: bool) -> tuple[str, ...]:
@@ -155,27 +158,27 @@ def report(
     from torsion.output.stored_report import file_at, opened
     from torsion.output.write import redraw
 
-    place = Path(results)
+    source = Path(results)
     made, folder = (
-        opened(place),
-        Path(out) if out is not None else place if place.is_dir() else place.parent,
+        opened(source),
+        Path(out) if out is not None else source if source.is_dir() else source.parent,
     )
     with _writing(None, "the report", folder, OTHER_FOLDER):
-        redraw(made, folder, also=also, results=file_at(place))
+        redraw(made, folder, also=also, results=file_at(source))
     return made, folder
 
 
 @contextmanager
-def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> Iterator[None]:
+def _writing(study: Study | None, what: str, target: Path, remedy: str = "") -> Iterator[None]:
     """Raise InputError where something cannot be written to its place, or that is a file of the scene itself; locate
     other faults in the file."""
     from torsion.output.write import inputs, refuse_inputs
 
     try:
-        refuse_inputs([place], [] if study is None else inputs(study))
+        refuse_inputs([target], [] if study is None else inputs(study))
         yield
     except OSError as error:
-        message = f"{what} cannot be written to {place}: {error.strerror or error}"
+        message = f"{what} cannot be written to {target}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
         raise error if study is None else located(error, study) from None
@@ -208,20 +211,15 @@ def joint(
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
-    findings = run(
-        replace(study, analyses={"joints": settings}, rules=rules),
-        only=("joints",),
-        progress=progress,
+    joints_only = replace(study, analyses={"joints": settings}, rules=rules)
+    findings = run(joints_only, only=("joints",), progress=progress)
+    omitted = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
+    unjudged = tuple(
+        (f"{JOINT_RULES[0]}: bending of {tube.name}", ON_SUPPORTS)
+        for tube in (tubes(study.train) if rules else ())
+        if tube.has_support and not tube.lacks
     )
-    mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
-    supported = (
-        [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks]
-        if rules
-        else []
-    )
-    unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
-    left_out = _beside(scene, (REST, *mine, *unjudged), "joint")
-    return replace(findings, plan=replace(findings.plan, left_out=left_out))
+    return _omit(findings, scene, (REST, *omitted, *unjudged), "joint")
 
 
 def check(file: str | Path, *, case: str | None = None, progress: Progress = silent) -> Findings:
@@ -232,12 +230,8 @@ def check(file: str | Path, *, case: str | None = None, progress: Progress = sil
     scene = read(file)
     study = one_case(scene, case)
     findings = run(replace(study, rules=()), only=("check",), progress=progress)
-    rest = (
-        "everything else",
-        "`torsion check` only compares the models; `torsion solve` does the rest",
-    )
-    left_out = _beside(scene, (*findings.plan.left_out, rest), "check")
-    return replace(findings, study=study, plan=replace(findings.plan, left_out=left_out))
+    omitted = (*findings.plan.left_out, REST_OF_CHECK)
+    return _omit(replace(findings, study=study), scene, omitted, "check")
 
 
 def study(
@@ -254,8 +248,6 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.analyses.discretisation import assembled, highest_excited, no_response
-    from torsion.rules import needed
 
     goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
     scene = one_case(read(file), case)
@@ -271,12 +263,8 @@ def study(
             progress=progress,
         )
         if not timings.quantities:
-            fault = Fault(
-                ("train",),
-                " ".join(timings.remarks),
-                "a shaft with density, or an excitation and speeds",
-            )
-            raise InputError([fault])
+            hint = "a shaft with density, or an excitation and speeds"
+            raise InputError([Fault(("train",), " ".join(timings.remarks), hint)])
     except InputError as error:
         raise located(error, scene) from None
     return Findings(scene, {"system": system}, Plan((), (), {})), timings
@@ -293,7 +281,7 @@ def _tolerance(given: str | float) -> float:
             return value
     except UnitFault as fault:
         message = f"the tolerance: {fault.message} (write 0.1 % or 1e-3)"
-    raise InputError([Fault((), message)], message)
+    raise refusal(message)
 
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
@@ -321,15 +309,8 @@ def write_matrices(findings: Findings, file: Path) -> str:
         if following and not speed:
             name = system.stations[following[0].station].name
             message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"
-            raise InputError(
-                [
-                    Fault(
-                        ("operation",),
-                        message,
-                        "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`",
-                    )
-                ]
-            )
+            hint = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
+            raise InputError([Fault(("operation",), message, hint)])
         grid = np.array([speed or 0.0])
         steady = steady_if_known(study, system, grid) if speed else None
         view = matrices(system, ground_damping=ground_damping(system, grid, steady)[:, 0])
@@ -358,12 +339,9 @@ def plan(file: str | Path, *, case: str | None = None) -> Planned:
     Raises InputError as `solve` does.
     """
     study = read(file)
-    found = _planned(one_case(study, case))
-    return (
-        found
-        if case is not None
-        else replace(found, cases={key: _planned(one) for key, one in study.cases.items()})
-    )
+    planned = _planned(one_case(study, case))
+    cases = study.cases if case is None else {}
+    return replace(planned, cases={name: _planned(variant) for name, variant in cases.items()})
 
 
 def _planned(study: Study) -> Planned:
@@ -380,14 +358,8 @@ def _planned(study: Study) -> Planned:
         if lacking.get(name):
             left_out.append((title, lacking[name]))
         elif name in sizes or is_named:
-            why = (
-                "the file names it"
-                if is_named
-                else "a rule of the file reads it"
-                if name in ruled
-                else "the default"
-            )
-            steps.append((title, sizes.get(name, ""), why))
+            why = "a rule of the file reads it" if name in ruled else "the default"
+            steps.append((title, sizes.get(name, ""), "the file names it" if is_named else why))
     if study.rules:
         steps.append(("rules", ", ".join(name for name, _ in study.rules), "the file names them"))
     return Planned(tuple(steps), (*left_out, *not_judged(study)))
@@ -418,12 +390,11 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         from torsion.analyses.motion.acting_torques import acting_torques, expected_steps
         from torsion.analyses.motion.transient_settings import cases
 
-        sizes["transient"] = " ".join(
-            f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(
-                ": "
-            )
-            for one, _ in cases(study)
+        motions = (
+            f"{motion.name}: {acting_torques(study, motion).words}{expected_steps(study, system, motion)}"
+            for motion, _ in cases(study)
         )
+        sizes["transient"] = " ".join(words.removeprefix(": ") for words in motions)
     if speeds is not None:
         sizes["response"] = (
             f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
@@ -433,19 +404,16 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
 
 def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
     """Why a step would be left out, by the names of analyses; empty words where it would not."""
-    modes = "" if has_inertia(system) else "no component has an inertia"
-    modes = modes or (
-        "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
-    )
+    modes = "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
+    if not has_inertia(system):
+        modes = "no component has an inertia"
     ordered_lines = any(line.order is not None for line in lines(system))
     return {
         "modes": modes,
         "damped": modes or ("" if system.damps else "nothing damps"),
         "critical": modes or ("" if ordered_lines else "no order excites"),
         "response": no_response(study, system, ruled),
-        "steady": ""
-        if study.has_mean_torque
-        else "neither the power of the loads nor a rated power is given",
+        "steady": "" if study.has_mean_torque else NO_POWER,
     }
 
 
@@ -459,11 +427,11 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
     from torsion.output.figures.figure import Figure
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
-    place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
-    drawn, joining = plant.sketch(findings)
-    figure = Figure(
-        "plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,)
-    )
-    with _writing(findings.study, "the sketch", place):
-        place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
-    return place
+    target = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
+    caption = "Train, numbered from its driving end (not to scale)"
+    figure = Figure("plant", caption, (plant.sketch(findings),))
+    with _writing(findings.study, "the sketch", target):
+        target.write_text(
+            f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8"
+        )
+    return target

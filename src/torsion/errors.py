@@ -35,8 +35,8 @@ class Fault:
     def sentence(self) -> str:
         """The fault in words, without the file."""
         where = ".".join(map(str, self.path)) or "input"
-        other = f" by {'.'.join(map(str, self.other))}" if self.other else ""
-        return f"{where}: {self.message}{other}" + (f" ({self.hint})" if self.hint else "")
+        origin = f" by {'.'.join(map(str, self.other))}" if self.other else ""
+        return f"{where}: {self.message}{origin}" + (f" ({self.hint})" if self.hint else "")
 
 
 class TorsionError(Exception):
@@ -74,11 +74,11 @@ def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | 
 
     A word that is a part of one candidate alone stands for it.
     """
-    known = {_plain(candidate): candidate for candidate in candidates}
-    close = difflib.get_close_matches(_plain(word), known, 1, cutoff)
-    holding = [candidate for candidate in known if _plain(word) in candidate.split("_")]
+    by_plain = {_plain(candidate): candidate for candidate in candidates}
+    close = difflib.get_close_matches(_plain(word), by_plain, 1, cutoff)
+    holding = [candidate for candidate in by_plain if _plain(word) in candidate.split("_")]
     close = close or (holding if len(holding) == 1 else [])
-    return known[close[0]] if close else None
+    return by_plain[close[0]] if close else None
 
 
 def _plain(word: str) -> str:

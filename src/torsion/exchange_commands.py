@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from torsion.command_endings import refusals, stop
+from torsion.command_endings import refusals, stop, write_new
 from torsion.errors import BAD_INPUT
 from torsion.lasting_output import say
 
@@ -62,13 +62,7 @@ def import_(
     if out is None:
         typer.echo(text, nl=False)
         return
-    try:
-        with out.open("x", encoding="utf-8") as target:
-            target.write(text)
-    except FileExistsError:
-        stop(f"{out} exists already and is not changed (give another name)", BAD_INPUT)
-    except OSError as error:
-        stop(f"{out} cannot be written: {error.strerror}", BAD_INPUT)
+    write_new(out, text)
     say(f"{out} written; add `operation` and `rules`, then: torsion solve {out}")
 
 

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any, Self
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -29,15 +30,50 @@ from torsion.errors import printable
 from torsion.usual_ranges import LARGEST, SMALLEST, USUAL, UsualRange
 
 
+@dataclass(frozen=True)
+class Exclusive:
+    """Keys that exclude each other, with what to do instead; `first`: only the first key excludes the others."""
+
+    keys: tuple[str, ...]
+    hint: str
+    first: bool = False
+    needed: bool = False  # one of them must be given
+
+    def check(self, declaration: "Declared") -> None:
+        """Raise the fault of two keys that are given together, or of a needed one that is missing."""
+        keys = declaration.keys_given(*self.keys)
+        if self.needed and not keys:
+            raise refuse(f"{' or '.join(f'`{key}`' for key in self.keys)} is missing", self.hint)
+        if len(keys) > 1 and (keys[0] == self.keys[0] or not self.first):
+            raise refuse(f"`{keys[0]}` and `{keys[1]}` exclude each other", self.hint, keys[1])
+
+
+def exclusive(*keys: str, hint: str = "keep one of them", needed: bool = False) -> Exclusive:
+    """Keys of which at most one may be given, or exactly one if it is `needed`."""
+    return Exclusive(keys, hint, needed=needed)
+
+
+def excludes(key: str, *others: str, hint: str = "keep one of them") -> Exclusive:
+    """A key that excludes each of the others."""
+    return Exclusive((key, *others), hint, first=True)
+
+
 class Declared(BaseModel):
     """Base of everything that is read from a file: frozen, and no key is accepted that was not declared."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    clashes: ClassVar[tuple[Exclusive, ...]] = ()
 
     @model_validator(mode="after")
     def _as_a_whole(self) -> Self:
+        for clash in self.clashes:
+            clash.check(self)
         self.refuse_clashes()
         return self
+
+    def keys_given(self, *keys: str) -> list[str]:
+        """Return those of these keys that have a value, in their order."""
+        return [key for key in keys if getattr(self, key) not in (None, ())]
 
     def refuse_clashes(self) -> None:
         """Refuse values that do not go together, each of which is possible by itself."""
@@ -163,20 +199,20 @@ class Quantity:
     @property
     def limits(self) -> list[tuple[str, float, Callable[[float, float], bool]]]:
         """Every limit with the words for it and what must hold of a value and it."""
-        known = (
+        limits = (
             ("more than", self.above, operator.gt),
             ("at least", self.at_least, operator.ge),
             ("less than", self.below, operator.lt),
             ("at most", self.at_most, operator.le),
         )
-        return [(words, limit, holds) for words, limit, holds in known if limit is not None]
+        return [(words, limit, holds) for words, limit, holds in limits if limit is not None]
 
     def _slip(self, number: float, size: float) -> str:
         """The number as it is written with the first unit that makes it usual, as a question; else what it may be."""
         if unit := self.range.likely(number / size, self.unit):
             return f"{_with_unit(number / size, unit)}?"
-        other = self.range.other_quantity(number)
-        return f"{other}?" if other else ""
+        quantity = self.range.other_quantity(number)
+        return f"{quantity}?" if quantity else ""
 
     def usual_words(self, unit: str = "", size: float = 1.0) -> str:
         """The usual range in words, in a unit of that size."""
@@ -219,14 +255,10 @@ _DECIMAL = r"[0-9]{1,20}(?:\.[0-9]{1,20})?"
 
 def _quotient(value: object) -> str:
     """What to write for a quotient with decimals or a colon: 100/577 for '1/5.77', 5.77 for '5.77:1'; else empty."""
-    found = (
-        re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", value)
-        if isinstance(value, str)
-        else None
-    )
-    if found is None or not Fraction(found[1]) or not Fraction(found[3]):
+    quotient = re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", str(value))
+    if quotient is None or not Fraction(quotient[1]) or not Fraction(quotient[3]):
         return ""
-    above, sign, below = found.groups()
+    above, sign, below = quotient.groups()
     if sign == ":":
         return f"write {above if Fraction(below) == 1 else Fraction(above) / Fraction(below)}"
     return f"a quotient has whole numbers: write {Fraction(above) / Fraction(below)}"
@@ -281,9 +313,56 @@ def _read_by(read: Callable[[Any], Any]) -> GetPydanticSchema:
     return GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(read))
 
 
-OneOrMany = BeforeValidator(
-    lambda value: value if isinstance(value, list | tuple) else (value,)
-)  # one: a list of it
+Value = TypeVar("Value")
+# A single value stands for a list of it.
+OneOrMany = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,))
+
+
+def or_value(kind: type[Declared], key: str, plain: Any = float | str) -> BeforeValidator:
+    """Take a value of the type `plain` for the mapping that has it under `key`."""
+    return BeforeValidator(
+        lambda value: value if isinstance(value, dict | kind) else {key: value}, plain | kind
+    )
+
+
+def read_item(collection: Any, step: str | int, read: Callable[[Any], Value]) -> Value:
+    """Read one item of a list or mapping; a fault is located at the item."""
+    try:
+        return read(collection[step])
+    except PydanticCustomError as error:
+        context = error.context or {}
+        message, hint = str(context.get("message", error)), str(context.get("hint", ""))
+        raise refuse(message, hint, (step, *(context.get("key") or ()))) from None
+
+
+Rows = tuple[tuple[float, float], ...]
+WrittenRows = tuple[tuple[float | str, float | str], ...]
+
+
+def read_rows(value: Any, quantities: tuple[Quantity, Quantity], over: str, hint: str) -> Rows:
+    """Read a table of two columns in SI, the first rising; raises the located fault that the user sees."""
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(row, list | tuple) and len(row) == 2 for row in value
+    ):
+        raise refuse(f"this is not a table over {over}", hint)
+
+    def read_row(row: Any) -> tuple[float, float]:
+        first, second = (read_item(row, k, quantity.read) for k, quantity in enumerate(quantities))
+        return first, second
+
+    rows = tuple(read_item(value, number, read_row) for number in range(len(value)))
+    if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
+        raise refuse(f"a table over {over} needs two rows or more, rising", hint)
+    return rows
+
+
+def table_over(over: str, first: Quantity, second: Quantity, hint: str) -> BeforeValidator:
+    """Read rows of two quantities, for a key that has such a table."""
+    return BeforeValidator(
+        lambda value: read_rows(value, (first, second), over, hint),
+        json_schema_input_type=tuple[tuple[Annotated[float, first], Annotated[float, second]], ...],
+    )
+
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
 Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]

@@ -31,7 +31,7 @@ Progress = Callable[[str, float], None]  # (what, share done 0..1)
 
 
 def silent(what: str, share: float) -> None:
-    """No progress is shown."""
+    """Show no progress; the default of every `progress`."""
 
 
 @reported
@@ -101,7 +101,7 @@ class Plan:
 
     @derived("", (), "what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
-        """Every pair as a result."""
+        """Every omitted step as a declared result."""
         return tuple(LeftOut(what, why) for what, why in self.left_out)
 
 
@@ -134,7 +134,7 @@ class Log:
         self.lines.append(PlanLine(what, step.method, step.size, seconds, why))
 
     def without(self, what: str, why: str) -> None:
-        """Note what was left out."""
+        """Note a step that was omitted, and the reason."""
         self.left_out.append((what, why))
 
     def plan(self) -> Plan:
@@ -156,14 +156,14 @@ class Results:
 
     def get(self, kind: type[Result]) -> Result | None:
         """The result of that class; None where it was not found."""
-        return next((found for found in self.results.values() if isinstance(found, kind)), None)
+        return next((value for value in self.results.values() if isinstance(value, kind)), None)
 
     def need(self, kind: type[Result]) -> Result:
         """The result of that class; raises LookupError where it was not found."""
-        found = self.get(kind)
-        if found is None:
+        result = self.get(kind)
+        if result is None:
             raise LookupError(f"{kind.__name__} was not computed")
-        return found
+        return result
 
     def having(self, **found: Any) -> Self:
         """The same with other results under those names."""
@@ -172,8 +172,8 @@ class Results:
     @property
     def system(self) -> "System":
         """The train as assembled, in the discretisation that the results are of."""
-        found: System = self.results["system"]
-        return found
+        system: System = self.results["system"]
+        return system
 
 
 @dataclass(frozen=True, repr=False)
@@ -238,31 +238,31 @@ class Findings(Displayed, Results):
     @property
     def failed(self) -> bool:
         """A limit, of a rule or of the comparison of the models, is not kept."""
-        return any(getattr(found, "fails", False) for found in self.results.values())
+        return any(getattr(result, "fails", False) for result in self.results.values())
 
     @property
     def is_partial(self) -> bool:
         """A rule was not judged over all that it demands."""
-        return any(getattr(found, "is_partial", False) for found in self.results.values())
+        return any(getattr(result, "is_partial", False) for result in self.results.values())
 
     @property
     def exit_status(self) -> int:
         """What a command ends with that printed them: of several cases the worst that is judged."""
-        judged = [one for one in self.each.values() if one.is_judged or not self.cases]
-        unanswered = [what for one in judged for what in one.plan.unanswered]
-        if any(one.is_input for one in unanswered):
+        judged = [case for case in self.each.values() if case.is_judged or not self.cases]
+        unanswered = [what for case in judged for what in case.plan.unanswered]
+        if any(answer.is_input for answer in unanswered):
             return BAD_INPUT
-        if any(one.is_named for one in unanswered):
+        if any(answer.is_named for answer in unanswered):
             return REFUSED
-        return FAILED_CHECK if any(one.failed or one.is_partial for one in judged) else SOLVED
+        return FAILED_CHECK if any(case.failed or case.is_partial for case in judged) else SOLVED
 
     @property
     def without_answer(self) -> tuple[str, ...]:
         """Every analysis without an answer, and the case that it is of, with its cause, as the commands say it."""
         return tuple(
-            f"no answer: {one.what}{f' of case {name}' if self.cases and one.analysis else ''}\n{one.text}"
-            for name, found in self.each.items()
-            for one in found.plan.unanswered
+            f"no answer: {answer.what}{f' of case {name}' if self.cases and answer.analysis else ''}\n{answer.text}"
+            for name, case in self.each.items()
+            for answer in case.plan.unanswered
         )
 
     @property
@@ -278,8 +278,8 @@ class Findings(Displayed, Results):
     @property
     def each(self) -> "dict[str, Findings]":
         """These findings and those of every case, by name; a study that has no case is `normal`."""
-        own = self.study.case.name if self.study.case is not None else NORMAL
-        return {own: self, **self.cases}
+        name = self.study.case.name if self.study.case is not None else NORMAL
+        return {name: self, **self.cases}
 
 
 @dataclass(frozen=True)
@@ -302,5 +302,5 @@ class Work(Results):
         return given if isinstance(given, kind) else kind()
 
     def put(self, **found: Any) -> None:
-        """Keep results under their names."""
+        """Add results under the names that every output uses."""
         self.results.update(found)

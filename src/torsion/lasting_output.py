@@ -19,7 +19,7 @@ class Output(io.FileIO):
     lost: OSError | None = None  # the first reason for which something was not written
 
     def write(self, data: Any, /) -> int:
-        """Bytes written, or given up."""
+        """Write the bytes, or drop them after the first failure; return their number."""
         if self.lost is None:
             try:
                 return super().write(data)

@@ -83,8 +83,8 @@ def _may_copy() -> bool:
     )
 
 
-def _call(place: int) -> Any:
+def _call(position: int) -> Any:
     if _task is None:
         raise LookupError("the process was begun without a task")
     function, items = _task
-    return function(items[place])
+    return function(items[position])

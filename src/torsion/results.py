@@ -229,10 +229,10 @@ def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) ->
     >>> listed("abc"), listed((f"c{k}" for k in range(1, 9_985)), most=3)
     ('a, b, c', 'c1, c2, c3 and 9,981 more')
     """
-    found = list(names)
-    if len(found) <= most + 1:
-        return between.join(found)
-    return f"{between.join(found[:most])} and {len(found) - most:,} more"
+    shown_names = list(names)
+    if len(shown_names) <= most + 1:
+        return between.join(shown_names)
+    return f"{between.join(shown_names[:most])} and {len(shown_names) - most:,} more"
 
 
 def quantities(kind: type) -> tuple[Quantity, ...]:
@@ -265,7 +265,7 @@ def is_declared(value: object) -> bool:
 def parts(kind: type, quantity: Quantity) -> type | None:
     """The class of the results that a quantity consists of; None where it consists of plain values."""
     inner = _inner(_hint(kind, quantity.name))
-    return next((one for one in inner if isinstance(one, type) and is_declared(one)), None)
+    return next((part for part in inner if isinstance(part, type) and is_declared(part)), None)
 
 
 def is_list(kind: type, quantity: Quantity) -> bool:

@@ -67,147 +67,129 @@ def run(
 
         study = replace(study, train=with_steps(study.train))
     if not study.cases:
-        return _misfires(study, only, progress, answered)
+        return _solve_misfires(study, only, progress, answered)
     total = 1 + len(study.cases)
-    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)), answered)
+    part = _share(progress, f"case {NORMAL}", 0, total)
+    findings = _solve_misfires(study, only, part, answered)
     cases = {}
-    for place, (name, case) in enumerate(study.cases.items(), start=1):
-        part = _part_of(progress, f"case {name}", (place, total))
+    for position, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _share(progress, f"case {name}", position, total)
         part("", 0.0)
-        others = {
-            key: one for key, one in case.variations.items() if key != "design"
-        }  # which is over all cases
+        # A design is over all cases together.
+        varied = {key: value for key, value in case.variations.items() if key != "design"}
+        varied_case = replace(case, memory=study.memory, variations=varied)
         try:
-            cases[name] = _misfires(
-                replace(case, memory=study.memory, variations=others), only, part, answered
-            )
+            cases[name] = _solve_misfires(varied_case, only, part, answered)
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
-    return replace(found, cases=cases)
+    return replace(findings, cases=cases)
 
 
-def _misfires(
+def _solve_misfires(
     study: Study, only: Collection[str], progress: Progress, answered: Callable[..., Any] | None
 ) -> Findings:
-    """The findings of a study, without its cases.
+    """Return the findings of a study, without its cases.
 
-    Where every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
+    If every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
     all with the barred ranges of all, no analysis without an answer is dropped, and all else is of the cylinder with
     the worst of these.
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
-        return _one(study, only, progress, answered)
+        return _solve_one(study, only, progress, answered)
     from torsion.model.engine.misfire_cases import misfire_cases
 
-    each = list(misfire_cases(study.train.parts, study.train.torques))
-    return _worst(
-        {
-            words: _one(
-                replace(study, train=replace(study.train, parts=parts, torques=torques)),
-                only,
-                _part_of(progress, words, (place, len(each))),
-                answered,
-            )
-            for place, (words, parts, torques) in enumerate(each)
-        }
-    )
+    misfires = list(misfire_cases(study.train.parts, study.train.torques))
+    cases = {}
+    for position, (name, parts, torques) in enumerate(misfires):
+        case = replace(study, train=replace(study.train, parts=parts, torques=torques))
+        part = _share(progress, name, position, len(misfires))
+        cases[name] = _solve_one(case, only, part, answered)
+    return _select_worst(cases)
 
 
-def _worst(cases: Mapping[str, Findings]) -> Findings:
-    """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines = worst_checks({words: found.need(Checks).lines for words, found in cases.items()})
-    named = [
+def _select_worst(cases: Mapping[str, Findings]) -> Findings:
+    """Return the findings of the case with the worst check, with the worst check of all cases, each named."""
+    lines = worst_checks({name: case.need(Checks).lines for name, case in cases.items()})
+    checks = tuple(
         replace(
             check,
-            misfire=words,
-            note="; ".join(filter(None, (words, check.note))),
-            barred=_united(check.barred),
+            misfire=name,
+            note="; ".join(filter(None, (name, check.note))),
+            barred=merge_barred_ranges(check.barred),
         )
-        for words, check in lines.values()
-    ]
+        for name, check in lines.values()
+    )
     worst = max(lines.values(), key=lambda line: rank(line[1]))[0] if lines else next(iter(cases))
-    found = cases[worst]
-    unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
-    left_out = dict.fromkeys(
-        (*found.plan.left_out, *((one.what, one.words) for one in unanswered.values()))
+    findings = cases[worst]
+    unanswered = {
+        answer.analysis: answer for case in cases.values() for answer in case.plan.unanswered
+    }
+    omitted = ((answer.what, answer.words) for answer in unanswered.values())
+    plan = replace(
+        findings.plan,
+        unanswered=tuple(unanswered.values()),
+        left_out=tuple(dict.fromkeys((*findings.plan.left_out, *omitted))),
     )
-    plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
-    whole = replace(found, plan=plan).having(checks=Checks(tuple(named)))
-    first = next(iter(cases.values())).results.get("engines")  # that which has the misfires
-    if first is None:
-        return whole
-    pairs = zip(found.results["engines"].each, first.each, strict=True)
-    return whole.having(
-        engines=replace(
-            first, each=tuple(replace(own, superposed=one.superposed) for own, one in pairs)
-        )
-    )
+    united = replace(findings, plan=plan).having(checks=Checks(checks))
+    superposing = next(iter(cases.values())).results.get("engines")  # the case with the misfires
+    if superposing is None:
+        return united
+    pairs = zip(findings.results["engines"].each, superposing.each, strict=True)
+    engines = tuple(replace(engine, superposed=first.superposed) for engine, first in pairs)
+    return united.having(engines=replace(superposing, each=engines))
 
 
-def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
-    """Barred ranges of a shaft, those of one order that overlap as one, from the lowest to the highest speed."""
-    found: list[BarredRange] = []
-    for band in sorted(bands, key=lambda one: (one.shaft, one.order or 0, one.lower)):
-        last = found[-1] if found else None
+def merge_barred_ranges(ranges: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
+    """Merge overlapping barred ranges of the same shaft and order; sorted by shaft, order and speed."""
+    merged: list[BarredRange] = []
+    for barred in sorted(
+        ranges, key=lambda barred: (barred.shaft, barred.order or 0, barred.lower)
+    ):
+        previous = merged[-1] if merged else None
         if (
-            last is None
-            or (last.shaft, last.order) != (band.shaft, band.order)
-            or band.lower > last.upper
+            previous is None
+            or (previous.shaft, previous.order) != (barred.shaft, barred.order)
+            or barred.lower > previous.upper
         ):
-            found.append(band)
+            merged.append(barred)
             continue
-        ends = [min(last.lower, band.lower), max(last.upper, band.upper)]
-        formula = [
-            min(last.formula_lower, band.formula_lower),
-            max(last.formula_upper, band.formula_upper),
-        ]
-        found[-1] = replace(
-            last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1]
+
+        # The misfire of each cylinder bars its own range; the tachometer is marked once, from end to end.
+        merged[-1] = replace(
+            previous,
+            lower=min(previous.lower, barred.lower),
+            upper=max(previous.upper, barred.upper),
+            formula_lower=min(previous.formula_lower, barred.formula_lower),
+            formula_upper=max(previous.formula_upper, barred.formula_upper),
         )
-    return tuple(found)
+    return tuple(merged)
 
 
-def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
-    """The progress of one of several runs as a share of that of all."""
-    at, total = place
-    return lambda what, share: progress(f"{name}{': ' if what else ''}{what}", (at + share) / total)
+def _share(progress: Progress, name: str, position: int, total: int) -> Progress:
+    """Return the progress of one of `total` runs as a share of the progress of all."""
+    return lambda what, share: progress(
+        f"{name}{': ' if what else ''}{what}", (position + share) / total
+    )
 
 
 def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
-    """The findings of a case that has none, whose plan says why."""
+    """Return the findings of a case that has none, whose plan says why."""
     name = case.case.name if case.case is not None else ""
-    if isinstance(error, InputError):
-        why = "; ".join(_message(fault, case) for fault in error.faults)
-        remedy, text = "; ".join(fault.hint for fault in error.faults if fault.hint), str(error)
-    else:
-        why, remedy, text = error.message, error.hint, error.located or str(error)
-    one = Unanswered(
-        "", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text
-    )
-    return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
+    unanswered = _explain("", f"case '{name}'", case, error, is_named=True)
+    left_out = ((unanswered.what, unanswered.words),)
+    return Findings(case, {}, Plan((), left_out, {}, (unanswered,)))
 
 
-def _message(fault: Fault, study: Study) -> str:
-    """The message of a fault, without the case that it is of."""
-    return (
-        fault.message.removeprefix(f"case '{study.case.name}': ")
-        if study.case is not None
-        else fault.message
-    )
-
-
-def _one(
+def _solve_one(
     study: Study,
     only: Collection[str],
     progress: Progress,
     answered: Callable[..., Any] | None = None,
 ) -> Findings:
-    """The findings of a study with its cylinders as they are, without its cases."""
-    names = _with_needs(only) if only else list(ANALYSES)
-    judged = replace(
-        study,
-        rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)),
-    )
+    """Return the findings of a study with its cylinders as they are, without its cases."""
+    names = _with_dependencies(only) if only else list(ANALYSES)
+    judged_rules = (rule for rule in study.rules if set(rules.rule(rule[0]).needs) <= set(names))
+    judged = replace(study, rules=tuple(judged_rules))
     work = Work(
         judged,
         {},
@@ -220,34 +202,39 @@ def _one(
     for name, _ in study.rules:
         if name not in dict(judged.rules):
             work.log.without(f"the rule {name}", "what it reads is not requested")
-    errors = []
     try:
         with collected() as citations:
-            for name in ordered({key: ANALYSES[key] for key in names}):
-                analysis = ANALYSES[name]
-                if name in study.analyses or name in only or analysis.wanted(study):
-                    try:
-                        analysis.function()(work)
-                    except (InputError, SolveError) as error:
-                        if name in work.ruled or name in ESSENTIAL:
-                            raise
-                        errors.append(error)
-                        work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
-                        work.log.without(one.what, one.words)
-            if errors and not any(work.results.get(key) is not None for key in ANSWERS):
-                raise errors[0]
+            _run_analyses(work, study, only, names)
             _judge(work)
     except InputError as error:
         raise located(error, study) from None
     except SolveError as error:
         if error.path and study.text:
-            error.located = str(
-                located(InputError([Fault(error.path, error.message, error.hint)]), study)
-            )
+            fault = Fault(error.path, error.message, error.hint)
+            error.located = str(located(InputError([fault]), study))
         raise
     plan = replace(work.log.plan(), sources=used_sources(study, citations, work.need(Checks)))
-    found = Findings(study, work.results, plan)
-    return _with_demanded_speeds(found, judged, progress)
+    return _add_demanded_speeds(Findings(study, work.results, plan), judged, progress)
+
+
+def _run_analyses(work: Work, study: Study, only: Collection[str], names: Collection[str]) -> None:
+    """Run the analyses that are requested or needed; an error is raised if a rule reads it or nothing else answers."""
+    errors = []
+    for name in ordered({key: ANALYSES[key] for key in names}):
+        analysis = ANALYSES[name]
+        if not (name in study.analyses or name in only or analysis.wanted(study)):
+            continue
+        try:
+            analysis.function()(work)
+        except (InputError, SolveError) as error:
+            if name in work.ruled or name in ESSENTIAL:
+                raise
+            errors.append(error)
+            unanswered = _unanswered(study, name, analysis, error)
+            work.log.unanswered.append(unanswered)
+            work.log.without(unanswered.what, unanswered.words)
+    if errors and not any(work.results.get(key) is not None for key in ANSWERS):
+        raise errors[0]
 
 
 def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[UsedSource, ...]:
@@ -273,40 +260,41 @@ def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[Us
     return (*literature, *editions)
 
 
-def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> Findings:
-    """The findings with the worst of each check up to the speeds that its rule demands above those of the operation.
+def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -> Findings:
+    """Return the findings with the worst of each check up to the speeds that its rule demands above the operation.
 
-    They are computed for the rules alone. Where they have no answer, the checks of those rules are not judged there.
+    They are computed for the rules only. If they have no answer, the checks of those rules are not judged there.
     """
     above = demanded_study(study)
     if above is None or above.operation.speeds is None:
-        return found
+        return findings
     end, names = in_rpm(above.operation.speeds.last), [name for name, _ in above.rules]
-    mine = [check for check in found.need(Checks).lines if check.rule in names]
+    demanding, unchanged = list[Check](), list[Check]()
+    for check in findings.need(Checks).lines:
+        (demanding if check.rule in names else unchanged).append(check)
+
     start = time.perf_counter()
     try:
         analyses = rules.needed(above) | _beside_response(above)
-        above = replace(
-            above, analyses={name: one for name, one in study.analyses.items() if name in analyses}
-        )
+        settings = {name: value for name, value in study.analyses.items() if name in analyses}
+        above = replace(above, analyses=settings)
         if faults := study_faults(above):
             raise InputError(faults)
-        further = _one(above, analyses, progress).need(Checks).lines
+        further = _solve_one(above, analyses, progress).need(Checks).lines
     except (InputError, SolveError) as error:
         why = error.faults[0].message if isinstance(error, InputError) else error.message
-        rows = {(check.rule, check.where): _not_computed(check, end, why) for check in mine}
+        rows = {(check.rule, check.where): _not_computed(check, end, why) for check in demanding}
         further = tuple(rows.values())
-    own = f"above `operation.speeds`, computed up to {end} for the rule"
-    worst = worst_checks(
-        {"": tuple(mine), own: tuple(check for check in further if check.rule in names)}
-    )
-    merged = tuple(
+
+    origin = f"above `operation.speeds`, computed up to {end} for the rule"
+    further_demanding = tuple(check for check in further if check.rule in names)
+    worst = worst_checks({"": tuple(demanding), origin: further_demanding})
+    merged = (
         replace(check, note="; ".join(filter(None, (words, check.note))))
         if words and not math.isnan(check.value)
         else check
         for words, check in worst.values()
     )
-    others = tuple(check for check in found.need(Checks).lines if check.rule not in names)
     line = PlanLine(
         f"speeds up to {end}",
         "the same model",
@@ -314,18 +302,15 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
         time.perf_counter() - start,
         f"{', '.join(names)}: demanded above `operation.speeds`",
     )
-    plan = replace(found.plan, done=(*found.plan.done, line))
-    return replace(found, plan=plan).having(checks=Checks(_in_order(study, (*others, *merged))))
-
-
-def _in_order(study: Study, checks: Iterable[Check]) -> tuple[Check, ...]:
-    """The checks in the order of the rules of the study, those of rules that need no name first."""
-    order = {name: place for place, (name, _) in enumerate(study.rules)}
-    return tuple(sorted(checks, key=lambda check: order.get(check.rule, -1)))
+    # The order of the rules of the study; checks of rules that need no name come first.
+    order = {name: position for position, (name, _) in enumerate(study.rules)}
+    checks = sorted((*unchanged, *merged), key=lambda check: order.get(check.rule, -1))
+    plan = replace(findings.plan, done=(*findings.plan.done, line))
+    return replace(findings, plan=plan).having(checks=Checks(tuple(checks)))
 
 
 def _beside_response(study: Study) -> frozenset[str]:
-    """Analyses that change the response, of those that a rule of vibration reads."""
+    """Return the analyses that change the response, among those that a rule of vibration reads."""
     names = ("engine", "coupling temperatures", "nonlinear peaks")
     return frozenset(
         name for name in names if name in study.analyses or ANALYSES[name].wanted(study)
@@ -333,7 +318,7 @@ def _beside_response(study: Study) -> frozenset[str]:
 
 
 def _not_computed(check: Check, end: str, why: str) -> Check:
-    """The row of the speeds that a rule demands and that have no answer."""
+    """Return the row of the speeds that a rule demands and that have no answer."""
     what = "Torsional stress amplitude above the computed speeds"
     row = unjudged(
         check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing
@@ -344,43 +329,62 @@ def _not_computed(check: Check, end: str, why: str) -> Check:
 def _unanswered(
     study: Study, name: str, analysis: Analysis, error: InputError | SolveError
 ) -> Unanswered:
-    """The error, located in the file where it says its place or the file names the analysis."""
-    place = analysis.place or ("analyses", name)
+    """Return the error of an analysis, located in the file if it says its place or the file names the analysis."""
+    path = analysis.place or ("analyses", name)
     by_default = name == "steady" or (not study.analyses and name in DEFAULT)
-    named = by_default or study.setting(*place) is not None
+    is_named = by_default or study.setting(*path) is not None
     if isinstance(error, InputError):
-        faults = list(error.faults)
+        known = error
     else:
-        faults = [
-            Fault(
-                error.path or (place if named and study.analyses else ()), error.message, error.hint
-            )
-        ]
-    known = (
-        located(InputError(faults), study)
-        if all(fault.path for fault in faults)
-        else InputError(faults, str(error))
+        place = error.path or (path if is_named and study.analyses else ())
+        known = InputError([Fault(place, error.message, error.hint)], str(error))
+    if all(fault.path for fault in known.faults):
+        known = located(InputError(known.faults), study)
+    is_input = isinstance(error, InputError)
+    return _explain(name, analysis.title, study, known, is_named=is_named, is_input=is_input)
+
+
+def _explain(
+    name: str,
+    title: str,
+    study: Study,
+    error: InputError | SolveError,
+    *,
+    is_named: bool,
+    is_input: bool | None = None,
+) -> Unanswered:
+    """Return cause, remedy and line of an error, without the names of the case and of the analysis it is of."""
+    if isinstance(error, InputError):
+        faults, text = error.faults, str(error)
+    else:
+        fault = Fault((), error.message, error.hint)
+        faults, text = (fault,), error.located or str(error)
+    case = f"case '{study.case.name}': " if study.case is not None else ""
+    messages = (
+        fault.message.removeprefix(case).removeprefix(f"{title}: " if name else "")
+        for fault in faults
     )
-    why = "; ".join(
-        _message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults
-    )
-    remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
-    line = next((fault.line for fault in known.faults if not fault.file), None)
     return Unanswered(
-        name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known)
+        name,
+        title,
+        "; ".join(messages),
+        "; ".join(fault.hint for fault in faults if fault.hint),
+        next((fault.line for fault in faults if not fault.file), None) if name else None,
+        is_named,
+        isinstance(error, InputError) if is_input is None else is_input,
+        text,
     )
 
 
-def _with_needs(only: Collection[str]) -> list[str]:
-    """The names, each behind those that it needs."""
-    found: dict[str, None] = {}
+def _with_dependencies(only: Collection[str]) -> list[str]:
+    """Return the names, each after the names of the analyses that it needs; raise InputError for an unknown name."""
+    names: dict[str, None] = {}
     for name in only:
         if name not in ANALYSES:
-            raise InputError(
-                [Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))]
-            )
-        found |= dict.fromkeys([*_with_needs(ANALYSES[name].needs), name])
-    return list(found)
+            fault = Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))
+            raise InputError([fault])
+        names |= dict.fromkeys([*_with_dependencies(ANALYSES[name].needs), name])
+    return list(names)
 
 
 def _judge(work: Work) -> None:
@@ -390,12 +394,17 @@ def _judge(work: Work) -> None:
         work.log.without("rules", "the file names none")
     else:
         with work.log.step("rules", "the file names them") as step:
-            found = rules.verdicts(work)
+            checks_found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
-            step.size = f"{len(found)} checks"
-        checks += (*found, *(with_basis(check, "") for check in unjudged_variants(work.study)))
+            step.size = f"{len(checks_found)} checks"
+        checks += (
+            *checks_found,
+            *(with_basis(check, "") for check in unjudged_variants(work.study)),
+        )
         for rule in rules.of_study(work.study):
-            clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
+            clauses = dict.fromkeys(
+                check.clause for check in checks_found if check.rule == rule.name
+            )
             verified = rule.settings.verified
             for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:

@@ -33,7 +33,7 @@ class Source:
 
     @property
     def bibtex(self) -> str:
-        """The entry of a bibliography."""
+        """The entry of a bibliography in BibTeX."""
         fields = {
             "author": self.authors.replace(", ", " and "),
             "year": self.year,
@@ -66,7 +66,6 @@ HairerWanner1996; Hairer, Wanner; 1996; Solving Ordinary Differential Equations 
 Harris1978; Harris; 1978; Proc. IEEE 66, 51; windows of order tracking
 ISO6336-1; ISO; -; 6336-1, Calculation of load capacity of gears; tooth forces
 Jansen1999; Jansen; 1999; Comput. Phys. Commun. 117, 35; total Sobol indices (M)
-Kato1949; Kato; 1949; J. Phys. Soc. Japan 4, 334; bounds of natural frequencies
 KerWilson; Ker Wilson; -; Practical Solution of Torsional Vibration Problems; stiffness of a throw (M)
 Kloss1916; Kloss; 1916; Archiv für Elektrotechnik 5, 59; torque of induction motors (M)
 Kruskal1956; Kruskal; 1956; Proc. Amer. Math. Soc. 7, 48; spanning tree of closed loops
@@ -75,7 +74,7 @@ Liu2023; Liu et al.; 2023; Ship Sci. Technol. 45 (2), 80; secondary couples
 Ma2011; Ma, Yu, Han; 2011; Int. J. Plant Eng. Manag. 16, 119; shafts with several cross joints
 Miner1945; Miner; 1945; J. Appl. Mech. 12, A159; damage sum (M)
 NishiharaAsami2002; Nishihara, Asami; 2002; J. Vib. Acoust. 124, 576; tuned damper (M)
-ParlettDhillon1997; Parlett, Dhillon; 1997; Linear Algebra Appl. 267, 247; modes of long chains
+ParlettDhillon1997; Parlett, Dhillon; 1997; Linear Algebra Appl. 267, 247; shapes of modes from one station
 Pilkey1997; Pilkey; 1997; Peterson's Stress Concentration Factors, Wiley; fillets and keyways (M)
 PragerSynge1947; Prager, Synge; 1947; Quart. Appl. Math. 5, 241; bounds of steps and hubs (M)
 Prandtl1903; Prandtl; 1903; Phys. Z. 4, 758; stress function of a section

@@ -2,9 +2,8 @@
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
 import numpy as np
@@ -224,7 +223,7 @@ class Case:
     @property
     def has_own_speeds(self) -> bool:
         """It changes the range of speeds: it is meant for no others."""
-        return any(one.what.startswith("operation.speeds") for one in self.changes)
+        return any(change.what.startswith("operation.speeds") for change in self.changes)
 
     @property
     def folder(self) -> str:
@@ -249,22 +248,6 @@ def case_folder(name: str) -> str:
     return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
 
 
-@dataclass(frozen=True)
-class Group:
-    """Variants of a file that differ in numbers alone."""
-
-    key: tuple[float, ...]  # of all variants of a variation those with the same are of one group
-    places: IntArray  # (variants,) which these are
-    made: "Callable[[], Variation]" = field(repr=False)
-    values: FloatArray  # (variants, numbers)
-    ends: FloatArray  # (2, numbers) the least and the greatest of each that any variant has
-
-    @cached_property
-    def variation(self) -> "Variation":
-        """Of the numbers; the `nominal` of each is that of a variant of the group, or of the file."""
-        return self.made()
-
-
 class Variation(Protocol):
     """Figures of a file that vary, and the studies of other values; made by the reader of files."""
 
@@ -284,8 +267,23 @@ class Variation(Protocol):
     def in_case(self, case: "Study") -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
 
-    def groups(self, values: FloatArray, apart: Collection[int] = ()) -> Iterator[Group]:
-        """Variants (variants, figures) in groups of numbers alone; `apart`: figures whose every value is a group."""
+    def in_columns(self, values: FloatArray) -> Train:
+        """The train whose numbers are columns, of variants (variants, figures); raises NotInColumns."""
+
+    def studies(self, train: Train) -> "Callable[[int], Study]":
+        """The function from the number of a variant of a train in columns to its study."""
+
+    @property
+    def base(self) -> "Study":
+        """The study whose figures vary."""
+
+    def fixed(self, values: Mapping[int, float]) -> "Variation":
+        """The variation of the other figures, in which these, by their places, have values."""
+
+    def by_rows(
+        self, values: FloatArray
+    ) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
+        """Variants (variants, figures) with the same rows of lists: places, rows for `fixed`, other values."""
 
     def behind(self, other: Any) -> "Variation":
         """Both as one: the figures of the other first, and these about what those put in the file."""
@@ -354,7 +352,8 @@ class Study(Displayed, StudyActions):
     def varies_tolerances(self) -> bool:
         """It, or a case of it, has the couplings at an end of their tolerances."""
         return any(
-            one.case is not None and one.case.is_corner for one in (self, *self.cases.values())
+            study.case is not None and study.case.is_corner
+            for study in (self, *self.cases.values())
         )
 
     @property
@@ -377,10 +376,10 @@ class Study(Displayed, StudyActions):
 
     def setting(self, *place: str) -> Any:
         """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
-        found: Any = self
+        value: Any = self
         for key in place:
-            found = found.get(key) if isinstance(found, Mapping) else getattr(found, key, None)
-        return found
+            value = value.get(key) if isinstance(value, Mapping) else getattr(value, key, None)
+        return value
 
     @property
     def excites(self) -> bool:
@@ -414,18 +413,18 @@ def mesh_faults(study: Study, what: str) -> list[Fault]:
 
 def bytes_of(memory: str | float) -> float:
     """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
-    found = (
+    match = (
         re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory)
         if isinstance(memory, str)
         else None
     )
-    if isinstance(memory, str) and found is None:
+    if isinstance(memory, str) and match is None:
         message = f"'{memory}' is not an amount of memory"
         raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
     value = (
         float(memory)
-        if found is None
-        else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
+        if match is None
+        else float(match[1]) * 1000.0 ** " kMGT".index(match[2][:-1] or " ")
     )
     if not 0.0 < value < math.inf:
         raise InputError(

@@ -15,7 +15,7 @@ class StudyActions:
         return resolve_name("torsion.analyses.discretisation:assembled")(self)
 
     def modes(self, count: int = 6) -> Any:
-        """Return the lowest elastic modes."""
+        """Return the lowest `count` elastic modes."""
         return resolve_name("torsion.analyses.undamped_modes:modes")(self.system, count)
 
     def response(self) -> Any:

@@ -360,7 +360,10 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
     """Lower a link between two points that are there already."""
     driving, driven = first.stations[0], second.stations[0]
     sense, begin = build.stations[driving].sense, len(build.primitives)
-    main, build.at = build.at, Arrival(driving, False, first.ratio, sense, first.referred_to)
+    main, build.arrival = (
+        build.arrival,
+        Arrival(driving, False, first.ratio, sense, first.referred_to),
+    )
     component.enter(build, path)
     made = build.parts[-1].stations[-1]
     for position, primitive in enumerate(build.primitives[begin:], begin):
@@ -370,7 +373,7 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
         build.primitives[position] = replace(primitive, **moved)
     del build.stations[made]
     build.record(stations=(driving, driven))
-    build.at = main
+    build.arrival = main
 
 
 def _names(build: Lowering) -> None:
@@ -415,11 +418,11 @@ def fixed_point_faults(train: Train) -> list[Fault]:
 def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[Fault]:
     """The fault of a fixed station, by the shortest rigid way to one before it."""
     way: dict[int, list[Spring | Constraint]] = {station: []}
-    for here in (met := [station]):
-        for other, span in near.get(here, []):
-            if other not in way:
-                way[other] = [*way[here], span]
-                met.append(other)
+    for reached in (met := [station]):
+        for neighbour, span in near.get(reached, []):
+            if neighbour not in way:
+                way[neighbour] = [*way[reached], span]
+                met.append(neighbour)
     before = [other for other in met if other in held and other < station]
     if not before:
         return

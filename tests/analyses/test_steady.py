@@ -286,7 +286,7 @@ def test_of_some_motors_without_power_one_alone_is_free(build, operation):
     ]
     study, system = build(line, operation=operation(50.0, 100.0, rated=(100.0, 500e3)))
     with pytest.raises(
-        InputError, match="'m1' and 'm2' drive, both without power, in addition to 'm3' with 300 kW"
+        InputError, match="'m1' and 'm2' drive, both without power, in addition to 'm3'"
     ) as raised:
         steady(study.train, system, study.operation, np.array([50.0]))
     assert raised.value.faults[0].hint == "only one machine can be the free one"

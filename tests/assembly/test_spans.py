@@ -6,6 +6,7 @@ import pytest
 from torsion.assembly import assemble
 from torsion.assembly.shafts import BLOCK, bar_segments
 from torsion.assembly.system import System
+from torsion.errors import InputError
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
 from torsion.model.shaft import Shaft
@@ -71,3 +72,10 @@ def test_a_uniform_shaft_and_a_cone_of_more_pieces_than_a_block_keep_flexibility
         ratio = (built.bars[0].outer[0] / built.bars[0].outer[1]) ** 4
         assert many[0][-1] / many[0][0] == pytest.approx(ratio, rel=1e-3)
         assert many[1][0] / many[1][-1] == pytest.approx(ratio, rel=1e-3)
+
+
+def test_more_stations_than_are_computed_are_refused_in_words():
+    line = [Disc(inertia=1.0), Shaft(name="s", length=1.0, diameter=(0.3,), segments=20_000)]
+    with pytest.raises(InputError, match="the train has 20001 stations; at most 20000") as raised:
+        assemble(train([*line, Disc(inertia=1.0)]))
+    assert "fewer segments" in str(raised.value)

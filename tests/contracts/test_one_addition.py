@@ -52,13 +52,13 @@ from torsion.rules.verdict_line import Check, Rule, RuleSettings, verdict_of
 class Allowed(RuleSettings):
     speed: Annotated[float, Quantity("m/s", above=0)] = required("highest speed of a rim")
 
-class RimSpeed(Rule):
-    settings, needs = Allowed, ("rims",)
+class RimSpeed(Rule[Allowed]):
+    settings_class, needs = Allowed, ("rims",)
 
-    def check(self, evidence, requested):
-        fastest = evidence.results["rims"].fastest
-        kept = verdict_of(fastest <= requested.speed, "setting")
-        return (Check("rim-speed", "v_max", "all", "speed of a rim", fastest, requested.speed, "m/s", kept, "setting"),)
+    def judge(self, evidence):
+        fastest, limit = evidence.results["rims"].fastest, self.settings.speed
+        kept = verdict_of(fastest <= limit, "setting")
+        return (Check("rim-speed", "v_max", "all", "speed of a rim", fastest, limit, "m/s", kept, "setting"),)
 '''
 OUTPUT = '''
 """Toy: the captions of the tables, one a line."""

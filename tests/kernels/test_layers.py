@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.factors import banded_values
 from torsion.kernels.layers import add_children, layers_of, of_the_rest
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import reduce_tree, rigidity
 from torsion.kernels.sturm import count_below, count_bounds
 from torsion.kernels.tree import Tree, by_layers, rerooted_at_middle
 
@@ -131,22 +129,3 @@ def test_large_families_are_bounded_by_counts(random_tree, exact_count, shape):
     np.testing.assert_array_equal(at_most, np.arange(1, 60))
     np.testing.assert_array_equal(at_least, np.arange(2, 61))
     assert exact_count(tree, w[30] * (1 - 1e-13)) == 31
-
-
-@pytest.mark.parametrize("stiff", [False, True])
-def test_a_banded_factor_has_the_frequencies_of_the_tree_to_rounding_of_the_largest(
-    random_tree, stiff
-):
-    tree = random_tree(34, size=300, shape="branched")
-    if not stiff:
-        tree = Tree(tree.parent, 1e-4 * tree.flexibility**0.1, tree.inertia**0.1, tree.held)
-    known = rigidity(tree)
-    values = banded_values(reduce_tree(tree, known))
-    np.testing.assert_allclose(
-        values, tree_modes(tree).frequency, rtol=1e-13, atol=1e-14 * values[-1]
-    )
-
-
-def test_wide_or_grounded_trains_have_no_banded_factor(random_tree):
-    for tree in (random_tree(35, size=60, shape="bushy"), random_tree(36, size=300, held="leaves")):
-        assert banded_values(reduce_tree(tree, rigidity(tree))) is None

@@ -70,13 +70,12 @@ def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, sha
     assert np.mean((upper - lower) / modes.frequency < 2.1 * width) > 0.9
 
 
-@pytest.mark.parametrize(("for_square", "for_jacobi"), [(0, 0), (99, 99), (99, 0)])
+@pytest.mark.parametrize("for_square", [0, 99])
 @pytest.mark.parametrize("parent", [range(-1, 11), [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8]])
 def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(
-    parent, for_square, for_jacobi, monkeypatch
+    parent, for_square, monkeypatch
 ):
     monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", for_square)
-    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_JACOBI", for_jacobi)
     rng = np.random.default_rng(30)
     tree = Tree(
         np.array(parent),

@@ -17,7 +17,7 @@ SOURCE = Path(torsion.__file__).parent
 ABOVE = [
     path
     for path in SOURCE.rglob("*.py")
-    if "components" not in path.parts and "schema" not in path.parts
+    if "model" not in path.parts and "schema" not in path.parts
 ]
 SCENE = """
 name: x

@@ -13,13 +13,12 @@ import pytest
 import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
-from torsion.output.chapters import plant
+from torsion.output.chapters import first_page, plant
 from torsion.output.chapters.natural_frequencies import all_modes, appendix, chapter
+from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import document
 from torsion.output.html import html
-from torsion.output.joined_sketch import MOST_DRAWN, MOST_LINKS, joined
 from torsion.output.long_blocks import FIRST, GAP, LARGEST, LAST, MOST_LINES, MOST_ROWS, shortened
-from torsion.output.table_files import archive
 from torsion.output.write import write
 from torsion.results import listed
 
@@ -164,44 +163,9 @@ def test_names_in_a_sentence_are_bounded() -> None:
     assert listed([f"n{k}" for k in range(10_000)]).endswith("n11 and 9,988 more")
 
 
-def test_components_of_a_long_train_are_joined_in_its_sketch(long: Findings) -> None:
-    sketch, words = plant.sketch(long)
-    assert [disc.label for disc in sketch.discs] == ["1", "2199"]
-    (run,) = sketch.links
-    assert (run.kind, run.label) == ("run", "1,098 discs and 1,099 couplings")
-    assert (run.start[0], run.end[0]) == (sketch.discs[0].x, sketch.discs[1].x)
-    assert "of 2,199 components those alike in a row are joined" in words
-
-
-def test_what_is_no_plain_disc_or_link_stays_apart_and_a_short_train_is_drawn_whole() -> None:
-    middle = "  - coupling: {stiffness: 1e6}\n  - motor: {name: drive, inertia: 1}\n  - joint: {angle: 5 deg}\n"
-    half = "".join("  - disc: {inertia: 1}\n  - coupling: {stiffness: 1e6}\n" for _ in range(40))
-    text = f"name: x\ntrain:\n{half}{middle.split(chr(10), 1)[1]}{half}  - disc: {{inertia: 1}}\n"
-    sketch = _sketch(text)
-    assert [one.kind for one in sketch.links if one.kind != "rigid"] == ["joint", "run", "run"]
-    assert [one.kind for one in sketch.discs] == ["disc", "motor", "disc", "disc"]
-    short = torsion.run(torsion.parse(chain(MOST_LINKS + 1)), only=("assembly",))
-    assert len(plant.sketch(short)[0].links) == MOST_LINKS
-
-
-def _sketch(text: str):
-    found = torsion.run(torsion.parse(text), only=("assembly",))
-    return plant.sketch(found)[0]
-
-
-def test_of_a_train_with_very_many_branches_the_main_line_is_drawn() -> None:
-    branch = "  - branch: {train: [coupling: {stiffness: 1}, disc: {inertia: 1}]}\n"
-    point = f"  - disc: {{inertia: 1}}\n{branch}"
-    text = "name: x\ntrain:\n" + "  - coupling: {stiffness: 1e6}\n".join([point] * 90)
-    found = torsion.run(torsion.parse(text), only=("assembly",))
-    sketch, words = plant.sketch(found)
-    (run,) = sketch.links
-    assert run.label == "88 discs and 89 couplings"
-    assert "of 359 components only the main line" in words
-    some = torsion.run(
-        torsion.parse("name: x\ntrain:\n" + "  - coupling: {stiffness: 1}\n".join([point] * 40)),
-        only=("assembly",),
-    )
-    drawn, _ = plant.sketch(some)
-    assert MOST_LINKS < len(drawn.links) <= MOST_DRAWN
-    assert joined(drawn)[0].links == drawn.links
+def test_a_train_too_long_for_a_page_has_no_sketch_on_the_cover(long: Findings) -> None:
+    short = torsion.run(torsion.parse(chain(plant.MOST_LINKS + 1)))
+    for findings, names in ((short, ["utilisation"]), (long, [])):
+        figures = [block for block in first_page.blocks(findings) if isinstance(block, Figure)]
+        assert [figure.name for figure in figures] == names
+    assert len(plant.sketch(long).links) == 1099

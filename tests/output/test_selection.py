@@ -55,10 +55,10 @@ def test_the_largest_is_unknown_where_one_value_is() -> None:
     assert highest(np.array([-3.0])) == 0.0
 
 
-def test_the_worst_value_stands_with_its_speed_in_its_unit() -> None:
-    speed = np.array([10.0, 20.0]) * math.pi / 30.0
-    assert worst(np.array([2000.0, 3000.0]), speed, Scale("kN m", 1e-3)) == ("3.0000", "20.000")
-    assert worst(np.array([2000.0, math.nan]), speed) == (NO_VALUE, "–")
+def test_the_worst_value_stands_with_its_speed() -> None:
+    speed = np.array([10.0, 20.0])
+    assert worst(np.array([2000.0, 3000.0]), speed) == (3000.0, 20.0)
+    assert worst(np.array([2000.0, math.nan]), speed) == (NO_VALUE, None)
 
 
 def test_torques_have_the_unit_of_the_largest() -> None:

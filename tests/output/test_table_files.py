@@ -11,10 +11,9 @@ from tests.contracts.frozen import SCENES
 import torsion
 from torsion.output.blocks import Table
 from torsion.output.chapters import chapters
-from torsion.output.csv_table import one_line
+from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import document
-from torsion.output.table_files import archive
-from torsion.output.table_text import figures, plain_figure
+from torsion.output.table_text import figures, one_line, plain_figure
 from torsion.output.write import write
 
 TEXT = """

@@ -14,7 +14,7 @@ from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Tab
 from torsion.output.check_words import rank
 from torsion.output.document import Cover, Document, document, numbered
 from torsion.output.numbers import number
-from torsion.output.terminal import progress, screen, show
+from torsion.output.terminal import progress, screen, show, summary
 from torsion.rules.verdict_line import Checks
 
 COLUMNS = (
@@ -29,7 +29,7 @@ def printed(blocks: Sequence[Block], findings: Findings, width: int = 60) -> lis
     stream = io.StringIO()
     console = Console(file=stream, width=width, color_system=None)
     made = Document(Cover("title", "scene", ()), tuple(numbered(blocks)))
-    for item in screen(made):
+    for item in screen(made, width):
         console.print(item)
     return [line.rstrip() for line in stream.getvalue().splitlines() if line.strip()]
 
@@ -50,21 +50,19 @@ def test_twelve_rows_of_a_table_are_shown_and_the_others_counted(
     lines = printed([table(rows)], bare)
     assert lines[:2] == ["scene", "All of tau_C"]
     assert lines[2].split() == ["shaft", "N", "m"]
-    shown = [line.split() for line in lines[4 : 4 + 12]]
+    shown = [line.split() for line in lines[3 : 3 + 12]]
     assert shown == [[f"s{k}", f"{k}.5"] for k in range(12)]
-    behind = " ".join(word for line in lines[4 + 12 :] for word in line.split())
+    behind = " ".join(word for line in lines[3 + 12 :] for word in line.split())
     assert behind == ("" if more is None else f"and {more} more rows in the report")
 
 
 def test_a_table_begins_at_the_edge_with_words_to_the_left_and_numbers_to_the_right(
     bare: Findings,
 ) -> None:
-    _, _, head, _, first, *_, last = printed([table(11)], bare)
-    assert [line.index(word) for line, word in ((head, "shaft"), (first, "s0"), (last, "s10"))] == [
-        1,
-        1,
-        1,
-    ]
+    _, _, head, first, *_, last = printed([table(11)], bare)
+    assert head.startswith("shaft")
+    assert first.startswith("s0")
+    assert last.startswith("s10")
     assert len(head) == len(first) == len(last)
 
 
@@ -86,31 +84,19 @@ def test_only_what_is_brief_stands_there_and_what_belongs_at_the_end_comes_last(
     assert printed(blocks, bare) == ["scene", "- one", "- tau_C two", "passed", "with care"]
 
 
-@pytest.mark.parametrize(
-    ("word", "kept"),
-    [
-        ("abcdefghijklmnopqrst", "abcdefghijk…"),
-        ("abcdefghijkl", "abcdefghijkl"),
-        ("abcdef", "abcdef"),
-    ],
-)
-def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(
-    bare: Findings, word: str, kept: str
-) -> None:
+def test_a_narrow_terminal_folds_or_cuts_names_and_no_number(bare: Findings) -> None:
     columns = (Column("A", short="A", align="left"), Column("C", short="C"))
-    rows = ((word, "≥ 12345678.90123"), ("x", "2 ∠ 40°"))
-    lines = printed([Table(columns, rows, short="t")], bare, width=len(kept) + 21)
-    assert lines[-2].split() == [kept, "≥", "12345678.90123"]
-    assert lines[-1].split() == ["x", "2", "∠", "40°"]
-
-
-def test_the_longest_word_of_a_column_stays_whole_beside_another_of_many_short_ones(
-    bare: Findings,
-) -> None:
-    columns = (Column("A", short="A", align="left"), Column("B", short="B", align="left"))
-    rows = (("abcdefghijkl", "aa bb cc dd ee ff"), ("x", "y"))
-    text = "\n".join(printed([Table(columns, rows, short="t")], bare, width=20))
-    assert " abcdefghijkl " in text
+    rows = (("abcdefghijklmnopqrst", "≥ 12345678.90123"), ("x", "2 ∠ 40°"))
+    *_, first, second, third, last = printed([Table(columns, rows, short="t")], bare, width=26)
+    assert first.split() == ["abcdefgh", "≥", "12345678.90123"]
+    assert (second, third) == ("ijklmnop", "qrst")
+    assert last.split() == ["x", "2", "∠", "40°"]
+    made = Document(
+        Cover("title", "scene", ()), tuple(numbered([Table(columns, rows, rows_in_summary=2)]))
+    )
+    stream = io.StringIO()
+    Console(file=stream, width=26, color_system=None).print(*summary(made, 26))
+    assert stream.getvalue().splitlines()[-2].split() == ["abcdefg…", "≥", "12345678.90123"]
 
 
 def test_a_column_of_empty_words_is_printed(bare: Findings) -> None:

@@ -31,4 +31,6 @@ def paper() -> dict[str, ModuleType]:
 @pytest.fixture(scope="session")
 def oracles() -> dict[str, dict[str, str]]:
     """Reference values of 18 digits."""
-    return json.loads((ROOT / "tests" / "kinematics" / "oracles.json").read_text(encoding="utf-8"))
+    return json.loads(
+        (ROOT / "tests" / "kernels" / "joints" / "oracles.json").read_text(encoding="utf-8")
+    )

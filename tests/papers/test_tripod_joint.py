@@ -10,7 +10,9 @@ from tests.for_all import for_all
 from torsion.errors import SolveError
 from torsion.kernels.joints import tripod
 
-ORACLES = json.loads((Path(__file__).parents[1] / "kinematics" / "oracles.json").read_text())
+ORACLES = json.loads(
+    (Path(__file__).parents[1] / "kernels" / "joints" / "oracles.json").read_text()
+)
 RADIUS, ARM, TORQUE = 0.03, 0.6, 200.0
 ANGLES = (10, 20, 30, 40)
 RANGES = {  # N m: couple of the single bearing least, greatest; twin bearing

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import InPlanes, Lateral, ShaftFound
-from torsion.analyses.lateral.tilt_stability import Tilting, Zone
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Whirl
 from torsion.rules.stable_motion import bending_checks
 from torsion.study import Operation
@@ -40,7 +40,7 @@ def tilted(growth, *, zones=(), speed=SPEEDS, operation=OPERATED, damping=(5.0, 
     """zones: lower, upper, worst and rate."""
     shaft = MisalignedShaft(1.0, 0.5, 1.0, (1e4, 1e4), damping, 1.0, 0.1)
     named = tuple(
-        Zone(low, high, (False, False), "several", at, rate) for low, high, at, rate in zones
+        TiltRange(low, high, (False, False), "several", at, rate) for low, high, at, rate in zones
     )
     tilting = Tilting(
         "hinge", shaft, {"y": 1.0, "z": 2.0}, np.array(speed), np.array(growth), named

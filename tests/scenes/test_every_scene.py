@@ -19,6 +19,7 @@ from torsion.analyses.tooth_forces import ToothForces
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import Document
 from torsion.output.figure_csv import csv_of
 from torsion.output.figures.figure import Figure
@@ -26,7 +27,6 @@ from torsion.output.html import html
 from torsion.output.pdf import source
 from torsion.output.results_json import rendered
 from torsion.output.stored_report import opened, stored
-from torsion.output.table_files import archive
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source

@@ -5,11 +5,12 @@ import yaml
 from tests.for_all import for_all
 
 import torsion
+from torsion.analyses import ANALYSES
 from torsion.errors import InputError
 from torsion.rules import RULES
 from torsion.schema import yaml_source
 from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import of_its_number
+from torsion.schema.other_words import ANALYSIS_FOR, of_its_number
 
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"
 COLON, WRITE = "a colon is missing after `coupling`", "write `- coupling: {...}`"
@@ -248,3 +249,23 @@ def test_a_word_with_its_mark_is_none_without_it() -> None:
 def test_only_candidates_with_the_figures_of_the_word_are_meant() -> None:
     assert of_its_number("m53", ["iacs-m68", "gear-hammer"]) == ["gear-hammer"]
     assert of_its_number("m86", ["iacs-m68"]) == of_its_number("iacs", ["iacs-m68"]) == ["iacs-m68"]
+
+
+@for_all(
+    ("line", "hint"),
+    [
+        ("- motor: {inertia: 1, torque_ripple: 2}", "write `ripple`"),
+        ("- gear: {gear_teeth: [20, 30]}", "write `teeth`"),
+        ("- coupling: {stiffness: 1, torque_rating: 2}", "write `rated_torque` (T_KN)"),
+    ],
+)
+def test_a_key_inside_of_a_word_is_offered(line: str, hint: str) -> None:
+    assert fault(MOTOR, line, END).hint == hint
+
+
+@for_all("word", sorted(ANALYSIS_FOR))
+def test_a_word_for_an_analysis_is_answered_with_keys_that_there_are(word: str) -> None:
+    found = fault(MOTOR, END, f"analyses: {{{word}: {{}}}}")
+    assert (found.message, found.hint) == (f"unknown analysis `{word}`", ANALYSIS_FOR[word])
+    key = found.hint.split("`")[1].split(":")[0]
+    assert key in ANALYSES or key == "cases"

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
+from torsion.columns import NotInColumns
 from torsion.errors import BAD_INPUT, Fault, InputError, SolveError
 from torsion.sweeping import cluster, parts, sweeper, worker_task
 from torsion.sweeping.cluster import Scheduler, checked, unprotected
@@ -20,7 +21,7 @@ from torsion.sweeping.sweep_folder import SweepFolder
 from torsion.sweeping.sweeper import Stopped, Sweeper
 from torsion.what_if.sweep import sweep_run
 from torsion.what_if.sweep.sweep_results import Sweep
-from torsion.what_if.variants import side_by_side
+from torsion.what_if.variants import frequencies
 from torsion.what_if.variants.chunks import chunks
 
 pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
@@ -67,8 +68,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Eight chunks of variants that are found side by side or one by one."""
-    monkeypatch.setattr(sweep_run, "TOGETHER_AT_ONCE", 16)
-    monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 16)
+    monkeypatch.setattr(sweep_run, "FREQUENCIES_AT_ONCE", 16)
 
 
 def by(folder: Path, text: str = PLAIN % MODES, **more: bool) -> tuple[Sweep, Sweeper]:
@@ -128,9 +128,13 @@ def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = PLAIN % f"{VARY}, results: [modes]"
-    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
+
+    def refused(*_: object) -> None:
+        raise NotInColumns("every variant separately")
+
+    monkeypatch.setattr(frequencies, "certified", refused)
     whole = torsion.run(torsion.parse(text)).need(Sweep)
-    monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 48)
+    monkeypatch.setattr(sweep_run, "FREQUENCIES_AT_ONCE", 48)
     found, taken = by(tmp_path, text)
     assert taken.solved == 3
     same(found, whole)

@@ -79,8 +79,10 @@ def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> No
     assert 4 <= len(before) < 8
     with_workers = Sweeper(tmp_path)
     found = torsion.run(torsion.read(scene), answered=with_workers).need(Sweep)
-    assert (with_workers.kept, with_workers.solved) == (len(before), 8 - len(before))
-    assert before.items() <= parts(tmp_path).items()
+    unchanged = before.items() & parts(tmp_path).items()
+    assert with_workers.kept == len(unchanged)
+    assert len(before) - 1 <= len(unchanged)  # the last part may lack its checksum yet
+    assert with_workers.solved == 8 - len(unchanged)
     whole = torsion.run(torsion.read(scene)).need(Sweep)
     assert np.array_equal(found.factor, whole.factor)
     assert np.array_equal(found.frequency, whole.frequency)

@@ -1,6 +1,7 @@
 """Critical speeds: where an order that excites the train meets one of its natural frequencies."""
 
 import math
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,7 @@ class CriticalSpeed:
 
     @property
     def line(self) -> Line:
-        """What excites."""
+        """The harmonic component that excites."""
         return Line(self.order, None, self.sources, self.own_orders)
 
 
@@ -52,67 +53,63 @@ class CriticalSpeeds:
 def critical_speeds(
     modes: Modes | DampedModes, lines: tuple[Line, ...], operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
-    """Every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
-    speeds, found = operation.speeds, []
-    for line in lines:
-        if line.order is None:
-            continue
-        for mode, frequency in enumerate(modes.frequency.tolist(), start=1):
-            speed = 2.0 * math.pi * frequency / float(line.order)
-            inside = speeds is not None and speeds.first <= speed <= speeds.last
-            at = frequency, speed, inside, _margin(speed, operation)
-            found.append(CriticalSpeed(mode, line.order, line.sources, *at, line.own_orders))
-    return tuple(sorted(found, key=lambda crossing: (crossing.speed, crossing.mode)))
-
-
-def critical_by_torque(
-    found: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
-) -> tuple[CriticalSpeed, ...]:
-    """The same within the speed range, of modes whose frequencies follow the speed."""
-    met = [
-        CriticalSpeed(
-            mode,
-            line.order,
-            line.sources,
-            hertz,
-            speed,
-            True,
-            _margin(speed, operation),
-            line.own_orders,
+    """Return every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
+    frequencies = list(enumerate(modes.frequency.tolist(), start=1))
+    return _ascending(
+        _crossing(
+            line, line.order, mode, 2.0 * math.pi * hertz / float(line.order), hertz, operation
         )
         for line in lines
         if line.order is not None
-        for mode, speed, hertz in found.crossings(line.order)
-    ]
-    return tuple(sorted(met, key=lambda crossing: (crossing.speed, crossing.mode)))
+        for mode, hertz in frequencies
+    )
 
 
-def _margin(speed: float, operation: Operation) -> float | None:
-    """Relative distance from the rated speed, else from the nearest end of the range."""
-    if operation.rated is not None:
-        return (speed - operation.rated.speed) / operation.rated.speed
-    if operation.speeds is None:
-        return None
-    end = min(operation.speeds.first, operation.speeds.last, key=lambda end: abs(end - speed))
-    return (speed - end) / end
+def critical_by_torque(
+    curves: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
+) -> tuple[CriticalSpeed, ...]:
+    """Return the crossings within the speed range, of modes whose frequencies follow the speed."""
+    return _ascending(
+        _crossing(line, line.order, mode, speed, hertz, operation)
+        for line in lines
+        if line.order is not None
+        for mode, speed, hertz in curves.crossings(line.order)
+    )
+
+
+def _ascending(crossings: Iterable[CriticalSpeed]) -> tuple[CriticalSpeed, ...]:
+    return tuple(sorted(crossings, key=lambda crossing: (crossing.speed, crossing.mode)))
+
+
+def _crossing(
+    line: Line, order: Fraction, mode: int, speed: float, hertz: float, operation: Operation
+) -> CriticalSpeed:
+    """Return a crossing, with its distance from the rated speed, else from the nearest end of the range."""
+    speeds, margin = operation.speeds, None
+    inside = speeds is not None and speeds.first <= speed <= speeds.last
+    near = None if operation.rated is None else operation.rated.speed
+    if near is None and speeds is not None:
+        near = min(speeds.first, speeds.last, key=lambda end: abs(end - speed))
+    if near is not None:
+        margin = (speed - near) / near
+    return CriticalSpeed(mode, order, line.sources, hertz, speed, inside, margin, line.own_orders)
 
 
 def run(work: Work) -> None:
-    """Where orders excite and modes were found."""
-    modes, harmonics = work.get(Modes), lines(work.system)
-    found: tuple[CriticalSpeed, ...] = ()
-    if modes is None or not any(line.order is not None for line in harmonics):
+    """Put the critical speeds where orders excite and modes were computed."""
+    modes, components, operation = work.get(Modes), lines(work.system), work.study.operation
+    crossings: tuple[CriticalSpeed, ...] = ()
+    if modes is None or not any(line.order is not None for line in components):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
     elif work.study.train.follows_speed:
         from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 
-        over_speed = work.get(FrequenciesOverSpeed)
         work.log.without("critical speeds outside the speed range", "a stiffness follows the speed")
-        if over_speed is not None:
-            found = critical_by_torque(over_speed, harmonics, work.study.operation)
+        if (curves := work.get(FrequenciesOverSpeed)) is not None:
+            crossings = critical_by_torque(curves, components, operation)
     else:
-        found = critical_speeds(modes, harmonics, work.study.operation)
+        crossings = critical_speeds(modes, components, operation)
         if work.study.train.has_tables_over("vibratory torque"):
             why = "a stiffness follows the vibratory torque; the critical speeds are for small vibration"
             work.log.without("critical speeds of large vibration", why)
-    work.put(critical_speeds=CriticalSpeeds(found))
+    work.put(critical_speeds=CriticalSpeeds(crossings))

@@ -20,17 +20,14 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
+from torsion.study import Study
 
 if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
 
-MOST_STATIONS = (
-    30_000  # rounding along more of them keeps the roots from settling to their accuracy
-)
+MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling
 ONLY_REAL = "a table gives stiffness and damping only at real frequencies"
-LARGEST_FOR_ALL = (
-    150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
-)
+LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once
 
 
 @reported
@@ -46,14 +43,14 @@ class DampedModes:
     speed: float = result("rad/s", (), "reference speed at which damping was taken")
 
     def condensed(self, groups: SegmentGroups) -> "DampedModes":
-        """The same at the stations and spans that stand for segment groups."""
+        """Return the modes at the stations and spans that stand for segment groups."""
         return replace(self, shape=self.shape[groups.stations], torque=self.torque[groups.spans])
 
 
 def damped(
     system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6
 ) -> DampedModes:
-    """The lowest `count` oscillating modes (None: all) at a reference speed (rad/s); `steady` holds that speed.
+    """Return the lowest `count` oscillating modes (None: all) at a reference speed (rad/s), which `steady` holds.
 
     Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
     InputError where a damping needs a mean torque that is not known.
@@ -72,18 +69,18 @@ def damped(
             f"{message}, are not built; request `modes: {{damped: false}}`, the response is right"
         )
     if condensed.tree.size > MOST_STATIONS:
-        raise SolveError(too_many_stations(system))
-    own = ground_damping(system, np.array([speed]), steady)[:, 0]
+        raise SolveError(_too_many_stations(system))
+
     ground = np.zeros(condensed.tree.size)
-    ground[condensed.node] = own * system.speed_ratio**2
+    own_damping = ground_damping(system, np.array([speed]), steady)[:, 0]
+    ground[condensed.node] = own_damping * system.speed_ratio**2
     start, laws = None, _laws(system)
-    if condensed.tree.size > LARGEST_FOR_ALL or any(
-        law.exponent is not None for law in laws.values()
-    ):
+    has_power_law = any(law.exponent is not None for law in laws.values())
+    if has_power_law or condensed.tree.size > LARGEST_FOR_ALL:
         start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
     viscous, loss = condensed.viscous.copy(), condensed.loss_factor.copy()
     viscous[list(laws)], loss[list(laws)] = 0.0, 0.0
-    found = damped_modes(
+    roots = damped_modes(
         condensed.tree,
         ground_damping=ground,
         viscous=viscous,
@@ -91,21 +88,21 @@ def damped(
         start=start,
         laws=laws,
     )
-    keep = np.argsort(found.eigenvalue.imag, kind="stable")[:count]
-    eigenvalue = found.eigenvalue[keep]
+    lowest = np.argsort(roots.eigenvalue.imag, kind="stable")[:count]
+    eigenvalue = roots.eigenvalue[lowest]
     return DampedModes(
         eigenvalue.imag / (2.0 * math.pi),
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
-        found.angle[condensed.node][:, keep] * system.speed_ratio[:, None],
-        span_torques(system, found.torque[:, keep]),
-        found.real_root,
+        roots.angle[condensed.node][:, lowest] * system.speed_ratio[:, None],
+        span_torques(system, roots.torque[:, lowest]),
+        roots.real_root,
         speed,
     )
 
 
 def _laws(system: System) -> "dict[int, SpringLaw]":
-    """The springs that follow a law, referred, by the tree station below them; raises SolveError beside a table."""
+    """Return the springs that follow a law, referred, by the tree station below; raises SolveError for a table."""
     laws = {}
     for span, table in system.tables_over("frequency").items():
         if not table.is_complex:
@@ -115,64 +112,67 @@ def _laws(system: System) -> "dict[int, SpringLaw]":
     return laws
 
 
-def _by_mode(found: Modes, speed: float) -> DampedModes:
-    """Modes with the damping ratios that the file gives them."""
-    ratio, w = found.system.modal_ratios(len(found.frequency)), 2.0 * math.pi * found.frequency
+def _by_mode(modes: Modes, speed: float) -> DampedModes:
+    """Return modes with the damping ratios that the file gives them."""
+    ratio, w = modes.system.modal_ratios(len(modes.frequency)), 2.0 * math.pi * modes.frequency
     root = w * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
-    shape, torque = found.shape.astype(complex), found.torque.astype(complex)
+    shape, torque = modes.shape.astype(complex), modes.torque.astype(complex)
     return DampedModes(root.imag / (2.0 * math.pi), ratio, root, shape, torque, np.empty(0), speed)
 
 
+def _why_not(study: Study, system: System, *, is_refused: bool) -> str:
+    """Return why there are no damped modes; empty where there are. is_refused: the file says `damped: false`."""
+    needs_torque = any(damper.needs_torque for damper in system.dampers)
+    needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
+    if is_refused:
+        return "`damped: false`"
+    if not system.damps:
+        return "nothing in the train damps"
+    if any(not table.is_complex for table in system.tables_over("frequency").values()):
+        return f"{ONLY_REAL}; the modal loss factors stand for them"
+    if system.bars is not None:
+        return f"they are built for `model: lumped`; the response of {system.model} is damped"
+    if system.condensed.extra.size:
+        reason = "the train has closed loops, or rigid spans hold it at several points"
+        return f"{reason}; its response is damped all the same"
+    if (needs_speed and study.operation.speed is None) or (
+        needs_torque and not study.has_mean_torque
+    ):
+        reason = "the damping depends on speed and mean torque; give `operation: rated`"
+        return _too_many_stations(system) or reason
+    return _too_many_stations(system)
+
+
 def run(work: Work) -> None:
-    """The damped modes at the operating speed, where modes are requested and something damps."""
-    study, system = work.study, work.system
+    """Put the damped modes at the operating speed, where modes are requested and something damps."""
+    study, system, speed = work.study, work.system, work.study.operation.speed
     settings = modes_settings(study, work.ruled)
     if settings is None:
         return
-    speed = study.operation.speed
-    needs_torque = any(damper.needs_torque for damper in system.dampers)
-    needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
-    why = ""
-    if settings.damped is False or not system.damps:
-        why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
-    elif any(not table.is_complex for table in system.tables_over("frequency").values()):
-        why = f"{ONLY_REAL}; the modal loss factors stand for them"
-    elif system.bars is not None:
-        why = f"they are built for `model: lumped`; the response of {system.model} is damped"
-    elif system.condensed.extra.size:
-        why = "the train has closed loops, or rigid spans hold it at several points"
-        why += "; its response is damped all the same"
-    elif too_many := too_many_stations(system):
-        why = too_many
-    elif (needs_speed and speed is None) or (needs_torque and not study.has_mean_torque):
-        why = "the damping depends on speed and mean torque; give `operation: rated`"
-    if why and settings.damped and system.damps:
-        raise SolveError(f"the damped modes are not found: {why}", "leave `damped: true` out")
-    if why:
+    if why := _why_not(study, system, is_refused=settings.damped is False):
+        if settings.damped and system.damps:
+            hint = "leave `damped: true` out"
+            raise SolveError(f"the damped modes are not found: {why}", hint)
         work.log.without("damped modes", why)
         return
     mean = None
-    if needs_torque and speed is not None:
+    if speed is not None and any(damper.needs_torque for damper in system.dampers):
         mean = steady(study.train, system, study.operation, np.array([speed]))
     with work.log.step("damped modes", "something damps") as step:
-        found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
-        by_mode = bool(system.train.modal_damping)
-        step.method = (
-            "damping by mode"
-            if by_mode
-            else "Newton with two-sided vectors on the quadratic problem"
-        )
-        step.size = f"{found.frequency.size} modes" + (
-            "" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm"
-        )
-    work.put(damped_modes=found)
+        modes = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
+        step.method = "Newton with two-sided vectors on the quadratic problem"
+        if system.train.modal_damping:
+            step.method = "damping by mode"
+        step.size = f"{modes.frequency.size} modes"
+        step.size += "" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm"
+    work.put(damped_modes=modes)
 
 
-def too_many_stations(system: System) -> str:
-    """Why the roots would not settle, and what to change; empty where they do."""
+def _too_many_stations(system: System) -> str:
+    """Return why the roots would not settle, and what to change; empty where they do."""
     size = system.condensed.tree.size
     if size <= MOST_STATIONS:
         return ""
-    most = max(system.segments, key=lambda name: system.segments[name], default="")
-    change = f"; give `{most}` fewer segments" if most else ""
+    longest = max(system.segments, key=lambda name: system.segments[name], default="")
+    change = f"; give `{longest}` fewer segments" if longest else ""
     return f"{size} stations, and rounding along more than {MOST_STATIONS} keeps the roots from settling{change}"

@@ -148,11 +148,7 @@ def run_modes(work: Work) -> None:
     with work.log.step(
         "natural frequencies", "requested" if "modes" in study.analyses else "the default"
     ) as step:
-        found = modes(
-            system,
-            settings.count,
-            progress=lambda done, of: work.progress("natural frequencies", done / of),
-        )
+        found = modes(system, settings.count)
         system = found.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
         if chord_spans(system).size:

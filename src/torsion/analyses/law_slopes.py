@@ -115,8 +115,8 @@ def drive_faults(study: Study) -> list[Fault]:
             found += error.faults
             continue
         kloss = law.rated_torque()
-        if law.law_table is not None:
-            found += _table_faults(part, law.law_table, operation, balance)
+        if law.torque is not None:
+            found += _table_faults(part, law.torque, operation, balance)
         elif kloss is not None and abs(kloss - rated_torque) > SAME_TORQUE * abs(rated_torque):
             message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
             hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"

@@ -1,7 +1,6 @@
 """Natural frequencies and mode shapes of the undamped train, and where the energy of a mode sits."""
 
 import math
-from collections.abc import Callable
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,7 +27,6 @@ ROUNDS = 6  # of refining the shafts until the highest frequency of the modes st
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
-Progress = Callable[[int, int], None]  # (modes found, of how many)
 
 
 def shares(energy: FloatArray) -> FloatArray:
@@ -161,15 +159,12 @@ class Modes(Displayed, Keyed):
         return np.stack([self.lower, self.upper], axis=1)
 
 
-def modes(
-    system: System, count: int | None = 6, *, refine: bool = True, progress: Progress | None = None
-) -> Modes:
+def modes(system: System, count: int | None = 6, *, refine: bool = True) -> Modes:
     """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
     Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
     the results. Raises InputError for a count below 1 or above 100 000; SolveError where shafts cannot be refined,
-    where that is needed and `refine` is False, and for a frequency that cannot be proven. progress: called where modes
-    are found one by one (few of a long row of stations).
+    where that is needed and `refine` is False, and for a frequency that cannot be proven.
     """
     if count is not None and not 1 <= count <= MOST_MODES:
         raise InputError(
@@ -179,11 +174,11 @@ def modes(
     if ends:  # no mode above the end of a table is sought
         system = resolving(system, _table_end(system), refine=refine)
     if ends or not refine or (system.bars is None and math.isinf(system.resolved_to)):
-        found = modes_as_discretised(system, count, progress=progress)
+        found = modes_as_discretised(system, count)
     else:
         if count is None:
             count = modes_as_discretised(system, None).frequency.size
-        found = _refined(system, count, progress)
+        found = _refined(system, count)
     if count is not None and found.frequency.size < count and not ends:
         demand_resolution(found.system, math.inf)
     demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
@@ -218,11 +213,11 @@ def _table_end(system: System) -> float:
     return reach(system)[1] / (2.0 * math.pi)
 
 
-def _refined(system: System, count: int, progress: Progress | None) -> Modes:
+def _refined(system: System, count: int) -> Modes:
     """The lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
     highest = system.requested.frequency
     system = _in_reach(system, highest, count)
-    found = _with_all(modes_as_discretised(system, count, progress=progress), count)
+    found = _with_all(modes_as_discretised(system, count), count)
     for _ in range(ROUNDS):
         system = found.system
         top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
@@ -231,7 +226,7 @@ def _refined(system: System, count: int, progress: Progress | None) -> Modes:
             return found if system.bars is None else replace(found, system=finer)
         if system.bars is not None and is_as_fine(system, finer):
             break
-        found = modes_as_discretised(finer, count, progress=progress)
+        found = modes_as_discretised(finer, count)
     return found
 
 
@@ -276,16 +271,14 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
     return system.segments, 0 if system.bars is None else system.bars.degree
 
 
-def modes_as_discretised(
-    system: System, count: int | None = 6, *, progress: Progress | None = None
-) -> Modes:
+def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.tables_over("frequency"):
         from torsion.analyses.modes.tabled_modes import tabled_modes
 
         return tabled_modes(system, count, modes_as_discretised)
     if system.groups is not None:
-        return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
+        return condensed_modes(modes_as_discretised(system.whole, count), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import referred_modes
@@ -304,7 +297,7 @@ def modes_as_discretised(
         else:
             from torsion.kernels.natural_modes import tree_modes
 
-            found = tree_modes(tree, count, progress=progress)
+            found = tree_modes(tree, count)
         torque = span_torques(system, found.torque, chords, found.loop_torque)
     angle, hertz, ratio = _rows(found.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
     shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])

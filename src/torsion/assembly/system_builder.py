@@ -8,12 +8,14 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.spans import Row, Runs, Span
 from torsion.assembly.system import Discretisation, System
-from torsion.errors import SolveError
+from torsion.errors import Fault, InputError, SolveError
 from torsion.primitives import Bar, Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans
+
+MOST_STATIONS = 20_000
 
 
 @dataclass
@@ -76,6 +78,15 @@ class Collected:
         self.inner_inertia.append(lumps[1:-1])
         self.row_flexibility.append(flexibility)
 
+    def _refuse(self, number: int, segments: dict[str, int]) -> None:
+        """Raise InputError where the file states so many stations, SolveError where the program divides shafts."""
+        message = f"the train has {number} stations; at most {MOST_STATIONS} are computed"
+        finest = max(self.train.bars, key=lambda bar: segments[bar.name], default=None)
+        if finest is None or finest.segments is not None:
+            path = () if finest is None else (*self.train.parts[finest.part].path, "segments")
+            raise InputError([Fault(path, message, "give fewer segments, or `model: exact`")])
+        raise SolveError(f"{message}; request fewer modes, a lower frequency, or `model: exact`")
+
     def system(
         self,
         model: str,
@@ -84,11 +95,15 @@ class Collected:
         resolved_to: float,
         bars: "BarSpans | None" = None,
     ) -> System:
-        """The system of all that was collected; resolved_to: Hz.
+        """Return the system of all that was collected; resolved_to: Hz.
 
-        Raises SolveError for distributed shafts in a train with closed loops.
+        Raises SolveError for distributed shafts in a train with closed loops, and for more than MOST_STATIONS stations
+        of shafts that the program divides; InputError for as many that the file states.
         """
         rows = self.rows
+        number = len(self.stations) + sum(map(len, self.inner_inertia))
+        if number > MOST_STATIONS:
+            self._refuse(number, segments)
         flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
         loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
         system = System(

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.factors import star_mesh_factor
-from torsion.kernels.lapack import jacobi_svd
+from torsion.kernels.factors import jacobi_svd, star_mesh_factor
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import (

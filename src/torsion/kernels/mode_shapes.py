@@ -13,6 +13,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Slopes
 from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import TwoSides, sides_of, spread
+from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
@@ -133,6 +134,7 @@ def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
     return whole
 
 
+@source("ParlettDhillon1997")
 def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
     if not tree.is_ready:

@@ -1,14 +1,13 @@
 """Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.factors import banded_values, start_frequencies
+from torsion.kernels.factors import start_frequencies
 from torsion.kernels.mode_shapes import (
     ShaftModes,
     Shapes,
@@ -43,15 +42,10 @@ _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
 _OFF = 5e-2  # relative, that a given start may be off
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
 _STATIONS_FOR_COUNTS = (
-    300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
-)
-_STATIONS_FOR_BAND = (
-    1500  # up to which all frequencies of a narrow tree are sooner found than the lowest by counts
+    300  # from which the few lowest modes are sooner found by counts than all at once (measured)
 )
 _FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
-_LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
-_STATIONS_A_MODE = 64  # at least, for that to be the faster (measured)
 
 
 @source("WittrickWilliams1971")
@@ -60,28 +54,15 @@ def tree_modes(
     count: int | None = None,
     *,
     start: FloatArray | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> TreeModes:
     """The lowest `count` elastic modes of a tree, or all.
 
-    Few modes of a long row of stations are found one by one, and `progress` is given how many of how many are done.
     Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
     SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
 
     With distributed shafts, `start` (count,) rad/s may give frequencies near the modes, ascending; and a mode above
     0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
-    if (
-        count is not None
-        and tree.shafts is None
-        and tree.size >= _LONG
-        and 0 < count * _STATIONS_A_MODE <= tree.size
-    ):
-        from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
-
-        long = long_chain_modes(tree, count, progress=progress)
-        if long is not None:
-            return long
     known = rigidity(tree.static)
     rigid, wanted = len(known.free_roots), known.elastic if count is None else count
     if tree.shafts is None or not math.isfinite(tree.shafts.limit):
@@ -125,14 +106,8 @@ def _start(
         low, high = brackets(swept, modes)
         room = _BEYOND * (high - low)
         return low + 0.5 * (high - low), low - room, high + room
-    is_few = (
-        not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
-    )
-    train = reduce_tree(tree, known)
-    if is_few:
-        start = banded_values(train) if tree.size <= _STATIONS_FOR_BAND else None
-    else:
-        start = start_frequencies(train, known.elastic)
+    is_few = tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
+    start = None if is_few else start_frequencies(reduce_tree(tree, known), known.elastic)
     if start is None or not np.all(start > 0.0):
         start = bisect(swept, modes, tolerance=_START_BISECTION)
     start = start[:wanted].copy()
@@ -166,7 +141,6 @@ def _polish(
     return frequency[order], shapes.take(order)
 
 
-@source("Kato1949")
 def _enclosed(
     tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:

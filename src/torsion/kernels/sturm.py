@@ -36,6 +36,7 @@ _NARROWEST = (
 _WIDEST = (
     2.0**-39
 )  # 1.8e-12, after 12 doublings of the narrowest; a value not proven then is taken to be wrong
+_WIDEST_A_STATION = 2.0**-51  # the same of long chains, whose roundings add up
 _WIDEST_OF_SHAFTS = 2.0**-36  # 1.5e-11, for the rounding of their laws is in it too
 _OVER_MARGIN = 1.25  # for the roundings that a margin outweighs: with it most enclosures succeed at once (measured)
 _UNIT_ROUNDOFF = 2.0**-53
@@ -216,7 +217,9 @@ def enclose(
     exceeds at `upper` and is at least j + 1. `passed` (m,) N m of the shapes says in which width an enclosure is
     expected to succeed: see `expected_width`.
     """
-    widest = _WIDEST if tree.shafts is None else _WIDEST_OF_SHAFTS
+    widest = max(_WIDEST, _WIDEST_A_STATION * tree.size)
+    if tree.shafts is not None:
+        widest = max(widest, _WIDEST_OF_SHAFTS)
     half = expected_width(tree, frequency, 0.0 if passed is None else passed)
     unlikely = ~(half <= widest)
     if unlikely.any():

@@ -26,9 +26,10 @@ def page() -> str:
 
 def _filled(name: str, **texts: str) -> str:
     """The text of a file with `@KEY@` replaced; nothing is replaced in what was put there."""
-    first, *rest = _text(name).split("@")
+    first, *parts = _text(name).split("@")
     return first + "".join(
-        texts.get(part, f"@{part}@" if place % 2 == 0 else part) for place, part in enumerate(rest)
+        texts.get(part, f"@{part}@" if position % 2 == 0 else part)
+        for position, part in enumerate(parts)
     )
 
 

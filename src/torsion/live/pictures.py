@@ -45,7 +45,11 @@ def left_out(study: Study) -> tuple[str, ...]:
         for name in LEFT_OUT
         if _is_wanted(study, name)
     ]
-    rules = [f"rule {name}" for name, _ in study.rules if set(rule(name).needs) & set(LEFT_OUT)]
+    rules = [
+        f"rule {name}"
+        for name, settings in study.rules
+        if set(rule(name, settings).needs) & set(LEFT_OUT)
+    ]
     return (*names, *rules, *([f"cases {', '.join(study.cases)}"] if study.cases else []))
 
 
@@ -69,43 +73,46 @@ def whole_of(
     moved: figures that are not those of the file.
     """
     quick = [name for name in ANALYSES if name not in LEFT_OUT and _is_wanted(study, name)]
-    found = run(replace(study, cases={}), only=quick, progress=progress)
+    findings = run(replace(study, cases={}), only=quick, progress=progress)
     plan = replace(
-        found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in left_out(study)))
+        findings.plan,
+        left_out=(*findings.plan.left_out, *((name, ELSEWHERE) for name in left_out(study))),
     )
     if moved_names := listed(moved):  # no checksum of a file stands for them
         study = replace(study, file=f"{study.file} with another {moved_names}", text="")
-    found = replace(found, plan=plan, study=study)
+    findings = replace(findings, plan=plan, study=study)
     changed = [Paragraph(f"{study.shown_file}.", "note")] if moved_names else []
     blocks = [
         Heading("Verdict"),
         *changed,
-        *first_page.blocks(found),
-        *forced_response.without_tables(found),
+        *first_page.blocks(findings),
+        *forced_response.without_tables(findings),
     ]
-    page = fragment([*numbered([one for one in blocks if not isinstance(one, PageEnd)])])
-    return page, _modes(found) if barred(found) else None
+    page = fragment([*numbered([block for block in blocks if not isinstance(block, PageEnd)])])
+    return page, _modes(findings) if barred(findings) else None
 
 
-def _modes(found: Findings) -> Fragment:
-    modes = found.get(Modes)
+def _modes(findings: Findings) -> Fragment:
+    modes = findings.get(Modes)
     if modes is None or not modes.frequency.size:
         reason = next(
-            (why for what, why in found.plan.left_out if what == ANALYSES["modes"].title),
+            (why for what, why in findings.plan.left_out if what == ANALYSES["modes"].title),
             "there are none",
         )
         return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
     blocks = [
-        *_criticals(found),
+        *_criticals(findings),
         Heading("Natural frequencies"),
         natural_frequencies.frequencies(modes),
     ]
     return fragment([*numbered(blocks)])
 
 
-def _criticals(found: Findings) -> Iterator[Block]:
+def _criticals(findings: Findings) -> Iterator[Block]:
     """The Campbell diagram; nothing where no order excites."""
-    if "critical_speeds" in found.results:
+    if "critical_speeds" in findings.results:
         yield from (
-            one for one in critical_speeds.chapter(found) if isinstance(one, Heading | Figure)
+            block
+            for block in critical_speeds.chapter(findings)
+            if isinstance(block, Heading | Figure)
         )

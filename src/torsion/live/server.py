@@ -69,7 +69,7 @@ class Handler(BaseHTTPRequestHandler):
     timeout, disable_nagle_algorithm = 60, True
 
     def do_GET(self) -> None:
-        """The page."""
+        """Answer a request for the page itself."""
         try:
             self._is_own()
             if self.path != "/":
@@ -128,7 +128,7 @@ class Handler(BaseHTTPRequestHandler):
             raise Refusal(403)
 
     def _body(self) -> Any:
-        """The JSON of a request."""
+        """Return the JSON value that a request bears."""
         if self.headers.get("Content-Type") != "application/json":
             raise Refusal(415)
         size = self.headers.get("Content-Length", "")
@@ -166,13 +166,13 @@ class Handler(BaseHTTPRequestHandler):
             self.close_connection = True
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Nothing is printed."""
+        """Print nothing about a request that was answered."""
 
 
 def _positions(values: dict[str, Any]) -> dict[str, float]:
     """Those of sliders; raises Refusal of anything else."""
     if not all(
-        isinstance(one, int | float) and abs(one) < MOST for one in values.values()
+        isinstance(position, int | float) and abs(position) < MOST for position in values.values()
     ):  # nor NaN
         raise Refusal(400)
-    return {name: float(one) for name, one in values.items()}
+    return {name: float(position) for name, position in values.items()}

@@ -64,8 +64,8 @@ class Session:
             if seen > self._count:  # of another run
                 seen = 0
             self._lock.wait_for(lambda: self._count > seen or self._is_ended, wait)
-            found = {key: value for key, (count, value) in self._news.items() if count > seen}
-            return {"seen": self._count, **found}
+            news = {key: value for key, (count, value) in self._news.items() if count > seen}
+            return {"seen": self._count, **news}
 
     def _show(self, **found: Any) -> None:
         with self._lock:
@@ -117,21 +117,21 @@ class Session:
             self._send()
         while not self._is_ended and self._pipe is not None:
             try:
-                turn, found = self._pipe.recv()
+                turn, news = self._pipe.recv()
             except (EOFError, OSError):
                 self._restart()
                 continue
             with self._lock:
-                self._heard(turn, found)
+                self._heard(turn, news)
 
-    def _heard(self, turn: int, found: dict[str, Any]) -> None:
-        """One message of the solver."""
-        self._files = found.pop("files", self._files)
-        if "began" in found:
+    def _heard(self, turn: int, news: dict[str, Any]) -> None:
+        """Take one message of the solver."""
+        self._files = news.pop("files", self._files)
+        if "began" in news:
             self._at, self._began = turn, time.monotonic()
             self._limit = self._began + LIMIT
             self._overtaken = float("inf") if turn == self._turn else self._began + PATIENCE
-        elif "done" in found:
+        elif "done" in news:
             self._limit = float("inf")
             if turn == self._turn:
                 self._is_busy = False
@@ -140,7 +140,7 @@ class Session:
                     state={"text": "" if self._faults else f"solved and drawn in {took:.0f} ms"}
                 )
         else:
-            self._show(**found)
+            self._show(**news)
 
     @property
     def _faults(self) -> str:
@@ -180,12 +180,14 @@ class Session:
             before = {
                 path: before.get(path, read) for path, read in self._files.items()
             }  # followed before, or as read
-            now = {path: stamp(path) for path in before}
-            missing = missing + 1 if any(before[path] and not now[path] for path in now) else 0
+            stamps = {path: stamp(path) for path in before}
+            missing = (
+                missing + 1 if any(before[path] and not stamps[path] for path in stamps) else 0
+            )
             if 0 < missing < GONE:
                 continue
-            if now != before:
-                before, is_settled = now, False
+            if stamps != before:
+                before, is_settled = stamps, False
             elif not is_settled:
                 is_settled = True
                 self._request(None)

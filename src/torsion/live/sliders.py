@@ -30,9 +30,9 @@ class Slider:
     def nominal(self) -> float | None:
         """The position that is the file as it stands; None where there is none."""
         first = self.figures[0]
-        found = np.flatnonzero(np.isclose(first.every(), first.nominal)) if first.places else None
-        if found is not None:
-            return float(found[0]) if found.size else None
+        places = np.flatnonzero(np.isclose(first.every(), first.nominal)) if first.places else None
+        if places is not None:
+            return float(places[0]) if places.size else None
         return None if math.isnan(first.nominal) else first.nominal
 
     def value(self, position: float) -> float:
@@ -46,11 +46,11 @@ class Slider:
 
 
 def sliders_of(variation: Variation) -> dict[str, Slider]:
-    """The sliders by their names."""
+    """Return the sliders of a file by their names."""
     columns: dict[int, list[Figure]] = {}
     for figure in variation.figures:
         columns.setdefault(figure.column, []).append(figure)
-    return {one.name: one for one in map(_slider, columns.values())}
+    return {slider.name: slider for slider in map(_slider, columns.values())}
 
 
 def _slider(figures: list[Figure]) -> Slider:
@@ -80,22 +80,22 @@ def at_positions(
     variation: Variation, positions: Mapping[str, float]
 ) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
     """The figures whose sliders are moved, and their values."""
-    known, pairs = sliders_of(variation), list[tuple[Figure, float]]()
+    sliders, pairs = sliders_of(variation), list[tuple[Figure, float]]()
     for name, position in positions.items():
-        if name not in known:
+        if name not in sliders:
             message = f"the file has no figure '{name}' that may vary"
             raise InputError([Fault((), message)], message)
-        value = known[name].value(position)
-        pairs += [(figure, value) for figure in known[name].figures]
+        value = sliders[name].value(position)
+        pairs += [(figure, value) for figure in sliders[name].figures]
     return tuple(figure for figure, _ in pairs), tuple(value for _, value in pairs)
 
 
 def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:
     """Every slider as the page shows it, with the figure of the file in words."""
-    found = []
+    sliders = []
     for name, slider in sliders_of(variation).items():
         position = positions.get(name, slider.nominal)
-        found.append(
+        sliders.append(
             {
                 "name": name,
                 "low": slider.low,
@@ -107,15 +107,15 @@ def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str
                 "text": _words(slider, positions.get(name), variation),
             }
         )
-    return found
+    return sliders
 
 
 def _words(slider: Slider, position: float | None, variation: Variation) -> str:
     """What the file says, or would say with the slider at a position."""
     first = slider.figures[0]
     if position is None:
-        there = node_at(variation.source.root, first.paths[0][0]) if first.paths else None
-        return "as in the file" if there is None else in_words(there.value)
+        nominal_node = node_at(variation.source.root, first.paths[0][0]) if first.paths else None
+        return "as in the file" if nominal_node is None else in_words(nominal_node.value)
     value = slider.value(position)
     if first.rows:
         return first.words(value)

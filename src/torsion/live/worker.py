@@ -34,10 +34,10 @@ Stamp = (
 def stamp(file: str) -> Stamp:
     """Of a file as it is now."""
     try:
-        found = os.stat(file)
+        status = os.stat(file)
     except (OSError, ValueError):
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return status.st_mtime_ns, status.st_size, status.st_ino
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,8 @@ class Solver:
 
         file = str(Path(request.file).absolute())
         self.reads.stamps = {file: stamp(file)}
-        whole = read(request.file)
-        study = whole if request.case is None else one_case(whole, request.case)
+        scene = read(request.file)
+        study = scene if request.case is None else one_case(scene, request.case)
         return study, movable(study, *reread(study))
 
     def _progress(self, what: str, share: float) -> None:

@@ -11,7 +11,7 @@ class Branch(Component, keyword="branch", sort="none"):
     train: Line = required("the components of the branch")
 
     def lower(self, build: Lowering) -> None:
-        if build.at.here is None:
+        if build.arrival.station is None:
             build.fault("a branch has no point before it that carries it", "put it after a point")
             return
-        lower_branch(build, build.at, self.train, (*build.parts[-1].path, "train"))
+        lower_branch(build, build.arrival, self.train, (*build.parts[-1].path, "train"))

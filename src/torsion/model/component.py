@@ -11,13 +11,13 @@ from torsion.fields import Sized, given
 from torsion.model.lowering import Arrival, Lowering, Part
 
 
-def section_name(whole: str, number: int) -> str:
-    """What a section of a shaft is called; `Part.whole` is the way back.
+def section_name(shaft: str, number: int) -> str:
+    """Return the name of a section of a shaft; `Part.whole` is the way back.
 
     >>> section_name("line", 2)
     'line [2]'
     """
-    return f"{whole} [{number}]"
+    return f"{shaft} [{number}]"
 
 
 class Component(Sized):
@@ -57,9 +57,9 @@ class Component(Sized):
             self.keyword,
             self.sort == "point",
             (*path, self.keyword),
-            ratio=build.at.ratio,
-            depth=build.at.depth,
-            referred_to=build.at.referred_to,
+            ratio=build.arrival.ratio,
+            depth=build.arrival.depth,
+            referred_to=build.arrival.referred_to,
             is_named=self.name is not None,
             note=self.note,
             source=self.source,
@@ -83,7 +83,6 @@ def lower_branch(
     build: Lowering, start: Arrival, components: Sequence[Component], path: Path
 ) -> None:
     """Lower a branch from `start`, then return to where the train had arrived."""
-    main = build.at
-    build.at = replace(start, depth=start.depth + 1)
+    main, build.arrival = build.arrival, replace(start, depth=start.depth + 1)
     lower_line(build, components, path)
-    build.at = main
+    build.arrival = main

@@ -7,7 +7,17 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.fields import (
+    Declared,
+    OneOrMany,
+    Quantity,
+    excludes,
+    exclusive,
+    given,
+    or_value,
+    refuse,
+    required,
+)
 from torsion.model.component import Component
 from torsion.model.coupling_limits import (
     MISFIRE,
@@ -18,6 +28,7 @@ from torsion.model.coupling_limits import (
 )
 from torsion.model.elastic_element import (
     DAMPINGS,
+    HYSTERESES,
     MAGNIFIER,
     PSI,
     CouplingTable,
@@ -37,16 +48,7 @@ Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_
 
 Angle = Annotated[float, Quantity("rad", above=0, usual="clearance")]
 Torque = Annotated[float, Quantity("N*m", above=0)]
-BESIDE_NO_CAPACITY = (
-    "clearance",
-    "hysteresis_torque",
-    "stages",
-    "viscous",
-    "loss_factor",
-    "psi",
-    "magnifier",
-)
-BESIDE_NO_TABLE = (*DAMPINGS, "clearance", "hysteresis_torque", "stages", "capacity")
+NONLINEAR = ("clearance", "hysteresis_torque", "stages", "capacity")
 TABLES = ("table", "prony", "fractional")  # what gives stiffness and damping over something
 STIFFNESSES = ("stiffness", "flexibility", *TABLES)
 STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
@@ -83,15 +85,10 @@ class Stage(Declared):
     hysteresis_torque: Torque | None = given("friction that takes part with it")
 
 
-def _plain(key: str, kind: type[Declared]) -> BeforeValidator:
-    """A value alone, in place of the mapping that has it under `key`."""
-    return BeforeValidator(
-        lambda value: value if isinstance(value, dict | kind) else {key: value}, float | str | kind
-    )
-
-
-Clearance = Annotated[Play, _plain("angle", Play)]
-Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
+Clearance = Annotated[Play, or_value(Play, "angle")]
+Frictions = Annotated[
+    tuple[Annotated[DryFriction, or_value(DryFriction, "torque")], ...], OneOrMany
+]
 
 
 def _text(value: object) -> object:
@@ -100,6 +97,20 @@ def _text(value: object) -> object:
 
 class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
+
+    clashes = (
+        *(excludes(law, *DAMPINGS, hint=f"`{law}` gives the damping") for law in TABLES),
+        *(excludes(law, *NONLINEAR, hint="give a `stiffness` in its place") for law in TABLES),
+        excludes(
+            "capacity",
+            *NONLINEAR[:3],
+            *DAMPINGS,
+            hint="give the clutch and its damper as two couplings with an inertia between them",
+        ),
+        exclusive(
+            "clearance", "stages", hint="give the backlash as a first stage of low stiffness"
+        ),
+    )
 
     file: str | None = given(
         "CSV file of a series of couplings, whose row of that `size` gives keys", alias="from"
@@ -164,39 +175,34 @@ class Coupling(Component, keyword="coupling", sort="link"):
             raise refuse(
                 f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has
             )
-        named = [key for key in STIFFNESSES if getattr(self, key) is not None]
-        if len(named) != 1:
-            what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
-            what = what if named else "`stiffness` or `flexibility` is missing"
+        stiffnesses = self.keys_given(*STIFFNESSES)
+        if len(stiffnesses) != 1:
+            message = f"{' and '.join(f'`{key}`' for key in stiffnesses)} exclude each other"
+            message = message if stiffnesses else "`stiffness` or `flexibility` is missing"
             hint = "give one of `stiffness`, `flexibility` (0 = rigid), `table`, `prony` and `fractional`"
-            raise refuse(what, hint, *named[1:2])
+            raise refuse(message, hint, *stiffnesses[1:2])
         if self.temperature is not None:
-            _refuse_beside_temperature(self)
-        if named[0] in TABLES:
-            beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
-            if beside:
-                hint = (
-                    f"`{named[0]}` gives the damping"
-                    if beside[0] in DAMPINGS
-                    else "give a `stiffness` in its place"
-                )
-                raise refuse(f"`{named[0]}` and `{beside[0]}` exclude each other", hint, beside[0])
-        if (found := given_damping(self)) and self.flexibility == 0:
-            raise refuse(
-                "a rigid coupling has no damping", "leave it out, or give a stiffness", found[0]
-            )
-        if self.max_torque_rare is not None and self.max_torque is None:
-            hint = "also give `max_torque`: T_Kmax1 for normal operation"
-            raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
-        if self.max_torque_rare is not None and self.max_torque_rare < (self.max_torque or 0.0):
-            message = (
-                f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
-            )
-            raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
-        heat_ratings(self.heat_limit, self.heat_limit_misfire)
+            _refuse_beside_temperature(self, self.temperature)
+        damping = given_damping(self)
+        if damping and self.flexibility == 0:
+            message = "a rigid coupling has no damping"
+            raise refuse(message, "leave it out, or give a stiffness", damping[0])
+        self._refuse_ratings()
         _refuse_nonlinear_clashes(self)
 
+    def _refuse_ratings(self) -> None:
+        """Refuse ratings that contradict each other."""
+        normal, rare = self.max_torque, self.max_torque_rare
+        if rare is not None and normal is None:
+            hint = "also give `max_torque`: T_Kmax1 for normal operation"
+            raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
+        if rare is not None and normal is not None and rare < normal:
+            message = f"{rare:g} N m is below the {normal:g} N m of `max_torque`"
+            raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
+        heat_ratings(self.heat_limit, self.heat_limit_misfire)
+
     def lower(self, build: Lowering) -> None:
+        damping, temperature = given_damping(self), self.temperature
         vibratory, over = (
             (None, None) if self.vibratory_torque is None else self.vibratory_torque.lowered()
         )
@@ -207,73 +213,53 @@ class Coupling(Component, keyword="coupling", sort="link"):
             tolerance=self.tolerance,
             max_torque_rare=self.max_torque_rare,
             max_torque_range=self.max_torque_range,
-            temperature_rise=None
-            if self.temperature is None
-            else self.temperature.to - self.temperature.now,
+            temperature_rise=None if temperature is None else temperature.to - temperature.now,
             vibratory_over_frequency=over,
             **heat_ratings(self.heat_limit, self.heat_limit_misfire),
         )
-        damping = given_damping(self)
+        factor, eta = 1.0, loss_factor(damping)
+        if temperature is not None:
+            warming, factor, eta_now = temperature.lowered()
+            if eta_now is not None:
+                damping, eta = ("loss_factor", eta_now), eta_now
+            build.record(warming=warming)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
-        given, scale = self.flexibility, build.at.scale
-        warming, factor, lost = (
-            (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
-        )
-        if warming is not None:
-            build.record(
-                warming=warming, damping=damping if lost is None else ("loss_factor", lost)
-            )
-        if (given_table := self.table or self.prony or self.fractional) is not None:
-            table = given_table.lowered(scale).times(factor)
+
+        scale = build.arrival.scale
+        law = self.table or self.prony or self.fractional
+        if law is not None:
+            table = law.lowered(scale).times(factor)
             build.add(tabled_spring(build.name, build.part, (driving, driven), table))
             return
-        flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
-        flexibility /= factor
-        if self.clearance is not None and self.clearance.stiffness is not None:
-            flexibility = 1.0 / build.own(self.clearance.stiffness)
-        stiffness = 1.0 / flexibility if flexibility else math.inf
-        nonlinear = _nonlinear_record(self, stiffness, scale)
-        build.record(nonlinear=nonlinear)
-        viscous = (
-            build.own(self.viscous or 0.0)
-            if nonlinear is None or not nonlinear.play
-            else nonlinear.viscous
-        )
-        build.add(
-            Spring(
-                build.name,
-                build.part,
-                driving,
-                driven,
-                flexibility,
-                viscous,
-                lost or loss_factor(damping),
-            )
-        )
+        contact = None if self.clearance is None else self.clearance.stiffness
+        if contact is not None:
+            flexibility = 1.0 / build.own(contact)
+        elif self.flexibility is not None:
+            flexibility = self.flexibility * scale / factor
+        else:
+            flexibility = 1.0 / build.own(self.stiffness or 1.0) / factor
+        viscous = build.own(self.viscous or 0.0)
+        nonlinear = _nonlinear_record(self, 1.0 / flexibility if flexibility else math.inf, scale)
+        if nonlinear is not None:
+            build.record(nonlinear=nonlinear)
+            viscous = nonlinear.viscous if nonlinear.play else viscous
+        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, eta))
 
 
-def _refuse_beside_temperature(coupling: Coupling) -> None:
+def _refuse_beside_temperature(coupling: Coupling, temperature: CouplingWarming) -> None:
     """Refuse what does not go together with the temperature of a coupling."""
-    warming, rigid = coupling.temperature, coupling.flexibility == 0
-    beside = [
-        key for key in BESIDE_NO_TABLE[len(DAMPINGS) :] if getattr(coupling, key) not in (None, ())
-    ]
-    if rigid or beside:
-        key = beside[0] if beside else "flexibility"
-        what = (
-            "a rigid coupling makes no heat"
-            if rigid
-            else f"`temperature` and `{key}` exclude each other"
-        )
-        raise refuse(what, "leave `temperature` out", key)
-    lost = [
-        key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None
-    ]
-    own = [key for key in (*DAMPINGS[1:], *TABLES) if getattr(coupling, key) is not None]
-    if lost and own:
-        hint = f"`temperature` gives it as `{lost[0]}`"
-        raise refuse(f"`{own[0]}` and `temperature` both say what the coupling loses", hint, own[0])
+    nonlinear = coupling.keys_given(*NONLINEAR)
+    if coupling.flexibility == 0 or nonlinear:
+        key = nonlinear[0] if nonlinear else "flexibility"
+        message = f"`temperature` and `{key}` exclude each other"
+        if coupling.flexibility == 0:
+            message = "a rigid coupling makes no heat"
+        raise refuse(message, "leave `temperature` out", key)
+    lost, dampings = temperature.keys_given(*HYSTERESES), coupling.keys_given(*HYSTERESES, *TABLES)
+    if lost and dampings:
+        message = f"`{dampings[0]}` and `temperature` both say what the coupling loses"
+        raise refuse(message, f"`temperature` gives it as `{lost[0]}`", dampings[0])
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
@@ -281,43 +267,25 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
     rigid = coupling.flexibility == 0
     play, friction, stages = coupling.clearance, coupling.hysteresis_torque, coupling.stages
     if play is not None and rigid and play.stiffness is None:
-        hint = "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}"
-        raise refuse(
-            "a clearance in a rigid coupling needs the stiffness of its contact", hint, "clearance"
-        )
-    if play is not None and stages:
-        hint = "give the backlash as a first stage of low stiffness"
-        raise refuse("`clearance` and `stages` exclude each other", hint, "stages")
+        message = "a clearance in a rigid coupling needs the stiffness of its contact"
+        raise refuse(message, "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}", "clearance")
     if rigid and (friction or stages):
         key = "stages" if stages else "hysteresis_torque"
         raise refuse(f"a rigid coupling has no `{key}`: it does not twist", "give a stiffness", key)
-    if coupling.capacity is not None:
-        beside = [key for key in BESIDE_NO_CAPACITY if getattr(coupling, key) not in (None, ())]
-        if beside:
-            hint = "give the clutch and its damper as two couplings with an inertia between them"
-            raise refuse(f"`capacity` and `{beside[0]}` exclude each other", hint, beside[0])
-    lost = [
-        key for key in ("loss_factor", "psi", "magnifier") if getattr(coupling, key) is not None
-    ]
+    lost = coupling.keys_given(*HYSTERESES)
     if friction and lost:
-        raise refuse(
-            f"`{lost[0]}` and `hysteresis_torque` count the same loss twice",
-            "keep one of them",
-            lost[0],
-        )
+        message = f"`{lost[0]}` and `hysteresis_torque` count the same loss twice"
+        raise refuse(message, "keep one of them", lost[0])
     if play is not None and lost:
-        hint = "give `viscous`"
-        raise refuse(
-            f"`{lost[0]}` has no meaning for a contact that opens and closes", hint, lost[0]
-        )
-    total = sum(one.torque for one in friction)
+        message = f"`{lost[0]}` has no meaning for a contact that opens and closes"
+        raise refuse(message, "give `viscous`", lost[0])
+    total = sum(element.torque for element in friction)
     if friction and coupling.max_torque is not None and total >= coupling.max_torque:
         message = f"the friction of {total:g} N m is not below the maximum torque, {coupling.max_torque:g} N m"
         raise refuse(message, "it would never slip", "hysteresis_torque")
     if any(before.first >= after.first for before, after in pairwise(stages)):
-        raise refuse(
-            "stages come in the order of the twists at which they begin", "rising `from`", "stages"
-        )
+        message = "stages come in the order of the twists at which they begin"
+        raise refuse(message, "rising `from`", "stages")
 
 
 def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> NonlinearRecord | None:
@@ -326,24 +294,22 @@ def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> Non
     scale: (own speed / speed at which its figures are given)**2. A torque is divided by its root, an angle multiplied.
     """
     play, root = coupling.clearance, scale**0.5
-    if (
-        play is None
-        and not coupling.hysteresis_torque
-        and not coupling.stages
-        and coupling.capacity is None
-    ):
+    if not coupling.keys_given(*NONLINEAR):
         return None
     friction = tuple(
-        (one.torque / root, one.stiffness / scale if one.stiffness else STIFF * stiffness)
-        for one in coupling.hysteresis_torque
+        (
+            element.torque / root,
+            element.stiffness / scale if element.stiffness else STIFF * stiffness,
+        )
+        for element in coupling.hysteresis_torque
     )
     stages = tuple(
         (
-            one.first * root,
-            one.stiffness / scale,
-            ((one.hysteresis_torque or 0.0) / root, STIFF * one.stiffness / scale),
+            stage.first * root,
+            stage.stiffness / scale,
+            ((stage.hysteresis_torque or 0.0) / root, STIFF * stage.stiffness / scale),
         )
-        for one in coupling.stages
+        for stage in coupling.stages
     )
     capacity = None if coupling.capacity is None else coupling.capacity / root
     if play is None:

@@ -1,7 +1,6 @@
 """Limits of a coupling's maker: vibratory torque and heat over frequency, and heat while a cylinder misfires."""
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -9,14 +8,28 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.arrays import FloatArray
-from torsion.fields import Declared, Quantity, given, refuse
+from torsion.fields import (
+    Declared,
+    Quantity,
+    Rows,
+    WrittenRows,
+    excludes,
+    exclusive,
+    given,
+    or_value,
+    refuse,
+    required,
+    table_over,
+)
 
 TORQUE_ROW = (
     "rows are [frequency, torque], the frequencies rising: [[5 Hz, 15 kN*m], [20 Hz, 9 kN*m]]"
 )
 POWER_ROW = "rows are [frequency, power], the frequencies rising: [[5 Hz, 600 W], [20 Hz, 450 W]]"
+EXAMPLE = "{torque: 15 kN*m, at: 10 Hz, above: sqrt}"
 MISFIRE = "permissible power loss while a cylinder does not fire, in place of `heat_limit`: a power, or {power, for: 30 min}"
 OF_TORQUE, OF_POWER = 2, 1  # power of a limit whose inverse is linear between two rows
+FREQUENCY = Quantity("Hz", at_least=0)
 
 
 @dataclass(frozen=True)
@@ -33,24 +46,21 @@ class OverFrequency:
     array([300., 400., 300.])
     """
 
-    rows: tuple[tuple[float, float], ...]  # Hz, limit
+    rows: Rows  # Hz, limit
     power: int
 
     def times(self, factor: float) -> "OverFrequency":
-        """The same with the limit multiplied."""
-        return replace(self, rows=tuple((at, factor * limit) for at, limit in self.rows))
+        """The same law with the limit multiplied."""
+        return replace(self, rows=tuple((row, factor * limit) for row, limit in self.rows))
 
     def at(self, frequency: FloatArray) -> FloatArray:
-        """The limit at frequencies in Hz, of their shape."""
-        given, limit = np.array(self.rows).T
-        found = np.interp(frequency, given, limit**-self.power) ** (-1.0 / self.power)
-        found = np.where((frequency < given[0]) | (frequency > given[-1]), limit.min(), found)
-        falls = (
-            np.sqrt(given[-1] / np.maximum(frequency, given[-1]))
-            if self.power == OF_TORQUE
-            else 1.0
-        )
-        return np.asarray(found * falls)
+        """Return the limit at frequencies in Hz, an array of their shape."""
+        rows, limits = np.array(self.rows).T
+        limit = np.interp(frequency, rows, limits**-self.power) ** (-1.0 / self.power)
+        limit = np.where((frequency < rows[0]) | (frequency > rows[-1]), limits.min(), limit)
+        if self.power == OF_TORQUE:
+            limit = limit * np.sqrt(rows[-1] / np.maximum(frequency, rows[-1]))
+        return np.asarray(limit)
 
 
 @dataclass(frozen=True)
@@ -61,129 +71,94 @@ class HeatInMisfire:
     time: float | None = None  # s, for how long; None: without an end
 
     def times(self, factor: float) -> "HeatInMisfire":
-        """The same with the power multiplied."""
+        """The same limit with the power multiplied."""
         return replace(self, power=factor * self.power)
-
-
-def _rows(quantity: Quantity, hint: str) -> BeforeValidator:
-    def read(value: Any) -> Any:
-        if not isinstance(value, list | tuple) or not all(
-            isinstance(row, list | tuple) and len(row) == 2 for row in value
-        ):
-            raise refuse("this is not a table over frequency", hint)
-        rows = tuple(
-            (Quantity("Hz", at_least=0).read(row[0]), quantity.read(row[1])) for row in value
-        )
-        if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
-            raise refuse("a table over frequency needs two rows or more, rising", hint)
-        return rows
-
-    return BeforeValidator(read, tuple[tuple[float | str, float | str], ...])
-
-
-Rows = tuple[tuple[float, float], ...]
 
 
 class VibratoryTorque(Declared):
     """Permissible vibratory torque."""
+
+    clashes = (
+        exclusive("torque", "table", hint=EXAMPLE + ", or only a torque", needed=True),
+        excludes("table", "at", "above", hint=TORQUE_ROW),
+    )
 
     torque: fields.Rating | None = given("amplitude (zero to peak); with `at` up to that frequency")
     at: fields.Frequency | None = given("frequency above which it falls")
     above: Literal["sqrt"] | None = given(
         "how it falls above `at`: sqrt, with the root of at/f, a constant heat"
     )
-    table: Annotated[Rows, _rows(Quantity("N*m", above=0), TORQUE_ROW)] | None = given(
+    table: (
+        Annotated[Rows, table_over("frequency", FREQUENCY, Quantity("N*m", above=0), TORQUE_ROW)]
+        | None
+    ) = given(
         "rows [frequency, torque] in place of `torque`; beyond the rows the minimum torque applies, above them it "
         "falls with the root of the frequency"
     )
 
     def refuse_clashes(self) -> None:
-        beside = [key for key in ("torque", "at", "above") if getattr(self, key) is not None]
-        if (self.table is None) == (self.torque is None):
-            words = (
-                "`torque` and `table` exclude each other"
-                if self.table
-                else "`torque` or `table` is missing"
-            )
-            raise refuse(
-                words, "{torque: 15 kN*m, at: 10 Hz, above: sqrt}, or only a torque", *beside[:1]
-            )
-        if self.table is not None and beside:
-            raise refuse(f"`table` and `{beside[0]}` exclude each other", TORQUE_ROW, beside[0])
         if (self.at is None) != (self.above is None):
             lacks = "above" if self.above is None else "at"
-            raise refuse(f"`{lacks}` is missing", "{torque: 15 kN*m, at: 10 Hz, above: sqrt}")
+            raise refuse(f"`{lacks}` is missing", EXAMPLE)
 
     def lowered(self) -> tuple[float | None, OverFrequency | None]:
-        """The torque, or what it is over frequency."""
-        if self.table is not None:
-            return None, OverFrequency(self.table, OF_TORQUE)
-        return (
-            (self.torque, None)
-            if self.at is None
-            else (None, OverFrequency(((self.at, self.torque or 0.0),), OF_TORQUE))
-        )
+        """Return the torque (N m) that holds at every frequency, or the law over frequency."""
+        rows = self.table
+        if rows is None and self.at is not None:
+            rows = ((self.at, self.torque or 0.0),)
+        return (self.torque, None) if rows is None else (None, OverFrequency(rows, OF_TORQUE))
 
 
 class HeatLimit(Declared):
     """Permissible power loss."""
 
+    clashes = (exclusive("power", "table", hint=POWER_ROW, needed=True),)
+
     power: fields.Power | None = given("at every frequency")
-    table: Annotated[Rows, _rows(Quantity("W", above=0), POWER_ROW)] | None = given(
+    table: (
+        Annotated[Rows, table_over("frequency", FREQUENCY, Quantity("W", above=0), POWER_ROW)]
+        | None
+    ) = given(
         "rows [frequency, power] in place of `power`; beyond the rows the minimum power applies"
     )
-
-    def refuse_clashes(self) -> None:
-        if (self.table is None) == (self.power is None):
-            words = (
-                "`power` and `table` exclude each other"
-                if self.table
-                else "`power` or `table` is missing"
-            )
-            raise refuse(words, POWER_ROW, *(["table"] if self.table else []))
 
 
 class MisfireHeat(Declared):
     """Permissible power loss while a cylinder does not fire."""
 
-    power: fields.Power = fields.required("of the maker")
+    power: fields.Power = required("of the maker")
     time: Annotated[float, Quantity("s", above=0)] | None = given(
         "for how long (default: without an end)", alias="for"
     )
 
-    def lowered(self) -> HeatInMisfire:
-        """As a record."""
-        return HeatInMisfire(self.power, self.time)
 
-
-def _plain(key: str, kind: type[Declared], *, by_table: bool = True) -> BeforeValidator:
-    """A value alone, or of a list the table, in place of the mapping that has it."""
+def _table_or(key: str, kind: type[Declared]) -> BeforeValidator:
+    """Take a list for the mapping that has it as its table, and a value for the one that has it under `key`."""
 
     def read(value: Any) -> Any:
-        if isinstance(value, dict | kind):
+        if isinstance(value, dict | Declared):
             return value
-        return {"table" if by_table and isinstance(value, list | tuple) else key: value}
+        return {"table" if isinstance(value, list | tuple) else key: value}
 
-    rows = tuple[tuple[float | str, float | str], ...]
-    return BeforeValidator(read, float | str | rows | kind if by_table else float | str | kind)
+    return BeforeValidator(read, float | str | WrittenRows | kind)
 
 
-VibratoryLimit = Annotated[VibratoryTorque, _plain("torque", VibratoryTorque)]
-PowerLimit = Annotated[HeatLimit, _plain("power", HeatLimit)]
-MisfireLimit = Annotated[MisfireHeat, _plain("power", MisfireHeat, by_table=False)]
+VibratoryLimit = Annotated[VibratoryTorque, _table_or("torque", VibratoryTorque)]
+PowerLimit = Annotated[HeatLimit, _table_or("power", HeatLimit)]
+MisfireLimit = Annotated[MisfireHeat, or_value(MisfireHeat, "power")]
 
 
 def heat_ratings(limit: HeatLimit | None, misfire: MisfireHeat | None) -> dict[str, Any]:
     """The fields of `CouplingRatings` about heat; raises where a cylinder that misfires leaves less heat."""
     power, table = (None, None) if limit is None else (limit.power, limit.table)
-    least = power if table is None else min(row[1] for row in table)
-    if misfire is not None and least is not None and misfire.power < least:
-        message = f"{misfire.power:g} W in misfire is below the {least:g} W of `heat_limit`"
+    lowest = power if table is None else min(row[1] for row in table)
+    if misfire is not None and lowest is not None and misfire.power < lowest:
+        message = f"{misfire.power:g} W in misfire is below the {lowest:g} W of `heat_limit`"
         raise refuse(
             message, "a limit of continuous operation holds in misfire too", "heat_limit_misfire"
         )
     return {
         "heat_limit": power,
         "heat_over_frequency": None if table is None else OverFrequency(table, OF_POWER),
-        "heat_in_misfire": None if misfire is None else misfire.lowered(),
+        "heat_in_misfire": None if misfire is None else HeatInMisfire(misfire.power, misfire.time),
     }

@@ -3,10 +3,11 @@
 import math
 
 from torsion import fields
-from torsion.fields import given, refuse, required
+from torsion.fields import excludes, given, refuse, required
 from torsion.model.component import Component
 from torsion.model.coupling_limits import MISFIRE, MisfireLimit, PowerLimit, heat_ratings
 from torsion.model.elastic_element import (
+    HYSTERESES,
     MAGNIFIER,
     PSI,
     CouplingTable,
@@ -19,15 +20,20 @@ from torsion.model.lowering import CouplingRatings, Lowering
 from torsion.model.silicone import Silicone
 from torsion.primitives import Spring, tabled_spring
 
-BY_HYSTERESIS = ("loss_factor", "psi", "magnifier")
-LAWS = ("table", "silicone")
-AT = (
-    2.0 * math.pi * 100.0
-)  # rad/s at which a law's figures stand for it where no frequency is named
+# rad/s at which the values of a law stand for it where no frequency is named
+NOMINAL_FREQUENCY = 2.0 * math.pi * 100.0
 
 
 class RingDamper(Component, keyword="damper", sort="point"):
     """A torsional vibration damper."""
+
+    clashes = tuple(
+        excludes(law, *others, hint=f"`{law}` gives stiffness and damping")
+        for law, others in (
+            ("table", ("stiffness", "damping", *HYSTERESES, "silicone")),
+            ("silicone", ("stiffness", "damping", *HYSTERESES)),
+        )
+    )
 
     housing: fields.Inertia = required("inertia of the housing, fixed to the train")
     ring: fields.Inertia = required("inertia of the ring")
@@ -52,25 +58,16 @@ class RingDamper(Component, keyword="damper", sort="point"):
     heat_limit_misfire: MisfireLimit | None = given(MISFIRE)
 
     def refuse_clashes(self) -> None:
-        laws = [key for key in LAWS if getattr(self, key) is not None]
-        if laws:
-            others = ("stiffness", "damping", *BY_HYSTERESIS, *laws[1:])
-            beside = [key for key in others if getattr(self, key) is not None]
-            if beside:
-                hint = f"`{laws[0]}` gives stiffness and damping"
-                raise refuse(f"`{laws[0]}` and `{beside[0]}` exclude each other", hint, beside[0])
-            if self.table is not None and self.table.over != "frequency":
-                raise refuse(
-                    "a ring carries no mean torque", "give its table `over: frequency`", "table"
-                )
-        lost = given_damping(self, BY_HYSTERESIS)
+        lost = given_damping(self, HYSTERESES)
         heat_ratings(self.heat_limit, self.heat_limit_misfire)
-        if laws:
+        if self.table is not None and self.table.over != "frequency":
+            message = "a ring carries no mean torque"
+            raise refuse(message, "give its table `over: frequency`", "table")
+        if self.silicone is not None or self.table is not None:
             return
         if lost and self.stiffness is None:
-            raise refuse(
-                f"`{lost[0]}` is of a stiffness, and there is none", "give `stiffness`", lost[0]
-            )
+            message = f"`{lost[0]}` is of a stiffness, and there is none"
+            raise refuse(message, "give `stiffness`", lost[0])
         if lost is None and self.damping is None:
             hint = (
                 "give `damping`, `silicone`, `stiffness` and `loss_factor` of rubber, or a `table`"
@@ -78,20 +75,18 @@ class RingDamper(Component, keyword="damper", sort="point"):
             raise refuse("nothing takes energy out: `damping` is missing", hint)
 
     def lower(self, build: Lowering) -> None:
-        lost = given_damping(self, BY_HYSTERESIS)
+        lost = given_damping(self, HYSTERESES)
         viscous = ("damping", self.damping) if self.damping is not None else None
         ratings = CouplingRatings(**heat_ratings(self.heat_limit, self.heat_limit_misfire))
         build.record(damping=lost or viscous, ratings=ratings)
-        here = build.point()
-        ring = build.station(f"{build.name} ring")
-        build.inertia(here, self.housing, "housing")
-        build.inertia(ring, self.ring, "ring")
         name, law = f"{build.name} ring", self.silicone or self.table
+        housing, ring = build.point(), build.station(name)
+        build.inertia(housing, self.housing, "housing")
+        build.inertia(ring, self.ring, "ring")
         if law is not None:
-            build.add(
-                tabled_spring(name, build.part, (here, ring), law.lowered(build.at.scale), AT)
-            )
+            table = law.lowered(build.arrival.scale)
+            build.add(tabled_spring(name, build.part, (housing, ring), table, NOMINAL_FREQUENCY))
             return
         flexibility = math.inf if self.stiffness is None else 1.0 / build.own(self.stiffness)
         damping = build.own(self.damping or 0.0)
-        build.add(Spring(name, build.part, here, ring, flexibility, damping, loss_factor(lost)))
+        build.add(Spring(name, build.part, housing, ring, flexibility, damping, loss_factor(lost)))

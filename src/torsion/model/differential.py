@@ -14,16 +14,8 @@ from torsion.model.lowering import Lowering, Part
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Primitive, Section, Spring, Torque
 
 Teeth = Annotated[int, Field(ge=1, le=1000)]
-KINDS = (
-    "coupling",
-    "shaft",
-    "disc",
-    "propeller",
-    "damper",
-    "gear",
-    "branch",
-    "planets",
-)  # that a half may have
+# Kinds that a half may have.
+KINDS = ("coupling", "shaft", "disc", "propeller", "damper", "gear", "branch", "planets")
 OPPOSED = " opposed"
 TOGETHER = "both halves downstream of {} together, with one angle; each carries half of the torque"
 AGAINST = "the halves downstream of {} against each other, with opposite angles; each carries half of the torque"
@@ -44,10 +36,8 @@ class Differential(Declared):
 
     def refuse_clashes(self) -> None:
         if self.planet_inertia and self.teeth is None:
-            raise refuse(
-                "`planet_inertia` needs `teeth: [side gear, planet]`",
-                "they say how fast the planets turn",
-            )
+            message = "`planet_inertia` needs `teeth: [side gear, planet]`"
+            raise refuse(message, "they say how fast the planets turn")
 
     def lower(self, build: Lowering, gear: Part, case: int) -> None:
         """Lower the halves twice: together, on the case, and against each other, apart from all else.
@@ -56,7 +46,11 @@ class Differential(Declared):
         and stiffness, one of angles s and one of angles a. The case turns with s alone (its speed is the mean of
         both halves'), so that nothing joins the second train to anything.
         """
-        path, main, number = (*gear.path, "differential", "train"), build.at, build.number.copy()
+        path, main, number = (
+            (*gear.path, "differential", "train"),
+            build.arrival,
+            build.number.copy(),
+        )
         build.inertia(case, 2.0 * self.side_gear, "side gears")
         self._halves(build, gear, case, path)
         build.number, faults = number, len(build.faults)
@@ -70,79 +64,77 @@ class Differential(Declared):
         self._halves(build, gear, free, path)
         del build.faults[faults:]
         _oppose(build, begin, gear.name)
-        build.at = main
+        build.arrival = main
 
     def _halves(self, build: Lowering, gear: Part, station: int, path: Path) -> None:
         """Lower the train of both halves together from a station."""
         parts, first = len(build.parts), len(build.primitives)
-        lower_branch(build, replace(build.at, here=station, is_open=False), self.train, path)
-        for k in range(parts, len(build.parts)):
-            if (fault := _fault(build.parts[k])) is not None:
-                build.faults.append(fault)
-            build.parts[k] = _doubled_part(build.parts[k], gear.name)
-        for k in range(first, len(build.primitives)):
-            doubled = _doubled(build.primitives[k])
+        lower_branch(
+            build, replace(build.arrival, station=station, is_open=False), self.train, path
+        )
+        for k, part in enumerate(build.parts[parts:], parts):
+            _refuse(build, part, _unsupported(part))
+            build.parts[k] = replace(
+                part,
+                ratings=None if part.ratings is None else part.ratings.times(2.0),
+                max_torque=None if part.max_torque is None else 2.0 * part.max_torque,
+                remark=part.remark or TOGETHER.format(gear.name),
+            )
+        for k, primitive in enumerate(build.primitives[first:], first):
+            doubled = _doubled(primitive)
             if isinstance(doubled, str):
-                part = build.parts[getattr(build.primitives[k], "part", -1)]
-                build.faults.append(
-                    Fault(
-                        part.path, f"the half of a differential does not support: {doubled}", HINT
-                    )
-                )
+                _refuse(build, build.parts[getattr(primitive, "part", -1)], doubled)
             else:
                 build.primitives[k] = doubled
 
 
-HINT = "give a plain stiffness and discs, or write the train without `differential`"
+def _refuse(build: Lowering, part: Part, unsupported: str) -> None:
+    """Note what a half cannot have, if there is such a thing."""
+    if unsupported:
+        message = f"the half of a differential does not support: {unsupported}"
+        hint = "give a plain stiffness and discs, or write the train without `differential`"
+        build.faults.append(Fault(part.path, message, hint))
 
 
-def _fault(part: Part) -> Fault | None:
-    """What a half cannot have, of a component."""
-    what = "" if part.kind in KINDS else part.kind
-    if part.nonlinear is not None or part.warming is not None:
-        what = "coupling that is nonlinear or warms"
-    if part.machine is not None and part.machine.is_stated:
-        what = f"{part.kind} with `power`, `torque` or a table of `load`"
+def _unsupported(part: Part) -> str:
+    """Return what a half cannot have of a component; empty if it can have it."""
     if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
-        what = "shaft with `role` or `support`"
-    return (
-        Fault(part.path, f"the half of a differential does not support: {what}", HINT)
-        if what
-        else None
-    )
+        return "shaft with `role` or `support`"
+    if part.machine is not None and part.machine.is_stated:
+        return f"{part.kind} with `power`, `torque` or a table of `load`"
+    if part.nonlinear is not None or part.warming is not None:
+        return "coupling that is nonlinear or warms"
+    return "" if part.kind in KINDS else part.kind
 
 
-def _doubled_part(part: Part, gear: str) -> Part:
-    """With the limits of both halves."""
-
-    def twice(limit: float | None) -> float | None:
-        return None if limit is None else 2.0 * limit
-
-    ratings = None if part.ratings is None else part.ratings.times(2.0)
-    remark = part.remark or TOGETHER.format(gear)
-    return replace(part, ratings=ratings, max_torque=twice(part.max_torque), remark=remark)
-
-
-def _doubled(one: Primitive) -> Primitive | str:
+def _doubled(primitive: Primitive) -> Primitive | str:
     """Two equal ones as one of twice their inertia, stiffness and damping; what it is where that is not possible."""
-    match one:
+    match primitive:
         case Inertia():
-            return replace(one, inertia=2.0 * one.inertia)
-        case Spring() if one.table is not None:
+            return replace(primitive, inertia=2.0 * primitive.inertia)
+        case Spring() if primitive.table is not None:
             return "coupling by table"
         case Spring():
-            return replace(one, flexibility=one.flexibility / 2.0, viscous=2.0 * one.viscous)
+            return replace(
+                primitive,
+                flexibility=primitive.flexibility / 2.0,
+                viscous=2.0 * primitive.viscous,
+            )
         case Bar():
-            return _doubled_bar(one)
-        case Constraint() if one.error or one.toothing is not None:
-            return "joint" if one.error else "gear with `module` or `pitch_diameter`"
+            return _doubled_bar(primitive)
+        case Constraint() if primitive.error or primitive.toothing is not None:
+            return "joint" if primitive.error else "gear with `module` or `pitch_diameter`"
         case Constraint():
-            return replace(one, flexibility=one.flexibility / 2.0)
+            return replace(primitive, flexibility=primitive.flexibility / 2.0)
         case Damper():  # torque_factor and load_factor go with the mean torque there, which is that of both
-            return replace(one, constant=2.0 * one.constant, speed_factor=2.0 * one.speed_factor)
+            return replace(
+                primitive,
+                constant=2.0 * primitive.constant,
+                speed_factor=2.0 * primitive.speed_factor,
+            )
         case Torque():
-            table = tuple((speed, 2.0 * torque) for speed, torque in one.table)
-            return replace(one, torque=2.0 * one.torque, table=table)
+            table = tuple((speed, 2.0 * torque) for speed, torque in primitive.table)
+            return replace(primitive, torque=2.0 * primitive.torque, table=table)
 
 
 def _doubled_bar(bar: Bar) -> Bar | str:
@@ -173,17 +165,24 @@ def _oppose(build: Lowering, begin: tuple[int, int, int], gear: str) -> None:
     parts, stations, first = begin
     nothing: dict[str, Any] = {"ratings": None, "max_torque": None, "application_factor": None}
     nothing |= {"machine": None, "impeller": None, "propeller": None}
-    for k in range(parts, len(build.parts)):
-        own = build.parts[k]
-        kind = "disc" if own.machine is not None else own.kind
-        name = own.name + OPPOSED
-        build.parts[k] = replace(
-            own, name=name, kind=kind, remark=AGAINST.format(gear), is_opposed=True, **nothing
+    build.parts[parts:] = [
+        replace(
+            part,
+            name=part.name + OPPOSED,
+            kind="disc" if part.machine is not None else part.kind,
+            remark=AGAINST.format(gear),
+            is_opposed=True,
+            **nothing,
         )
-    for k in range(stations, len(build.stations)):
-        build.stations[k] = replace(build.stations[k], name=build.stations[k].name + OPPOSED)
-    kept = [one for one in build.primitives[first:] if not isinstance(one, Torque)]
+        for part in build.parts[parts:]
+    ]
+    build.stations[stations:] = [
+        replace(station, name=station.name + OPPOSED) for station in build.stations[stations:]
+    ]
     build.primitives[first:] = [
-        replace(one, name=one.name + OPPOSED) if isinstance(one, Spring | Bar | Constraint) else one
-        for one in kept
+        replace(primitive, name=primitive.name + OPPOSED)
+        if isinstance(primitive, Spring | Bar | Constraint)
+        else primitive
+        for primitive in build.primitives[first:]
+        if not isinstance(primitive, Torque)
     ]

@@ -18,24 +18,20 @@ class Rotor(Component, sort="point"):
 
     def refuse_clashes(self) -> None:
         if self.held and self.inertia is not None:
-            raise refuse(
-                "`inertia` and `held: true` exclude each other",
-                "a fixed point needs no inertia",
-                "inertia",
-            )
+            hint = "a fixed point needs no inertia"
+            raise refuse("`inertia` and `held: true` exclude each other", hint, "inertia")
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
         if self.held and self.tolerance is not None:
-            raise refuse(
-                "a fixed point has no inertia that could vary", "leave it out", "tolerance"
-            )
+            message = "a fixed point has no inertia that could vary"
+            raise refuse(message, "leave it out", "tolerance")
 
-    def place(self, build: Lowering, what: str = "") -> int:
-        """The station of this point, with its inertia; `what` says what that is where there is another one."""
-        here = build.point()
+    def lower_rotor(self, build: Lowering, what: str = "") -> int:
+        """Add the station of this point with its inertia; `what` names the inertia where there is another one."""
+        station = build.point()
         build.record(inertia_tolerance=self.tolerance)
-        build.inertia(here, math.inf if self.held else self.inertia or 0.0, what)
-        return here
+        build.inertia(station, math.inf if self.held else self.inertia or 0.0, what)
+        return station
 
 
 class Disc(Rotor, keyword="disc"):
@@ -47,11 +43,11 @@ class Disc(Rotor, keyword="disc"):
     stiffness: fields.GroundStiffness | None = given("stiffness to ground")
 
     def lower(self, build: Lowering) -> None:
-        here = self.place(build)
+        station = self.lower_rotor(build)
         if self.damping:
-            build.add(Damper(here, constant=build.own(self.damping)))
+            build.add(Damper(station, constant=build.own(self.damping)))
         if self.stiffness:
             ground = build.station(f"{build.name} ground", is_ground=True)
             build.inertia(ground, math.inf)
             name = f"{build.name} to ground"
-            build.add(Spring(name, build.part, here, ground, 1.0 / build.own(self.stiffness)))
+            build.add(Spring(name, build.part, station, ground, 1.0 / build.own(self.stiffness)))

@@ -1,12 +1,12 @@
 """Laws of drive: how the mean torque of a machine that drives answers a change of its speed."""
 
-from typing import Annotated, Literal, cast
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 
 from torsion.arrays import FloatArray
-from torsion.fields import Declared, Quantity, given, refuse
-from torsion.model.harmonic_torques import Table, read_table
+from torsion.fields import Declared, Quantity, Rows, WrittenRows, given, refuse
+from torsion.model.harmonic_torques import read_table
 from torsion.model.load_law import segment_slopes
 from torsion.sources import source
 
@@ -36,15 +36,15 @@ class DriveLaw(Declared):
     law: Literal["speed", "torque"] | None = given(
         "speed: a controller holds the mean speed; torque: it is constant"
     )
-    torque: Annotated[Table | None, BeforeValidator(lambda rows: rows and read_table(rows))] = (
-        given("the torque itself over own speed, [[speed, torque], ...]")
+    torque: Annotated[Rows, BeforeValidator(read_table, WrittenRows)] | None = given(
+        "the torque itself over own speed, [[speed, torque], ...]"
     )
     lag: Time | None = given(
         "time constant with which the slope acts in vibration too (default: it does not)"
     )
 
     def refuse_clashes(self) -> None:
-        laws = [key for key in LAWS if getattr(self, key) is not None]
+        laws = self.keys_given(*LAWS)
         if len(laws) > 1:
             raise refuse(
                 f"`{laws[0]}` and `{laws[1]}` are two laws of one drive",
@@ -81,11 +81,6 @@ class DriveLaw(Declared):
             )
 
     @property
-    def law_table(self) -> tuple[tuple[float, float], ...] | None:
-        """The rows of `torque` in rad/s and N m."""
-        return cast("tuple[tuple[float, float], ...] | None", self.torque)
-
-    @property
     def is_controlled(self) -> bool:
         """A controller holds the mean speed."""
         return self.law == "speed"
@@ -109,10 +104,9 @@ class DriveLaw(Declared):
 
     def slopes(self, speed: FloatArray, rated_torque: float, rated_speed: float) -> FloatArray:
         """Return -dT/dω (speeds,) N m s/rad at own speeds (rad/s); of a table the smaller one at its knots."""
-        if self.law_table is not None:
-            return segment_slopes(
-                tuple((row_speed, -torque) for row_speed, torque in self.law_table), speed
-            )
+        if self.torque is not None:
+            # The smaller slope at a knot is that of the negative torque.
+            return segment_slopes(tuple((row, -torque) for row, torque in self.torque), speed)
         return 0.0 * speed + self.slope_at_rated(rated_torque, rated_speed)
 
     @property

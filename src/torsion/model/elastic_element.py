@@ -8,16 +8,30 @@ import numpy as np
 from pydantic import BeforeValidator, ValidationInfo, field_validator
 
 from torsion import fields
-from torsion.fields import Declared, LossFactor, Power, Quantity, given, refuse, required
+from torsion.fields import (
+    Declared,
+    LossFactor,
+    Power,
+    Quantity,
+    Rows,
+    given,
+    refuse,
+    required,
+    table_over,
+)
 
 if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
     from torsion.kernels.stiffness_table import StiffnessTable
     from torsion.kernels.warming import Warming
 
-DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
-Psi = Annotated[float, Quantity("1", at_least=0, usual="psi")]
-Magnifier = Annotated[float, Quantity("1", above=0, usual="magnifier")]
+HYSTERESES = ("loss_factor", "psi", "magnifier")
+DAMPINGS = ("viscous", *HYSTERESES)
+ETA = Quantity("1", at_least=0, usual="loss factor")
+PSI_VALUE = Quantity("1", at_least=0, usual="psi")
+MAGNIFIER_VALUE = Quantity("1", above=0, usual="magnifier")
+Psi = Annotated[float, PSI_VALUE]
+Magnifier = Annotated[float, MAGNIFIER_VALUE]
 PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
 MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 
@@ -31,11 +45,11 @@ def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str
 
     Of a table the value is one at each of its points.
     """
-    found = [(key, value) for key in keys if (value := getattr(component, key)) is not None]
-    if len(found) > 1:
-        both = " and ".join(key for key, _ in found)
-        raise refuse(f"{both} exclude each other", "give one kind of damping", found[1][0])
-    return found[0] if found else None
+    dampings = component.keys_given(*keys)
+    if len(dampings) > 1:
+        message = f"{' and '.join(dampings)} exclude each other"
+        raise refuse(message, "give one kind of damping", dampings[1])
+    return (dampings[0], getattr(component, dampings[0])) if dampings else None
 
 
 def loss_factor(damping: tuple[str, float] | None) -> float:
@@ -77,7 +91,7 @@ class CouplingTable(Declared):
         quantity = OVER.get(info.data.get("over", ""), OVER["frequency"])
         if not isinstance(value, list | tuple):
             raise refuse("`at` is a list of the points of the table", POINTS)
-        points = tuple(quantity.read(one) for one in value)
+        points = tuple(map(quantity.read, value))
         if len(points) < 2 or any(before >= after for before, after in pairwise(points)):
             raise refuse("`at` needs two points or more, rising", POINTS)
         return points
@@ -96,9 +110,9 @@ class CouplingTable(Declared):
         key, values = given_damping(self) or ("", (0.0,) * len(self.at))
         eta = tuple(loss_factor((key, value)) for value in values)
         viscous = tuple(value / scale if key == "viscous" else 0.0 for value in values)
-        own = 2.0 * math.pi if self.over == "frequency" else 1.0 / math.sqrt(scale)
+        to_own = 2.0 * math.pi if self.over == "frequency" else 1.0 / math.sqrt(scale)
         stiffness = tuple(value / scale for value in self.stiffness)
-        points = tuple(point * own for point in self.at)
+        points = tuple(point * to_own for point in self.at)
         return StiffnessTable(self.over, points, stiffness, eta, viscous, self.beyond == "hold")
 
 
@@ -107,15 +121,12 @@ TERM = "terms are [stiffness, relaxation time]: [[6 kN*m/rad, 0.05 s], [9 kN*m/r
 
 
 def _pairs(value: Any) -> Any:
-    if not (
-        isinstance(value, list | tuple)
-        and value
-        and all(isinstance(one, list | tuple) for one in value)
-    ):
+    is_list = isinstance(value, list | tuple) and value
+    if not is_list or not all(isinstance(term, list | tuple) for term in value):
         raise refuse("this is not a list of Prony terms", TERM)
-    if any(len(one) != 2 for one in value):
+    if any(len(term) != 2 for term in value):
         raise refuse("a term has a stiffness and a relaxation time", TERM)
-    return tuple(tuple(one) for one in value)
+    return tuple(map(tuple, value))
 
 
 class PronySpring(Declared):
@@ -150,24 +161,15 @@ class FractionalSpring(Declared):
         return fractional(self.stiffness / scale, self.k1 / scale, self.tau, self.exponent)
 
 
-Temperature = Annotated[float, Quantity("degC")]
+TEMPERATURE = Quantity("degC")
+Temperature = Annotated[float, TEMPERATURE]
 Rise = Annotated[float, Quantity("K", above=0, usual="rise of temperature")]
-Factor = Annotated[float, Quantity("1", above=0, usual="factor of a stiffness")]
 ROW = "rows are [temperature, value], the temperatures rising: [[30 degC, 1], [100 degC, 0.6]]"
-
-
-def _rows(value: Any) -> Any:
-    if not isinstance(value, list | tuple) or not all(
-        isinstance(row, list | tuple) and len(row) == 2 for row in value
-    ):
-        raise refuse("this is not a table over temperature", ROW)
-    return tuple(tuple(row) for row in value)
-
-
-Factors = Annotated[tuple[tuple[Temperature, Factor], ...], BeforeValidator(_rows)]
-LossFactors = Annotated[tuple[tuple[Temperature, LossFactor], ...], BeforeValidator(_rows)]
-Psis = Annotated[tuple[tuple[Temperature, Psi], ...], BeforeValidator(_rows)]
-Magnifiers = Annotated[tuple[tuple[Temperature, Magnifier], ...], BeforeValidator(_rows)]
+FACTOR = Quantity("1", above=0, usual="factor of a stiffness")
+Factors = Annotated[Rows, table_over("temperature", TEMPERATURE, FACTOR, ROW)]
+LossFactors = Annotated[Rows, table_over("temperature", TEMPERATURE, ETA, ROW)]
+Psis = Annotated[Rows, table_over("temperature", TEMPERATURE, PSI_VALUE, ROW)]
+Magnifiers = Annotated[Rows, table_over("temperature", TEMPERATURE, MAGNIFIER_VALUE, ROW)]
 
 
 class CouplingWarming(Declared):
@@ -193,10 +195,8 @@ class CouplingWarming(Declared):
             raise refuse(
                 f"{self.to:g} degC is not above the {self.now:g} degC of `now`", "it warms", "to"
             )
-        lost = given_damping(self, ("loss_factor", "psi", "magnifier"))
+        lost = given_damping(self, HYSTERESES)
         for key, rows in (("stiffness", self.stiffness), lost or ("stiffness", self.stiffness)):
-            if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
-                raise refuse("a table over temperature needs two rows or more, rising", ROW, key)
             if rows[0][0] > self.now or rows[-1][0] < self.to:
                 message = f"the rows run from {rows[0][0]:g} to {rows[-1][0]:g} degC"
                 raise refuse(
@@ -207,12 +207,12 @@ class CouplingWarming(Declared):
         """The record, the factor on the stiffness now, and the loss factor now (None: the coupling's own)."""
         from torsion.kernels.warming import Warming
 
-        key, values = given_damping(self, ("loss_factor", "psi", "magnifier")) or ("", ())
+        key, values = given_damping(self, HYSTERESES) or ("", ())
         of_psi = 2.0 * math.pi if key == "psi" else 1.0
         rows = tuple((t, value / of_psi) for t, value in values)
         now = np.array(self.now)
         points, factors = np.array(self.stiffness).T
         first = float(np.interp(now, points, factors))
         factor = tuple((t, value / first) for t, value in self.stiffness)
-        found = Warming(self.now, self.to, self.rise / self.at, factor, rows, key == "magnifier")
-        return found, first, float(found.loss_factor(now)) if rows else None
+        warming = Warming(self.now, self.to, self.rise / self.at, factor, rows, key == "magnifier")
+        return warming, first, float(warming.loss_factor(now)) if rows else None

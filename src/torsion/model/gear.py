@@ -9,7 +9,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
+from torsion.fields import (
+    Declared,
+    OneOrMany,
+    Quantity,
+    excludes,
+    exclusive,
+    given,
+    refuse,
+)
 from torsion.model.component import Component, Line, lower_branch
 from torsion.model.coupling import Pair
 from torsion.model.differential import Differential
@@ -21,22 +29,17 @@ Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
 Module = Annotated[float, Quantity("m", above=0, usual="module")]
+ITS_OWN_KEYS = "its own keys say it"
 PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
-BESIDE_NO_PLANETARY = frozenset(
-    (
-        "ratio",
-        "teeth",
-        "inertia",
-        "mesh_stiffness",
-        "sense",
-        "branches",
-        "module",
-        "pitch_diameter",
-        "helix_angle",
-        "pressure_angle",
-    )
-)
 SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
+
+
+ONE_RATIO = exclusive(
+    "ratio",
+    "teeth",
+    hint="`teeth: [driving, driven]`, or `ratio: speed before / speed after`",
+    needed=True,
+)
 
 
 class GearBranch(Declared):
@@ -52,13 +55,27 @@ class GearBranch(Declared):
     )
     sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
     train: Line = given("the train behind the wheel", ())
-
-    def refuse_clashes(self) -> None:
-        _one_ratio(self)
+    clashes = (ONE_RATIO,)
 
 
 class Gear(Component, keyword="gear", sort="link"):
     """A gear stage."""
+
+    clashes = (
+        excludes("planetary", "branches", hint="give them a separate gear"),
+        excludes(
+            "planetary",
+            "helix_angle",
+            "inertia",
+            "mesh_stiffness",
+            "module",
+            "pitch_diameter",
+            "pressure_angle",
+            "ratio",
+            "teeth",
+            hint=ITS_OWN_KEYS,
+        ),
+    )
 
     ratio: fields.Exact | None = given("speed before / speed after")
     teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given(
@@ -98,19 +115,14 @@ class Gear(Component, keyword="gear", sort="link"):
 
     def refuse_clashes(self) -> None:
         if self.planetary is None:
-            _one_ratio(self)
-        elif clashes := sorted(BESIDE_NO_PLANETARY & self.model_fields_set):
-            hint = (
-                "its own keys say it" if clashes[0] != "branches" else "give them a separate gear"
-            )
-            raise refuse(f"`planetary` and `{clashes[0]}` exclude each other", hint, clashes[0])
+            ONE_RATIO.check(self)
+        elif self.sense != -1:
+            raise refuse("`planetary` and `sense` exclude each other", ITS_OWN_KEYS, "sense")
         _refuse_sizes_that_clash(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
-                raise refuse(
-                    "a branch with only the teeth of its wheel needs `teeth` of the gear",
-                    key="branches",
-                )
+                message = "a branch with only the teeth of its wheel needs `teeth` of the gear"
+                raise refuse(message, key="branches")
 
     @classmethod
     def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
@@ -118,46 +130,50 @@ class Gear(Component, keyword="gear", sort="link"):
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
-        before, part, gear = build.at, build.part, build.parts[-1]
-        referred_to = (
-            before.ratio if self.referred and before.referred_to is None else before.referred_to
-        )
-        stage = self.planetary
+        before, part, gear, stage = build.arrival, build.part, build.parts[-1], self.planetary
+        referred_to = before.referred_to
+        if self.referred and referred_to is None:
+            referred_to = before.ratio
         sense, halves, half = self.sense, self.inertia, "wheel"
         if stage is not None:
             sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
         driving, driven = build.link(
             self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None
         )
-        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
+        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.arrival
         if stage is not None and stage.star is not None:
             mesh = _with_planets(build, gear, mesh, stage, before)
         build.add(mesh)
-        build.at = main
+        build.arrival = main
         if self.differential is not None:
             self.differential.lower(build, gear, driven)
         for position, branch in enumerate(self.branches):
             ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
-            build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
+            build.arrival = replace(main, ratio=ratio, sense=before.sense * branch.sense)
             driven = build.station(name, part=part)
             build.inertia(driven, branch.inertia, f"wheel {position + 2}", part)
             build.add(self._mesh(branch, name, part, (driving, driven), before))
             path = (*gear.path, "branches", position, "train")
-            lower_branch(build, replace(build.at, here=driven), branch.train, path)
-        build.at = main
+            lower_branch(build, replace(build.arrival, station=driven), branch.train, path)
+        build.arrival = main
 
     def _mesh(
-        self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival
+        self,
+        wheel: "Gear | GearBranch",
+        name: str,
+        part: int,
+        ends: tuple[int, int],
+        arrival: Arrival,
     ) -> Constraint:
-        """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
-        flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
+        """The mesh of a wheel with the driving gear, whose figures count at the station of `arrival`."""
+        flexibility = 0.0 if wheel.mesh_stiffness is None else arrival.scale / wheel.mesh_stiffness
         if isinstance(wheel, Gear) and (stage := wheel.planetary) is not None:
             return Constraint(
                 name,
                 part,
                 *ends,
                 abs(stage.speed),
-                at.scale * stage.flexibility,
+                arrival.scale * stage.flexibility,
                 meshings=stage.meshings,
                 wheel=abs(stage.speeds[stage.meshing]),
             )
@@ -202,29 +218,30 @@ def _with_planets(
     build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival
 ) -> Constraint:
     """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
-    star, after, carries = stage.star, build.at, mesh.driven
+    star, after, carrier = stage.star, build.arrival, mesh.driven
     if star is None:
         return mesh
-    arms = star.other * before.scale, star.planets * before.scale
     if not star.is_mesh_driving:
-        carries, build.at = mesh.driving, replace(build.at, ratio=before.ratio, sense=before.sense)
+        carrier, build.arrival = (
+            mesh.driving,
+            replace(build.arrival, ratio=before.ratio, sense=before.sense),
+        )
     build.member(gear, "planets", "planets", is_point=True)
-    own = build.at.ratio / before.ratio  # speed of the centre over that of the driving member
-    centre = carries
-    if arms[0]:
+    speed = build.arrival.ratio / before.ratio  # of the centre over that of the driving member
+    to_centre, centre = before.scale * float(speed) ** 2, carrier
+    if star.other:
         centre = build.station(f"{gear.name} centre")
-        ends = (centre, carries) if star.is_mesh_driving else (carries, centre)
-        build.add(Spring(f"{gear.name} carrier", build.part, *ends, arms[0] * float(own) ** 2))
+        ends = (centre, carrier) if star.is_mesh_driving else (carrier, centre)
+        build.add(Spring(f"{gear.name} carrier", build.part, *ends, star.other * to_centre))
     spin = stage.speeds["planet"]
-    build.at = replace(
-        build.at, ratio=before.ratio * abs(spin), sense=before.sense if spin > 0 else -before.sense
-    )
-    planets = build.station(build.name)
-    build.record(stations=(planets,), ratio=build.at.ratio, depth=gear.depth + 1)
+    sense = before.sense if spin > 0 else -before.sense
+    build.arrival = replace(build.arrival, ratio=before.ratio * abs(spin), sense=sense)
+    planets, name = build.station(build.name), f"{gear.name} planets"
+    build.record(stations=(planets,), ratio=build.arrival.ratio, depth=gear.depth + 1)
     build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
-    name, flexibility = f"{gear.name} planets", arms[1] * float(own) ** 2
-    build.add(Constraint(name, build.part, centre, planets, abs(spin) / own, flexibility))
-    build.at = after
+    flexibility = star.planets * to_centre
+    build.add(Constraint(name, build.part, centre, planets, abs(spin) / speed, flexibility))
+    build.arrival = after
     ends = (mesh.driving, centre) if star.is_mesh_driving else (centre, mesh.driven)
     return replace(mesh, driving=ends[0], driven=ends[1], flexibility=star.mesh * before.scale)
 
@@ -236,39 +253,20 @@ def _refuse_sizes_that_clash(gear: Gear) -> None:
         if getattr(gear, key) is not None and sizes is None and gear.module is None:
             raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
     if gear.module is not None and gear.teeth is None:
-        raise refuse(
-            "a `module` needs `teeth`", "or give `pitch_diameter: [driving, driven]`", "module"
-        )
-    if sizes is None or (gear.ratio is None and gear.teeth is None):
+        hint = "or give `pitch_diameter: [driving, driven]`"
+        raise refuse("a `module` needs `teeth`", hint, "module")
+    if sizes is None:
         return
-    ratio = (
-        gear.ratio
-        if gear.ratio is not None
-        else Fraction(gear.teeth[1], gear.teeth[0])
-        if gear.teeth
-        else 0
-    )
+    ratio = gear.ratio or Fraction(*reversed(gear.teeth or (1, 1)))
     if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
         message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
-        raise refuse(
-            message, "reference diameters d = m_n z/cos(beta), not tip diameters", "pitch_diameter"
-        )
+        hint = "reference diameters d = m_n z/cos(beta), not tip diameters"
+        raise refuse(message, hint, "pitch_diameter")
     for teeth, size in zip(gear.teeth or (), sizes, strict=False):
         if gear.module is None:
             return
-        made = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
-        if abs(made - size) > SAME_SIZE * size:
-            message = f"m_n z/cos(beta) is {made * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
-            raise refuse(
-                message, "mend one of module, teeth, helix angle and diameter", "pitch_diameter"
-            )
-
-
-def _one_ratio(gear: Gear | GearBranch) -> None:
-    if (gear.ratio is None) == (gear.teeth is None):
-        what = (
-            "`ratio` or `teeth` is missing"
-            if gear.ratio is None
-            else "`ratio` and `teeth` exclude each other"
-        )
-        raise refuse(what, "`teeth: [driving, driven]`, or `ratio: speed before / speed after`")
+        diameter = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
+        if abs(diameter - size) > SAME_SIZE * size:
+            message = f"m_n z/cos(beta) is {diameter * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
+            hint = "mend one of module, teeth, helix angle and diameter"
+            raise refuse(message, hint, "pitch_diameter")

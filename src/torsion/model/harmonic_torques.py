@@ -1,17 +1,29 @@
 """Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
 
-from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, ConfigDict, Field, field_validator
 
 from torsion import fields
 from torsion.errors import Path
-from torsion.fields import Amount, Declared, Quantity, Sized, given, refuse, required
+from torsion.fields import (
+    Amount,
+    Declared,
+    Exclusive,
+    Quantity,
+    Rows,
+    Sized,
+    WrittenRows,
+    exclusive,
+    given,
+    read_rows,
+    refuse,
+    required,
+)
 from torsion.primitives import Torque
 
-Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
-
+SPEED, TORQUE = Quantity("rad/s", at_least=0), Quantity("N*m")
+TABLE_ROW = "rows are [speed, torque], the speeds rising: [[1000 rpm, 120 N*m], [1500 rpm, 90 N*m]]"
 AMOUNTS = ("torque", "transmission_error")  # of an excitation; one of them
 ALONG = Quantity("m", above=0, usual="error of a gear")
 
@@ -30,17 +42,13 @@ TransmissionError = Annotated[Any, BeforeValidator(_read_error, json_schema_inpu
 class Harmonic(Declared):
     """A torque by order of the component's own speed, or at a fixed frequency."""
 
+    clashes: ClassVar[tuple[Exclusive, ...]] = (exclusive("order", "frequency"),)
+
     order: fields.Exact | None = given("cycles per revolution of the component's own shaft")
     frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")
     phase: fields.Angle = given("phase at angle zero, or at time zero for a fixed frequency", 0.0)
     if TYPE_CHECKING:
         torque: Any
-
-    def refuse_clashes(self) -> None:
-        if self.order is not None and self.frequency is not None:
-            raise refuse(
-                "`order` and `frequency` exclude each other", "keep one of them", "frequency"
-            )
 
     def primitive(self, name: str, station: int, path: Path, source: str | None) -> Torque:
         """The torque at a station; `path` is where the file states it, `source` where its figures come from."""
@@ -56,7 +64,6 @@ class Ripple(Harmonic):
     torque: fields.TorqueAmount = required("amplitude (zero to peak): N m, or % of the mean torque")
 
     def refuse_clashes(self) -> None:
-        super().refuse_clashes()
         if self.order is None and self.frequency is None:
             raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
 
@@ -65,11 +72,12 @@ class Excitation(Harmonic, Sized):
     """A torque of the file's list `excitations`, or what excites at the teeth of a gear."""
 
     model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in AMOUNTS]})
+    clashes = (*Harmonic.clashes, exclusive(*AMOUNTS))
 
     at: str = required(
         "name of the component on which it acts: a point, or a gear whose mesh excites"
     )
-    torque: fields.TorqueAmount | tuple[tuple[float, float], ...] | None = given(
+    torque: fields.TorqueAmount | Rows | None = given(
         "amplitude (zero to peak): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
         "component's own shaft (not of the reference). At a gear: torque k e of the blocked mesh, at the driving "
         "gear"
@@ -89,35 +97,22 @@ class Excitation(Harmonic, Sized):
     note: str | None = given("free text")
     source: str | None = given("where the figure comes from")
 
-    @field_validator("torque", mode="plain", json_schema_input_type=fields.TorqueAmount | Table)
+    @field_validator(
+        "torque", mode="plain", json_schema_input_type=fields.TorqueAmount | WrittenRows
+    )
     @classmethod
     def _table(cls, value: object) -> object:
         return read_table(value) if isinstance(value, list | tuple) else fields.read_amount(value)
 
     def refuse_clashes(self) -> None:
-        super().refuse_clashes()
         if self.torque is None and self.transmission_error is None:
             raise refuse("`torque` is missing", "at a gear `torque` or `transmission_error`")
-        if self.torque is not None and self.transmission_error is not None:
-            raise refuse(
-                "`torque` and `transmission_error` exclude each other", "keep one of them", "torque"
-            )
         if self.base_radius is not None and self.transmission_error is None:
             raise refuse(
                 "`base_radius` belongs to a `transmission_error`", "leave it out", "base_radius"
             )
 
 
-def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:
-    """A table [[speed, torque], ...] in rad/s and N m, the speeds rising; raises the fault the user sees."""
-    speed, torque = fields.Quantity("rad/s", at_least=0), fields.Quantity("N*m")
-    table = []
-    for row in rows:
-        if not isinstance(row, list | tuple) or len(row) != 2:
-            raise refuse(
-                "a row of a table over speed is [speed, torque]", "for example [1500 rpm, 120 N*m]"
-            )
-        table.append((speed.read(row[0]), torque.read(row[1])))
-    if len(table) < 2 or any(a[0] >= b[0] for a, b in pairwise(table)):
-        raise refuse("a table over speed needs two rows or more with rising speeds")
-    return tuple(table)
+def read_table(rows: Any) -> Rows:
+    """Read [[speed, torque], ...] in rad/s and N m, the speeds rising; raises the fault that the user sees."""
+    return read_rows(rows, (SPEED, TORQUE), "speed", TABLE_ROW)

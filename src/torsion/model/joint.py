@@ -15,8 +15,6 @@ from torsion.model.coupling import Pair
 from torsion.model.lowering import JointRecord, Lowering
 from torsion.primitives import Constraint
 
-OF_A_TRIPOD = ("radius", "arm", "bearing")
-
 
 class Joint(Component, keyword="joint", sort="link"):
     """A universal joint: a cross (Cardan, Hooke) joint, a tripod joint, or any joint of constant velocity."""
@@ -45,28 +43,22 @@ class Joint(Component, keyword="joint", sort="link"):
 
     def refuse_clashes(self) -> None:
         if self.kind != "tripod":
-            for key in OF_A_TRIPOD:
-                if getattr(self, key) is not None:
-                    raise refuse(
-                        f"a joint of kind {self.kind} has no `{key}`",
-                        "leave it out, or `kind: tripod`",
-                        key,
-                    )
+            for key in self.keys_given("radius", "arm", "bearing"):
+                message = f"a joint of kind {self.kind} has no `{key}`"
+                raise refuse(message, "leave it out, or `kind: tripod`", key)
             return
-        missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
-        if missing:
-            raise refuse(
-                f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`"
-            )
+        for key in ("radius", "arm"):
+            if not self.keys_given(key):
+                hint = "for example `radius: 30 mm, arm: 600 mm`"
+                raise refuse(f"a tripod needs `{key}`", hint)
         if self.bearing != "twin":
             third = np.linspace(0.0, 2.0 * math.pi / 3.0, 25)  # of a revolution; then all repeats
             try:
                 tripod.exact_motion(third, self.angle, self.radius or 0.0, self.arm or 1.0)
             except SolveError:
+                message = "the end of this tripod's driven shaft finds no way around"
                 hint = "make the angle or the radius smaller, or the arm longer"
-                raise refuse(
-                    "the end of this tripod's driven shaft finds no way around", hint, "angle"
-                ) from None
+                raise refuse(message, hint, "angle") from None
 
     @property
     def order(self) -> int:
@@ -87,10 +79,10 @@ class Joint(Component, keyword="joint", sort="link"):
         )
 
     def lower(self, build: Lowering) -> None:
-        before = build.at.yoke
+        before = build.arrival.yoke
         if before is None:
             self._refuse_on_a_first_joint(build)
-        after = None if before is None else build.at.joint
+        after = None if before is None else build.arrival.joint
         plane, phase = self.plane or 0.0, self.phase or 0.0
         yoke = phase if before is None else before + phase - plane
         joint = JointRecord(
@@ -101,7 +93,7 @@ class Joint(Component, keyword="joint", sort="link"):
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.
         driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
-        build.at = replace(build.at, yoke=driven_yoke, joint=build.part)
+        build.arrival = replace(build.arrival, yoke=driven_yoke, joint=build.part)
         build.add(
             Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after)
         )
@@ -110,13 +102,9 @@ class Joint(Component, keyword="joint", sort="link"):
         """No joint stands before this one on its shaft line."""
         if self.plane is not None:
             hint = "remove `plane`; the first joint (also after a gear) defines the plane"
-            build.fault(
-                "`plane` counts from a previous joint, and there is none on this shaft",
-                hint,
-                "plane",
-            )
-        if self.phase is not None and build.at.depth > 0:
+            message = "`plane` counts from a previous joint, and there is none on this shaft"
+            build.fault(message, hint, "plane")
+        if self.phase is not None and build.arrival.depth > 0:
             hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
-            build.fault(
-                "`phase` on a first joint of a branch has nothing to count from", hint, "phase"
-            )
+            message = "`phase` on a first joint of a branch has nothing to count from"
+            build.fault(message, hint, "phase")

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from torsion.arrays import FloatArray
-from torsion.fields import Declared, Quantity, given, refuse, required, shown
-from torsion.model.harmonic_torques import Table, read_table
+from torsion.fields import Declared, Quantity, Rows, WrittenRows, given, refuse, required, shown
+from torsion.model.harmonic_torques import read_table
 
 LawWord = Literal["quadratic", "propeller", "linear", "constant", "constant-power"]
 EXPONENTS: dict[str, float] = {
@@ -52,7 +52,7 @@ class LoadLaw:
 
     exponent: float = 2.0
     at_rest: float = 0.0  # torque at rest / rated torque
-    table: tuple[tuple[float, float], ...] = ()  # rad/s, N m, in place of both
+    table: Rows = ()  # rad/s, N m, in place of both
 
     def torque(self, speed: FloatArray, rated_speed: float, rated_torque: float) -> FloatArray:
         """Return the torque (speeds,) N m of a law without a table that is `rated_torque` at `rated_speed`."""
@@ -85,13 +85,12 @@ class LoadLaw:
         return f"{word}, {100 * self.at_rest:g} % at rest" if self.at_rest else word
 
 
-def segment_slopes(table: tuple[tuple[float, float], ...], speed: FloatArray) -> FloatArray:
+def segment_slopes(table: Rows, speed: FloatArray) -> FloatArray:
     """Return dT/dω (speeds,) N m s/rad of a table [[rad/s, N m], ...]; the smaller one at a knot, the last beyond."""
     rows = np.array(table)
     slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
-    at = np.asarray(speed, dtype=float)
     below, above = (
-        np.searchsorted(rows[1:-1, 0], at * (1.0 + part)) for part in (-SAME_SPEED, SAME_SPEED)
+        np.searchsorted(rows[1:-1, 0], speed * (1.0 + step)) for step in (-SAME_SPEED, SAME_SPEED)
     )
     return np.asarray(np.minimum(slopes[below], slopes[above]))
 
@@ -110,4 +109,4 @@ def read_load(value: Any) -> LoadLaw:
     return LoadLaw(table=read_table(value if isinstance(value, list | tuple) else [value]))
 
 
-Load = Annotated[Any, BeforeValidator(read_load, LawWord | PowerLaw | Table)]
+Load = Annotated[Any, BeforeValidator(read_load, LawWord | PowerLaw | WrittenRows)]

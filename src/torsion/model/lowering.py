@@ -1,8 +1,9 @@
 """Where the train has arrived while its components are lowered, and what each leaves on its part for others."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
@@ -44,15 +45,11 @@ class Support(Declared):
     def refuse_clashes(self) -> None:
         for key in ("stiffness", "damping"):
             if len(getattr(self, key)) not in (1, 2):
-                raise refuse(
-                    f"`{key}` is one value or [y, z]",
-                    "y: along the normal of the joint's plane",
-                    key,
-                )
+                hint = "y: along the normal of the joint's plane"
+                raise refuse(f"`{key}` is one value or [y, z]", hint, key)
         if not any(self.stiffness):
-            raise refuse(
-                "a support of no stiffness holds nothing", "give a stiffness above 0", "stiffness"
-            )
+            message = "a support of no stiffness holds nothing"
+            raise refuse(message, "give a stiffness above 0", "stiffness")
 
     @property
     def stiffness_of_planes(self) -> tuple[float, float]:
@@ -85,14 +82,12 @@ class CouplingRatings:
 
     def times(self, factor: float) -> "CouplingRatings":
         """Of that many equal couplings side by side."""
-        found: dict[str, Any] = {}
-        for one in fields(self):
-            limit = getattr(self, one.name)
-            if limit is not None and one.name not in ("tolerance", "temperature_rise"):
-                found[one.name] = (
-                    factor * limit if isinstance(limit, float) else limit.times(factor)
-                )
-        return replace(self, **found)
+        limits = {
+            name: limit.times(factor) if hasattr(limit, "times") else factor * limit
+            for name, limit in vars(self).items()
+            if limit is not None and name not in ("tolerance", "temperature_rise")
+        }
+        return replace(self, **limits)
 
     @property
     def limit_heat(self) -> bool:
@@ -137,13 +132,13 @@ class NonlinearRecord:
     @property
     def words(self) -> str:
         """How modes take it; the response takes all but a clutch by harmonic balance."""
-        taken = {
+        simplifications = {
             "its play closed": self.play,
             "without its friction": self.friction,
             "in its first stage": self.stages,
             "as a clutch that is stuck": self.capacity is not None,
         }
-        return ", ".join(word for word, there in taken.items() if there)
+        return ", ".join(words for words, applies in simplifications.items() if applies)
 
 
 @dataclass(frozen=True)
@@ -232,12 +227,8 @@ class Part:
     @property
     def whole(self) -> str:
         """Of a section of a shaft, as `line [2]`, the shaft, `line`; of all else its own name."""
-        whole, _, number = self.name.removesuffix("]").rpartition(" [")
-        return (
-            whole
-            if self.kind == "shaft" and self.name.endswith("]") and number.isdecimal()
-            else self.name
-        )
+        section = re.fullmatch(r"(.*) \[\d+\]", self.name) if self.kind == "shaft" else None
+        return section[1] if section else self.name
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
@@ -275,7 +266,7 @@ class Part:
 class Arrival:
     """The state of the walk; a branch starts from a copy of it."""
 
-    here: int | None = None  # the last station
+    station: int | None = None  # the last one
     is_open: bool = False  # no point has taken that station yet
     ratio: Fraction = Fraction(1)
     sense: int = 1
@@ -303,7 +294,7 @@ class Lowering:
     stations: list[Station] = field(default_factory=list)
     primitives: list[Primitive] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
-    at: Arrival = field(default_factory=Arrival)
+    arrival: Arrival = field(default_factory=Arrival)
     number: Counter[str] = field(default_factory=Counter)  # of components of a kind that were met
     folder: str = "."  # from which paths of files count
 
@@ -317,36 +308,31 @@ class Lowering:
         """Name of the component that is being lowered."""
         return self.parts[-1].name
 
-    def member(self, of: Part, name: str, kind: str, *, is_point: bool) -> None:
+    def member(self, owner: Part, name: str, kind: str, *, is_point: bool) -> None:
         """Begin a piece of a component that is itself a point or a link, as every other component is."""
-        named = f"{of.name} {name}"
         self.parts.append(
             replace(
-                of,
-                name=named,
+                owner,
+                name=f"{owner.name} {name}",
                 kind=kind,
                 is_point=is_point,
                 stations=(),
                 is_named=False,
                 note=None,
-                ratio=self.at.ratio,
+                ratio=self.arrival.ratio,
             )
         )
 
     def material(self, name: str, *keys: str | int) -> Material | None:
         """The material of that name; None, with a fault at `material` behind these keys, where there is none."""
-        found = self.materials.get(name)
-        if found is None:
-            near, known = nearest(name, self.materials), f"there is {', '.join(self.materials)}"
-            figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
-            hint = f"declare it with its figures, as `materials: {{{name}: {figures}}}`; {known}"
-            self.fault(
-                f"no material is called '{name}'",
-                f"did you mean '{near}'?" if near else hint,
-                *keys,
-                "material",
-            )
-        return found
+        material = self.materials.get(name)
+        if material is None:
+            near = nearest(name, self.materials)
+            example = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"
+            hint = f"declare it with its figures, as `materials: {{{name}: {example}}}`; there is {', '.join(self.materials)}"
+            hint = f"did you mean '{near}'?" if near else hint
+            self.fault(f"no material is called '{name}'", hint, *keys, "material")
+        return material
 
     def record(self, **facts: Any) -> None:
         """Leave facts on the part of the component that is being lowered, by the fields of `Part`."""
@@ -355,22 +341,24 @@ class Lowering:
     def station(self, name: str, *, is_ground: bool = False, part: int | None = None) -> int:
         """A new station at the speed of where the train has arrived."""
         owner = self.part if part is None else part
-        self.stations.append(Station(name, owner, self.at.ratio, self.at.sense, is_ground))
+        self.stations.append(
+            Station(name, owner, self.arrival.ratio, self.arrival.sense, is_ground)
+        )
         return len(self.stations) - 1
 
     def point(self) -> int:
         """The station of a point: the open end of the link before it, or a new one rigidly joined to the last point."""
-        before = self.at.here
-        if before is not None and self.at.is_open:
-            here = before
-            self.stations[here] = replace(self.stations[here], name=self.name, part=self.part)
+        before = self.arrival.station
+        if before is not None and self.arrival.is_open:
+            point = before
+            self.stations[point] = replace(self.stations[point], name=self.name, part=self.part)
         else:
-            here = self.station(self.name)
+            point = self.station(self.name)
             if before is not None:
-                self.add(Spring(f"{self.name} rigid", self.part, before, here, 0.0))
-        self.at = replace(self.at, here=here, is_open=False)
-        self.record(stations=(here,))
-        return here
+                self.add(Spring(f"{self.name} rigid", self.part, before, point, 0.0))
+        self.arrival = replace(self.arrival, station=point, is_open=False)
+        self.record(stations=(point,))
+        return point
 
     def link(
         self,
@@ -384,15 +372,22 @@ class Lowering:
 
         behind: what changes of the arrival, beside speed and sense.
         """
-        driving = self.at.here if self.at.here is not None else self.station(f"{self.name} start")
+        driving = (
+            self.arrival.station
+            if self.arrival.station is not None
+            else self.station(f"{self.name} start")
+        )
         at_driving, at_driven = halves or (0.0, 0.0)
         self.inertia(driving, at_driving, f"driving {half}")
-        self.at = replace(
-            self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense, **behind
+        self.arrival = replace(
+            self.arrival,
+            ratio=self.arrival.ratio * ratio,
+            sense=self.arrival.sense * sense,
+            **behind,
         )
         driven = self.station(f"{self.name} end")
         self.inertia(driven, at_driven, f"driven {half}")
-        self.at = replace(self.at, here=driven, is_open=True)
+        self.arrival = replace(self.arrival, station=driven, is_open=True)
         self.record(stations=(driving, driven))
         return driving, driven
 
@@ -409,7 +404,7 @@ class Lowering:
 
     def own(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
-        return value / self.at.scale
+        return value / self.arrival.scale
 
     def fault(self, message: str, hint: str = "", *keys: str | int) -> None:
         """Note that the component being lowered cannot stand where or as it stands."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.fields import Declared, Quantity, exclusive, given, refuse, required
 from torsion.model.disc import Rotor
 from torsion.model.drive_law import DriveLaw
 from torsion.model.harmonic_torques import Harmonic, Ripple
@@ -17,6 +17,7 @@ from torsion.primitives import Damper, Spring
 from torsion.sources import note
 
 SEA_WATER = 1025.0  # kg/m3
+INERTIA_FOR_HELD = "give its `inertia` in place of `held`"
 USUAL_FACTOR = {
     "archer": "30",
     "frahm": "3",
@@ -36,37 +37,27 @@ class MachineDamping(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        if self.model in USUAL_FACTOR and self.factor is None:
-            raise refuse(
-                f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}"
-            )
-        if self.model == "law" and (self.value is not None or self.factor is not None):
-            key = "factor" if self.value is None else "value"
-            raise refuse(
-                f"`damping: law` beside a `{key}`",
-                "the law of load gives the damping; keep one of them",
-                key,
-            )
-        if self.model == "viscous" and self.value is None:
+        model, figures = self.model, self.keys_given("value", "factor")
+        if model in USUAL_FACTOR and self.factor is None:
+            raise refuse(f"`factor` is missing for {model}", f"usual: {USUAL_FACTOR[model]}")
+        if model == "law" and figures:
+            hint = "the law of load gives the damping; keep one of them"
+            raise refuse(f"`damping: law` beside a `{figures[0]}`", hint, figures[0])
+        if model == "viscous" and self.value is None:
             raise refuse("`value` is missing", "damping in N*m*s/rad")
-        if self.model == "schwanecke" and self.factor is not None:
-            raise refuse(
-                "schwanecke has no `factor`",
-                "it follows from diameter, pitch_ratio and area_ratio",
-                "factor",
-            )
-        if self.model != "viscous" and self.value is not None:
-            raise refuse(
-                f"{self.model} has no `value`", "give `factor`, or only the value", "value"
-            )
+        if model == "schwanecke" and self.factor is not None:
+            hint = "it follows from diameter, pitch_ratio and area_ratio"
+            raise refuse("schwanecke has no `factor`", hint, "factor")
+        if model != "viscous" and self.value is not None:
+            raise refuse(f"{model} has no `value`", "give `factor`, or only the value", "value")
 
 
-def _plain_value(value: Any) -> Any:
+def _read_damping(value: Any) -> Any:
+    """Take a plain value for viscous damping, and the word `law` for the model of that name."""
     if value == "law":
         return {"model": "law"}
-    return (
-        value if isinstance(value, dict | MachineDamping) else {"model": "viscous", "value": value}
-    )
+    is_plain = not isinstance(value, dict | MachineDamping)
+    return {"model": "viscous", "value": value} if is_plain else value
 
 
 class Machine(Rotor):
@@ -74,9 +65,11 @@ class Machine(Rotor):
 
     drives_train: ClassVar[bool] = False
     usual_load: ClassVar[str] = ""  # law of load of its kind; empty: as `operation.load` says
+    harmonics_key: ClassVar[str] = ""  # of its own harmonic torques
+    clashes = (exclusive("power", "torque"),)
 
     damping: (
-        Annotated[MachineDamping, BeforeValidator(_plain_value, float | str | MachineDamping)]
+        Annotated[MachineDamping, BeforeValidator(_read_damping, float | str | MachineDamping)]
         | None
     ) = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
@@ -104,13 +97,12 @@ class Machine(Rotor):
         return self.drives_train
 
     @property
-    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
-        """The harmonic torques of its own, each with its key."""
-        return ()
+    def harmonics(self) -> tuple[Harmonic, ...]:
+        """Its own harmonic torques."""
+        torques: tuple[Harmonic, ...] = getattr(self, self.harmonics_key, ())
+        return torques
 
     def refuse_clashes(self) -> None:
-        if self.power is not None and self.torque is not None:
-            raise refuse("`power` and `torque` exclude each other", "keep one of them", "torque")
         if self.held:
             self._refuse_held()
         if self.damping is not None and self.damping.model == "schwanecke":
@@ -121,47 +113,38 @@ class Machine(Rotor):
             self._refuse_drive(self.drive)
         if self.is_driver and self.damping is not None and self.damping.model == "law":
             raise refuse("`damping: law` is for a load", "give `drive` with a `lag`", "damping")
-        has_size = self.power is not None or self.torque is not None
-        if self.load is not None and self.load.table and has_size:
-            key = "power" if self.torque is None else "torque"
-            raise refuse(
-                f"`{key}` and a table of `load` exclude each other",
-                "the table states the torque",
-                key,
-            )
-        if self.speed is not None and not has_size:
-            raise refuse(
-                "`speed` belongs to a `power` or `torque`", "give one of them too", "speed"
-            )
+        sizes = self.keys_given("power", "torque")
+        if self.load is not None and self.load.table and sizes:
+            message = f"`{sizes[0]}` and a table of `load` exclude each other"
+            raise refuse(message, "the table states the torque", sizes[0])
+        if self.speed is not None and not sizes:
+            message = "`speed` belongs to a `power` or `torque`"
+            raise refuse(message, "give one of them too", "speed")
         super().refuse_clashes()
 
     def _refuse_drive(self, drive: DriveLaw) -> None:
         if not self.is_driver:
             raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
-        if drive.lag is not None and (
-            self.speed is None or (self.power is None and self.torque is None)
-        ):
+        has_rating = self.speed is not None and self.keys_given("power", "torque")
+        if drive.lag is not None and not has_rating:
             message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
             raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
 
     def _refuse_held(self) -> None:
-        for key in ("power", "torque"):
-            if getattr(self, key) is not None and not self.is_driver:
+        for key in self.keys_given("power", "torque"):
+            if not self.is_driver:
                 raise refuse("a `held` machine takes what is left: leave out its power", "", key)
-        if self.periodic_torques:
-            key = self.periodic_torques[0][0]
-            raise refuse(
-                f"a fixed {self.keyword} cannot be moved by its {key}",
-                "give its `inertia` in place of `held`",
-                key,
-            )
+        if self.harmonics:
+            key = self.harmonics_key
+            message = f"a fixed {self.keyword} cannot be moved by its {key}"
+            raise refuse(message, INERTIA_FOR_HELD, key)
 
     def _refuse_schwanecke(self) -> None:
         needed = ("diameter", "pitch_ratio", "area_ratio")
         if missing := [key for key in needed if getattr(self, key, None) is None]:
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
 
-    def place(self, build: Lowering, what: str = "") -> int:
+    def lower_rotor(self, build: Lowering, what: str = "") -> int:
         model, factor = (
             ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
         )
@@ -179,7 +162,7 @@ class Machine(Rotor):
                 factor,
             )
         )
-        station = super().place(build, what)
+        station = super().lower_rotor(build, what)
         if self.drive is not None and self.drive.lag is not None:
             self._add_lagged(self.drive, self.drive.lag, station, build)
         if self.damping is not None and (self.damping.model != "viscous" or self.damping.value):
@@ -198,10 +181,9 @@ class Machine(Rotor):
         )
 
     def lower(self, build: Lowering) -> None:
-        station, places = self.place(build), dict[str, int]()
-        for key, harmonic in self.periodic_torques:
-            places[key] = places.get(key, -1) + 1
-            path = (*build.parts[-1].path, key, places[key])
+        station = self.lower_rotor(build)
+        for number, harmonic in enumerate(self.harmonics):
+            path = (*build.parts[-1].path, self.harmonics_key, number)
             build.add(harmonic.primitive(build.name, station, path, self.source))
 
     def _damper(self, damping: MachineDamping, station: int, build: Lowering) -> Damper:
@@ -221,18 +203,18 @@ class Machine(Rotor):
             return Damper(
                 station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
             )
-        factor = damping.factor or 0.0
         if damping.model in ("archer", "frahm"):
             note(damping.model.capitalize())
-        return Damper(
-            station,
-            torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor,
-        )
+        factor = damping.factor or 0.0
+        if damping.model == "archer":
+            factor = factor * 2.0 * math.pi / 60.0
+        return Damper(station, torque_factor=factor)
 
 
 class GeneralMachine(Machine, keyword="machine"):
     """Any other machine that absorbs power: a roll, mill, crusher, winch or test brake; or one that drives."""
 
+    harmonics_key = "excitation"
     drives: bool = given("true: it drives the train", False)
     excitation: tuple[Ripple, ...] = given(
         "its periodic torque: list of {order or frequency, torque, phase}", ()
@@ -242,7 +224,3 @@ class GeneralMachine(Machine, keyword="machine"):
     def is_driver(self) -> bool:
         """It delivers power."""
         return self.drives
-
-    @property
-    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
-        return tuple(("excitation", harmonic) for harmonic in self.excitation)

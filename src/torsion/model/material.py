@@ -1,5 +1,6 @@
 """Materials of shafts."""
 
+import math
 from typing import Annotated
 
 from torsion import fields
@@ -25,16 +26,9 @@ class Material(Sized):
     )
 
     def refuse_clashes(self) -> None:
-        if (
-            self.yield_strength
-            and self.tensile_strength
-            and self.yield_strength > self.tensile_strength
-        ):
-            raise refuse(
-                "the yield strength is above the tensile strength",
-                "are they interchanged?",
-                "yield_strength",
-            )
+        if (self.yield_strength or 0.0) > (self.tensile_strength or math.inf):
+            message = "the yield strength is above the tensile strength"
+            raise refuse(message, "are they interchanged?", "yield_strength")
 
 
 STEEL = Material(shear_modulus=79.3e9, youngs_modulus=206e9, density=7850.0)

@@ -1,7 +1,7 @@
 """Electrical machines and turbines: what drives or absorbs with a torque ripple."""
 
 from torsion.fields import given
-from torsion.model.harmonic_torques import Harmonic, Ripple
+from torsion.model.harmonic_torques import Ripple
 from torsion.model.machine import Machine
 
 
@@ -12,9 +12,7 @@ class RippleMachine(Machine):
         "torque ripple: list of {order or frequency, torque, phase}", ()
     )
 
-    @property
-    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
-        return tuple(("ripple", harmonic) for harmonic in self.ripple)
+    harmonics_key = "ripple"
 
 
 class Motor(RippleMachine, keyword="motor", drives_train=True):

@@ -12,7 +12,7 @@ from typing import Annotated
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import Quantity, given, refuse, required
+from torsion.fields import Quantity, exclusive, given, required
 from torsion.kernels.power_law import power_law
 from torsion.model.component import Component
 from torsion.model.lowering import CouplingRatings, Lowering, PendulumRecord
@@ -29,6 +29,8 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
     Give `length`, or the `order` of its own shaft to which it is tuned: order^2 = arm/length. Bobs are points, or
     bifilar, which turn as the carrier does; a bob that turns about its pivot has another law.
     """
+
+    clashes = (exclusive("length", "order", hint="order^2 = arm/length", needed=True),)
 
     mass: Mass = required("mass of one bob")
     arm: Length = required(
@@ -47,18 +49,9 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
     )
     heat_limit: fields.Power | None = given("permissible power loss of all bobs")
 
-    def refuse_clashes(self) -> None:
-        if (self.length is None) == (self.order is None):
-            both = (
-                "`length` and `order` exclude each other"
-                if self.length
-                else "`length` or `order` is missing"
-            )
-            raise refuse(both, "order^2 = arm/length", *(["order"] if self.length else []))
-
     def lower(self, build: Lowering) -> None:
         square = self.arm / self.length if self.length is not None else float(self.order or 1) ** 2
-        length, here = self.arm / square, build.point()
+        length, carrier = self.arm / square, build.point()
         bobs = self.number * self.mass * (self.arm + length) ** 2
         lever = (self.arm + length) / length
         build.record(
@@ -66,11 +59,11 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
             ratings=CouplingRatings(None, None, None, self.heat_limit, None),
         )
         ring = build.station(f"{build.name} bobs")
-        build.inertia(here, self.inertia, "carrier")
+        build.inertia(carrier, self.inertia, "carrier")
         build.inertia(ring, bobs, "bobs")
         stiffness, damping = (
             build.own(bobs) * square,
             build.own(self.number * (self.damping or 0.0)) * lever**2,
         )
         law = power_law("speed", REACH, (stiffness, 2.0), (damping, 0.0), key="")
-        build.add(tabled_spring(f"{build.name} bobs", build.part, (here, ring), law, REACH[0]))
+        build.add(tabled_spring(f"{build.name} bobs", build.part, (carrier, ring), law, REACH[0]))

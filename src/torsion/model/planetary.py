@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
@@ -15,10 +15,8 @@ from torsion.sources import source
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Radius = Annotated[float, Quantity("m", above=0, usual="size of a gear")]
-PROFILE_SHIFT = (
-    2,
-    0.1,
-)  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
+# Teeth, and share of the teeth that fit, by which profile shift may change those of a planet.
+PROFILE_SHIFT = 2, 0.1
 Mass = Annotated[float, Quantity("kg", at_least=0)]
 ROUNDING = 2.0**-50  # relative, of the difference of two flexibilities of a few roundings each
 
@@ -68,44 +66,30 @@ class Planetary(Declared):
 
     def refuse_clashes(self) -> None:
         if self.fixed == self.driving:
-            raise refuse(
-                f"the {self.fixed} is fixed and cannot drive",
-                "choose another `driving` or `fixed`",
-                "driving",
-            )
+            message = f"the {self.fixed} is fixed and cannot drive"
+            raise refuse(message, "choose another `driving` or `fixed`", "driving")
         if len(self.planet) > 2:
-            raise refuse(
-                "a planet has one number of teeth, or [with the sun, with the ring]", key="planet"
-            )
+            message = "a planet has one number of teeth, or [with the sun, with the ring]"
+            raise refuse(message, key="planet")
         if self.ring <= self.sun and len(self.planet) < 2:
-            raise refuse(
-                f"a ring of {self.ring} teeth has no room for a sun of {self.sun}", key="ring"
-            )
+            message = f"a ring of {self.ring} teeth has no room for a sun of {self.sun}"
+            raise refuse(message, key="ring")
         if not self.planet and (self.ring - self.sun) % 2:
             hint = f"ring - sun = {self.ring - self.sun} is odd: give `planet`"
             raise refuse("the teeth of the planets do not follow", hint, "ring")
         between = (self.ring - self.sun) / 2.0
-        if len(self.planet) == 1 and abs(self.planet[0] - between) > max(
-            PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between
-        ):
+        shift = max(PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between)
+        if len(self.planet) == 1 and abs(self.planet[0] - between) > shift:
+            message = f"a planet of {self.planet[0]} teeth does not fit between sun and ring"
             hint = f"near (ring - sun)/2 = {between:g}; of a stepped planet [with the sun, with the ring]"
-            raise refuse(
-                f"a planet of {self.planet[0]} teeth does not fit between sun and ring",
-                hint,
-                "planet",
-            )
+            raise refuse(message, hint, "planet")
         if self.planet and self.planet[-1] >= self.ring:
-            raise refuse(
-                f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}",
-                key="planet",
-            )
+            message = f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}"
+            raise refuse(message, key="planet")
         self._refuse_overlap()
         if self.planet_mass and self.radius is None:
-            raise refuse(
-                "`planet_mass` moves on a circle whose `radius` is missing",
-                "give `radius`",
-                "planet_mass",
-            )
+            message = "`planet_mass` moves on a circle whose `radius` is missing"
+            raise refuse(message, "give `radius`", "planet_mass")
         self._refuse_soft_fixed_mesh()
 
     def _refuse_soft_fixed_mesh(self) -> None:
@@ -178,9 +162,10 @@ class Planetary(Declared):
     @cached_property
     def speeds(self) -> dict[str, Fraction]:
         """Of the members, and of a planet about its own axis, over that of the driving member."""
-        own = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
-        spin = own["carrier"] - Fraction(self.sun) / self.teeth[0] * (own["sun"] - own["carrier"])
-        return own | {"planet": spin}
+        speeds = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
+        carrier = speeds["carrier"]
+        spin = carrier - Fraction(self.sun) / self.teeth[0] * (speeds["sun"] - carrier)
+        return speeds | {"planet": spin}
 
     @property
     def meshing(self) -> Literal["sun", "ring"]:
@@ -194,8 +179,8 @@ class Planetary(Declared):
     @property
     def meshings(self) -> Fraction:
         """Of its teeth per revolution of the driving member."""
-        own, teeth = self.speeds, self.ring if self.meshing == "ring" else self.sun
-        return teeth * abs(own[self.meshing] - own["carrier"])
+        teeth = self.ring if self.meshing == "ring" else self.sun
+        return teeth * abs(self.speeds[self.meshing] - self.speeds["carrier"])
 
     @property
     def flexibility(self) -> float:
@@ -250,8 +235,8 @@ class Planetary(Declared):
         """
         if self.fixed == "carrier":
             return float("inf")
-        own, other = self._yields[self.meshing], self._mesh_ratio * self._yields[self.fixed]
-        return 0.0 if abs(own - other) <= ROUNDING * own else own - other
+        mesh, fixed = self._yields[self.meshing], self._mesh_ratio * self._yields[self.fixed]
+        return 0.0 if abs(mesh - fixed) <= ROUNDING * mesh else mesh - fixed
 
     @cached_property
     def star(self) -> Star | None:
@@ -281,12 +266,11 @@ class Planetary(Declared):
 
         Of planets in a `star` their mass alone.
         """
-        own = {"sun": self.sun_inertia, "ring": self.ring_inertia, "carrier": self.carrier_inertia}
-        speeds, place = self.speeds, self.driven if self.fixed == "carrier" else "carrier"
+        inertias = {member: getattr(self, f"{member}_inertia") for member in get_args(Member)}
+        speeds, member = self.speeds, self.driven if self.fixed == "carrier" else "carrier"
         spinning = 0.0 if self.star is not None else self.planet_inertia
-        own[place] += self.planets * (
-            spinning * float(speeds["planet"] / speeds[place]) ** 2
-            + self.planet_mass
-            * ((self.radius or 0.0) * float(speeds["carrier"] / speeds[place])) ** 2
+        orbit = (self.radius or 0.0) * float(speeds["carrier"] / speeds[member])
+        inertias[member] += self.planets * (
+            spinning * float(speeds["planet"] / speeds[member]) ** 2 + self.planet_mass * orbit**2
         )
-        return own[self.driving], own[self.driven]
+        return inertias[self.driving], inertias[self.driven]

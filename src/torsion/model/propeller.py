@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.model.lowering import Lowering
-from torsion.model.machine import Machine
+from torsion.model.machine import INERTIA_FOR_HELD, Machine
 from torsion.model.machine_records import ImpellerRecord, PropellerRecord
 from torsion.primitives import Torque
 
@@ -42,27 +42,16 @@ class BladedMachine(Machine, usual_load="quadratic"):
 
     def refuse_clashes(self) -> None:
         if self.excitation and self.blades is None:
-            raise refuse(
-                "`blades` is missing; blade orders need the number of blades", key="excitation"
-            )
+            message = "`blades` is missing; blade orders need the number of blades"
+            raise refuse(message, key="excitation")
         if self.held and (self.entrained is not None or self.excitation):
             key = "excitation" if self.excitation else "entrained"
-            raise refuse(
-                f"a fixed {self.keyword} has no `{key}`",
-                "give its `inertia` in place of `held`",
-                key,
-            )
+            raise refuse(f"a fixed {self.keyword} has no `{key}`", INERTIA_FOR_HELD, key)
         if self.entrained and self.inertia:
-            (unit, amount), whole = self.entrained, 1.0
-            words, hint = (
-                f"the entrained water has {{}} times the inertia of the {self.keyword}",
-                "",
-            )
-            if unit != "1":
-                whole, hint = self.inertia, f"{amount:g} %?"
-            self.refuse_unusual(
-                "entrained water over inertia", amount / whole, words, hint, "entrained"
-            )
+            unit, amount = self.entrained
+            share, hint = (amount, "") if unit == "1" else (amount / self.inertia, f"{amount:g} %?")
+            words = f"the entrained water has {{}} times the inertia of the {self.keyword}"
+            self.refuse_unusual("entrained water over inertia", share, words, hint, "entrained")
         super().refuse_clashes()
 
     @property
@@ -75,30 +64,18 @@ class BladedMachine(Machine, usual_load="quadratic"):
 
     def lower(self, build: Lowering) -> None:
         impeller = self.impeller
-        station = self.place(build, "dry" if impeller.water else "")
+        station = self.lower_rotor(build, "dry" if impeller.water else "")
         if not self.held:
             build.record(impeller=impeller)
         build.inertia(station, impeller.water or 0.0, "entrained water")
-        for number, blade_torque in enumerate(self.excitation):
-            order, size = (
-                Fraction(blade_torque.blade_order * (self.blades or 0)),
-                blade_torque.torque,
-            )
+        for number, harmonic in enumerate(self.excitation):
+            order, amount = Fraction(harmonic.blade_order * (self.blades or 0)), harmonic.torque
+            size = amount.torque, amount.of_mean, ()
             path = (*build.parts[-1].path, "excitation", number)
-            build.add(
-                Torque(
-                    build.name,
-                    station,
-                    order,
-                    None,
-                    size.torque,
-                    size.of_mean,
-                    (),
-                    blade_torque.phase,
-                    path,
-                    self.source,
-                )
+            torque = Torque(
+                build.name, station, order, None, *size, harmonic.phase, path, self.source
             )
+            build.add(torque)
 
 
 class Pump(BladedMachine, keyword="pump"):

@@ -4,7 +4,6 @@ import math
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    BeforeValidator,
     ConfigDict,
     Field,
     ValidationInfo,
@@ -13,11 +12,19 @@ from pydantic import (
 )
 
 from torsion import fields
-from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.fields import Declared, OneOrMany, Quantity, given, or_value, refuse, required
 from torsion.model.component import Component
 from torsion.model.lowering import Lowering, Role, ShaftRecord, Support
 from torsion.model.material import Material, Strength
-from torsion.model.shaft_details import SOFTEST, STIFFEST, Hub, Notch, Step, faults_of
+from torsion.model.shaft_details import (
+    SOFTEST,
+    STIFFEST,
+    Hub,
+    Notch,
+    Step,
+    both_ends,
+    refuse_details,
+)
 from torsion.primitives import Bar, SectionMesh
 from torsion.usual_ranges import WIDEST
 
@@ -37,10 +44,7 @@ Feature = Literal[
     "propeller keyed",
     "tube shaft",
 ]
-StepOrForm = Annotated[
-    Step,
-    BeforeValidator(lambda value: {"form": value} if isinstance(value, str) else value, str | Step),
-]
+StepOrForm = Annotated[Step, or_value(Step, "form", str)]
 ONE_SECTION = {"anyOf": [{"type": "array", "minItems": 2, "maxItems": 3}, {"type": "object"}]}
 SECTIONS: dict[str, Any] = {
     "anyOf": [
@@ -82,7 +86,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
     )
     material: str = given("name of one of `materials`", "steel")
-    segments: Annotated[int, Field(ge=1, le=1_000_000)] | None = given(
+    segments: Annotated[int, Field(ge=1, le=20_000)] | None = given(
         "lumped segments (default: as many as needed)"
     )
     loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")
@@ -117,44 +121,40 @@ class Shaft(Component, keyword="shaft", sort="link"):
     @field_validator("section")
     @classmethod
     def _stands_alone(
-        cls, section: MeshedSection | None, known: ValidationInfo
+        cls, section: MeshedSection | None, info: ValidationInfo
     ) -> MeshedSection | None:
         """Of `diameter` and `section` one is there; a check of a field is reported beside the faults of others."""
-        if section is None and known.data.get("diameter") == ():
-            raise refuse(
-                "`diameter` is missing", "outer diameter in m, or `section: {mesh: file.msh}`"
-            )
-        if section is not None and known.data.get("diameter"):
-            raise refuse(
-                "a shaft with a `section` has no `diameter`",
-                "the mesh says the dimensions; remove one",
-            )
+        diameter = info.data.get("diameter")
+        if section is None and diameter == ():
+            hint = "outer diameter in m, or `section: {mesh: file.msh}`"
+            raise refuse("`diameter` is missing", hint)
+        if section is not None and diameter:
+            message = "a shaft with a `section` has no `diameter`"
+            raise refuse(message, "the mesh says the dimensions; remove one")
         return section
 
     def refuse_clashes(self) -> None:
         if self.section is not None:
             if "bore" in self.model_fields_set:
-                raise refuse(
-                    "a shaft with a `section` has no `bore`", "the mesh says the dimensions", "bore"
-                )
-            if self.notches or self.hub:
-                faults_of(self)
+                message = "a shaft with a `section` has no `bore`"
+                raise refuse(message, "the mesh says the dimensions", "bore")
+            for key in self.keys_given("notches", "hub"):
+                message = f"a shaft with a `section` has no `{key}`"
+                raise refuse(message, "they belong to a round shaft", key)
             return
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):
                 raise refuse(f"`{key}` is one value or [from, to]", key=key)
-        pairs = zip(_ends(self.diameter), _ends(self.bore), strict=True)
+        pairs = zip(both_ends(self.diameter), both_ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
         if self.notches or self.hub:
-            faults_of(self)
-        words, hint = (
-            "the length is {} times the diameter",
-            f"{self.length:g} mm?" * (self.length > 1.0),
-        )
-        self.refuse_unusual(
-            "length over diameter", self.length / min(self.diameter), words, hint, "length"
-        )
+            refuse_details(self)
+        words, hint = "the length is {} times the diameter", ""
+        if self.length > 1.0:
+            hint = f"{str(self.length).removesuffix('.0')} mm?"
+        slenderness = self.length / min(self.diameter)
+        self.refuse_unusual("length over diameter", slenderness, words, hint, "length")
 
     def lower(self, build: Lowering) -> None:
         build.record(
@@ -170,25 +170,25 @@ class Shaft(Component, keyword="shaft", sort="link"):
             ),
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
-        driving, driven = build.link()
-        material = build.material(self.material)
+        ends, material = build.link(), build.material(self.material)
         if material is None:
             return
-        self._lower_hubs(build, material)
-        section, widest = None, math.inf if self.unusual else WIDEST
-        if self.section is not None:
+        self._check_hubs(build, material)
+        if self.section is None:
+            section, outer, bore = None, both_ends(self.diameter), both_ends(self.bore)
+        else:
+            widest = math.inf if self.unusual else WIDEST
             section = SectionMesh(self.section.mesh, UNITS[self.section.unit], widest)
-        unknown = (math.nan, math.nan)
+            outer = bore = (math.nan, math.nan)
         build.add(
             Bar(
                 build.name,
                 build.part,
-                driving,
-                driven,
+                *ends,
                 length=self.length,
                 section=section,
-                outer=_ends(self.diameter) if section is None else unknown,
-                bore=_ends(self.bore) if section is None else unknown,
+                outer=outer,
+                bore=bore,
                 shear_modulus=material.shear_modulus,
                 density=material.density,
                 loss_factor=material.loss_factor if self.loss_factor is None else self.loss_factor,
@@ -196,16 +196,12 @@ class Shaft(Component, keyword="shaft", sort="link"):
             )
         )
 
-    def _lower_hubs(self, build: Lowering, own: Material) -> None:
-        """Faults of hubs of another material; raised here, where the materials are known."""
+    def _check_hubs(self, build: Lowering, shaft: Material) -> None:
+        """Note the faults of hubs of another material, which are known here only."""
         for number, hub in enumerate(self.hub):
-            made_of = build.material(hub.material, "hub", number) if hub.material else own
-            least, most = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST, STIFFEST
-            if made_of and not least <= made_of.shear_modulus / own.shear_modulus <= most:
-                limits = f"below {least:g} or above {most:g} of the shaft's"
+            material = build.material(hub.material, "hub", number) if hub.material else shaft
+            softest = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST
+            if material and not softest <= material.shear_modulus / shaft.shear_modulus <= STIFFEST:
+                limits = f"below {softest:g} or above {STIFFEST:g} of the shaft's"
                 hint = "give hub and seat as a `coupling`; for a soft hub write `torque: rim`"
                 build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)
-
-
-def _ends(values: tuple[float, ...]) -> tuple[float, float]:
-    return values[0], values[-1]

@@ -9,6 +9,7 @@ from pydantic import Field
 from torsion.fields import Across, Declared, Quantity, given, refuse, required
 
 STEP = ", step"  # behind the name of the shaft before it, the name of its spring
+FORMS = ("keyway", "splines", "hole")  # of a notch
 StepForm = Literal["none", "sharp", "handbook"]
 Small = Annotated[float, Quantity("m", above=0, usual="detail of a shaft")]
 Long = Annotated[float, Quantity("m", above=0, usual="length of a detail")]
@@ -49,15 +50,15 @@ class Step(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        if sum(getattr(self, key) is not None for key in type(self).model_fields) != 1:
+        if len(self.keys_given(*type(self).model_fields)) != 1:
             words = "`fillet`, `chamfer`, `undercut`, `flange`, or one of the words sharp, handbook and none"
             raise refuse("a step has one form", words)
 
     @property
     def round(self) -> float:
         """m, radius of its fillet; 0 where it has none."""
-        between = self.undercut or self.flange
-        return self.fillet or (between.fillet if between is not None and between.fillet else 0.0)
+        groove_or_flange = self.undercut or self.flange
+        return self.fillet or (groove_or_flange and groove_or_flange.fillet) or 0.0
 
     @property
     def size(self) -> float:
@@ -66,15 +67,12 @@ class Step(Declared):
 
     @property
     def words(self) -> str:
-        """What it is, in words."""
-        if self.undercut is not None:
-            return (
-                f"undercut of {1e3 * self.undercut.depth:g} mm by {1e3 * self.undercut.width:g} mm"
-            )
-        if self.flange is not None:
-            return (
-                f"flange of {1e3 * self.flange.diameter:g} mm by {1e3 * self.flange.thickness:g} mm"
-            )
+        """Label for tables: the form with its size."""
+        undercut, flange = self.undercut, self.flange
+        if undercut is not None:
+            return f"undercut of {1e3 * undercut.depth:g} mm by {1e3 * undercut.width:g} mm"
+        if flange is not None:
+            return f"flange of {1e3 * flange.diameter:g} mm by {1e3 * flange.thickness:g} mm"
         return self.form or f"{'fillet' if self.fillet else 'chamfer'} of {1e3 * self.size:g} mm"
 
 
@@ -88,15 +86,11 @@ class Keyway(Declared):
 
     def refuse_clashes(self) -> None:
         if self.fillet >= self.depth:
-            raise refuse(
-                "the fillet is not smaller than the depth", "a fillet lies in its keyway", "fillet"
-            )
+            message = "the fillet is not smaller than the depth"
+            raise refuse(message, "a fillet lies in its keyway", "fillet")
         if 2.0 * self.fillet > self.width:
-            raise refuse(
-                "the fillet is larger than half the width",
-                "two fillets fit into the floor",
-                "fillet",
-            )
+            message = "the fillet is larger than half the width"
+            raise refuse(message, "two fillets fit into the floor", "fillet")
 
     def lacks(self, outer: float, bore: float) -> str:
         """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
@@ -142,24 +136,22 @@ class Notch(Declared):
     hole: Small | None = given("diameter of a radial oil hole")
 
     def refuse_clashes(self) -> None:
-        if sum(one is not None for one in (self.keyway, self.splines, self.hole)) != 1:
-            raise refuse(
-                "a notch has one form", "`keyway`, `splines` or `hole`; a list has several notches"
-            )
+        if len(self.keys_given(*FORMS)) != 1:
+            hint = "`keyway`, `splines` or `hole`; a list has several notches"
+            raise refuse("a notch has one form", hint)
 
     @property
     def form(self) -> str:
-        """Which of its keys it has."""
-        return next(key for key in ("keyway", "splines", "hole") if getattr(self, key) is not None)
+        """The one of its keys that is given."""
+        return self.keys_given(*FORMS)[0]
 
     def lacks(self, outer: float, bore: float) -> str:
         """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
         if self.hole is not None:
-            large = self.hole > LARGEST_HOLE * outer
+            if self.hole <= LARGEST_HOLE * outer:
+                return ""
             return (
                 f"it is larger than {LARGEST_HOLE:g} of the diameter, up to which its factor holds"
-                if large
-                else ""
             )
         grooves = self.keyway or self.splines
         return grooves.lacks(outer, bore) if grooves else ""
@@ -190,64 +182,46 @@ class Hub(Declared):
 
     def refuse_clashes(self) -> None:
         if (self.fit == "shrink") != (self.diameter is not None):
-            wrong = "lacks its `diameter`" if self.diameter is None else "has no `diameter`"
-            raise refuse(
-                f"a hub with `fit: {self.fit}` {wrong}",
-                "finite elements need it; a key counts as rigid",
-                "fit",
-            )
+            lacks = "lacks its `diameter`" if self.diameter is None else "has no `diameter`"
+            hint = "finite elements need it; a key counts as rigid"
+            raise refuse(f"a hub with `fit: {self.fit}` {lacks}", hint, "fit")
         if self.fit == "key" and self.material is not None:
-            raise refuse(
-                "a hub with `fit: key` has no `material`", "a key counts as rigid", "material"
-            )
+            message = "a hub with `fit: key` has no `material`"
+            raise refuse(message, "a key counts as rigid", "material")
         if (self.pressure is None) != (self.friction is None):
-            raise refuse(
-                "`pressure` and `friction` of a hub belong together",
-                "the fit carries their product",
-            )
+            message = "`pressure` and `friction` of a hub belong together"
+            raise refuse(message, "the fit carries their product")
         if self.fit == "key" and self.pressure is not None:
-            raise refuse(
-                "a hub with `fit: key` has no `pressure`", "a key carries the torque", "pressure"
-            )
+            message = "a hub with `fit: key` has no `pressure`"
+            raise refuse(message, "a key carries the torque", "pressure")
 
 
-def faults_of(shaft: Any) -> None:
-    """Raise what does not go together with the shaft's own dimensions."""
-    for key, value in (("notches", shaft.notches), ("hub", shaft.hub)):
-        if value and shaft.section is not None:
-            raise refuse(
-                f"a shaft with a `section` has no `{key}`", "they belong to a round shaft", key
-            )
-    sizes = sorted(set(zip(_ends(shaft.diameter), _ends(shaft.bore), strict=True)))
+def refuse_details(shaft: Any) -> None:
+    """Refuse notches and hubs that do not go together with the dimensions of a round shaft."""
+    sizes = sorted(set(zip(both_ends(shaft.diameter), both_ends(shaft.bore), strict=True)))
     for (number, notch), (outer, bore) in product(enumerate(shaft.notches), sizes):
-        if wrong := notch.lacks(outer, bore):
+        if reason := notch.lacks(outer, bore):
+            message = f"the shaft has no room for {notch.form}: {reason}"
             hint = f"compare its dimensions with the diameter of {1e3 * outer:g} mm"
-            raise refuse(
-                f"the shaft has no room for {notch.form}: {wrong}", hint, ("notches", number)
-            )
+            raise refuse(message, hint, ("notches", number))
     ends = [hub.end for hub in shaft.hub]
     if len(set(ends)) < len(ends):
-        raise refuse(
-            "two hubs sit on one end", "`end: first` and `end: last` are the two ends", "hub"
-        )
+        hint = "`end: first` and `end: last` are the two ends"
+        raise refuse("two hubs sit on one end", hint, "hub")
     if sum(hub.length for hub in shaft.hub) > shaft.length * (1.0 + 1e-12):
-        raise refuse(
-            "the hub is longer than its shaft",
-            "the shaft's length has the seat of the hub in it",
-            "hub",
-        )
+        hint = "the shaft's length has the seat of the hub in it"
+        raise refuse("the hub is longer than its shaft", hint, "hub")
     for hub in shaft.hub:
-        if len(set(_ends(shaft.diameter))) + len(set(_ends(shaft.bore))) > 2:
-            raise refuse(
-                "a hub on a conical shaft", "give its seat as a separate cylindrical shaft", "hub"
-            )
+        if len(sizes) > 1:
+            hint = "give its seat as a separate cylindrical shaft"
+            raise refuse("a hub on a conical shaft", hint, "hub")
         if hub.diameter is not None and hub.diameter <= shaft.diameter[0]:
-            raise refuse(
-                "the hub is not larger than its shaft", "`diameter` is its outer one", "hub"
-            )
+            message = "the hub is not larger than its shaft"
+            raise refuse(message, "`diameter` is its outer one", "hub")
         if hub.end == "last" and shaft.step is not None:
             raise refuse("a hub sits at the place of a `step`", "`end: first`, or no `step`", "hub")
 
 
-def _ends(values: tuple[float, ...]) -> tuple[float, float]:
+def both_ends(values: tuple[float, ...]) -> tuple[float, float]:
+    """Return the values at both ends of a shaft, which may be one value for both."""
     return values[0], values[-1]

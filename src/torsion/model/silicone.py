@@ -3,7 +3,7 @@
 import math
 from typing import Annotated
 
-from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.fields import Declared, Quantity, excludes, given, refuse, required
 from torsion.kernels.power_law import PowerLaw, power_law
 
 KELVIN = 273.0  # K of 0 degC as the law was fitted, not 273.15
@@ -45,6 +45,8 @@ KNOWN = {
 class Silicone(Declared):
     """Silicone; coefficients of 0.15 m2/s (150 000 cSt) are known, those of others are the maker's."""
 
+    clashes = (excludes("viscosity", "storage", "loss"),)
+
     shape: Shape = required(
         "sum over all gaps of the integral of r^2 dA/gap: stiffness = shape * storage modulus"
     )
@@ -58,16 +60,11 @@ class Silicone(Declared):
     loss: ModulusLaw | None = given("loss modulus, with the keys of `storage`")
 
     def refuse_clashes(self) -> None:
-        own = [key for key in ("storage", "loss") if getattr(self, key) is not None]
-        if self.viscosity is not None and own:
-            raise refuse(
-                f"`viscosity` and `{own[0]}` exclude each other", "keep one of them", own[0]
-            )
-        if self.viscosity is None and len(own) < 2:
+        if self.viscosity is None and None in (self.storage, self.loss):
             hint = "give `viscosity: 0.15 m**2/s`, whose coefficients are known, or `storage` and `loss`"
             raise refuse("the moduli of the silicone are not given", hint)
         if self.viscosity is not None and not any(
-            math.isclose(self.viscosity, one) for one in KNOWN
+            math.isclose(self.viscosity, viscosity) for viscosity in KNOWN
         ):
             message = f"the coefficients of {self.viscosity:g} m2/s are not known"
             raise refuse(
@@ -86,9 +83,9 @@ class Silicone(Declared):
         >>> f"{k:.7g} {c:.7g}"
         '35950.25 99.25755'
         """
-        known = next(iter(KNOWN.values()))
-        storage, loss = self.storage or known[0], self.loss or known[1]
-        (g1, p), (g2, q) = (one.at(self.temperature + KELVIN) for one in (storage, loss))
+        laws = next(iter(KNOWN.values()))
+        storage, loss = self.storage or laws[0], self.loss or laws[1]
+        (g1, p), (g2, q) = (law.at(self.temperature + KELVIN) for law in (storage, loss))
         of_hertz = 2.0 * math.pi
         k, c = self.shape / scale * g1, self.shape / scale * g2 / of_hertz
         silicone = "silicone" if self.viscosity is None else f"silicone of {self.viscosity:g} m²/s"
@@ -106,6 +103,6 @@ class Silicone(Declared):
             (k / of_hertz**p, p),
             (c / of_hertz ** (q - 1.0), q - 1.0),
             key="silicone",
-            printed=tuple(one * of_hertz for one in PRINTED),
+            printed=tuple(frequency * of_hertz for frequency in PRINTED),
             words=words,
         )

@@ -44,7 +44,7 @@ SHOWN = {  # unit of a column: the unit of its values, and the factor between th
     "ms": ("s", 1e3),
     "kW": ("W", 1e-3),
 }
-Value = str | int | float | None  # of a cell; a truth value is an int
+Value = str | bool | int | float | None  # of a cell
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,6 @@ class Table:
     short: str = ""  # its title on the terminal; '' where it does not stand there
     rows_in_summary: int = 0  # on the terminal without `-v`
     summary: str = ""  # sentence on the terminal without `-v`, in place of rows
-
-    def __post_init__(self) -> None:
-        if any(len(row) != len(self.columns) for row in self.values):
-            raise ValueError(
-                f"a row of the table '{self.caption}' does not have {len(self.columns)} cells"
-            )
 
     @cached_property
     def rows(self) -> tuple[tuple[str, ...], ...]:
@@ -202,6 +196,8 @@ def table(
         caption, records = f"{caption}; the first {most} of {len(records)}", records[:most]
     if records and columns[0].name:
         columns, records = _from_records(columns, records)
+    if any(len(row) != len(columns) for row in records):
+        raise ValueError(f"a row of the table '{caption}' does not have {len(columns)} cells")
     values: list[list[Any]] = [
         [_plain(value, column) for value, column in zip(row, columns, strict=True)]
         for row in records
@@ -308,12 +304,13 @@ def filled(made: Table) -> Table:
 
 
 def texts(title: str, short: str = "") -> Column:
-    """A column of words."""
+    """Return a column of words, which stand to the left."""
     return Column(title, align="left", short=short)
 
 
 def on_terminal(blocks: Iterable[Block]) -> list[Block]:
     """The same blocks, sentences among them on the terminal too."""
     return [
-        replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks
+        replace(block, brief=True) if isinstance(block, Paragraph | Points) else block
+        for block in blocks
     ]

@@ -1,38 +1,39 @@
-"""The results as tables of plain values, for CSV and spreadsheets: columns are keys of results.json, all digits.
+"""Tables in files: results as plain values for CSV and spreadsheets, and the tables of the report, all digits.
 
-Lists of records become a table by their key (`checks`, `critical_speeds`), arrays over one axis a table by their result
-(`modes`). Arrays over two axes stay in results.json.
+Columns of results are keys of results.json. Lists of records become a table by their key (`checks`,
+`critical_speeds`), arrays over one axis a table by their result (`modes`). Arrays over two axes stay in results.json.
 """
 
-import csv
 import io
 import math
-import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 
+import torsion
+from torsion.errors import refusal
 from torsion.findings import Findings
+from torsion.output.blocks import Table
 from torsion.output.document import Document
 from torsion.output.plain import plain, shown
-from torsion.output.scene import span_rows, station_rows
+from torsion.output.scene import checksum, span_rows, station_rows
 from torsion.output.selection import Selection
-from torsion.output.table_text import inert, one_line
-from torsion.results import is_declared, quantities
+from torsion.output.table_text import (
+    csv_rows,
+    file_name,
+    inert,
+    inert_cells,
+    one_line,
+    packed,
+    table_text,
+)
+from torsion.results import RPM, is_declared, quantities
 
-WRITTEN = (
-    1980,
-    1,
-    1,
-    0,
-    0,
-    0,
-)  # date of every file in the archive: the same results give the same bytes
 LONGEST_SHEET = 31  # characters of a sheet name in a workbook
-RPM = 30.0 / math.pi
-SPEED = "speed_rad_per_s"  # a column of it has another in rpm next to it
+SPEED = "speed_rad_per_s"  # a column in rpm follows it
 
 
 @dataclass(frozen=True)
@@ -45,67 +46,46 @@ class DataTable:
 
 
 def data_tables(findings: Findings) -> Iterator[DataTable]:
-    """Yield all tables of the results, in the order of results.json; a table without rows is left out."""
+    """Yield all tables of the results, in the order of results.json; a table without rows is omitted."""
     selection = Selection(findings.system)
-    rows = {
-        "stations": plain(station_rows(selection), selection),
-        "spans": plain(span_rows(selection), selection),
-    }
-    for name, records in rows.items():
-        yield from _of_records(name, records)
-    for name, value in findings.results.items():
-        if not is_declared(value):
+    yield from _of_records("stations", plain(station_rows(selection), selection))
+    yield from _of_records("spans", plain(span_rows(selection), selection))
+    for name, result in findings.results.items():
+        if not is_declared(result):
             continue
-        data = plain(value, selection)
-        if isinstance(data, list):
-            yield from _of_records(name, data)
+        values = plain(result, selection)
+        if isinstance(values, list):
+            yield from _of_records(name, values)
             continue
-        yield from _of_arrays(name, value, selection)
-        for key, inner in data.items():
-            if (
-                isinstance(inner, list)
-                and inner
-                and all(isinstance(record, dict) for record in inner)
-            ):
-                yield from _of_records(name if len(data) == 1 else f"{name}_{key}", inner)
+        yield from _of_arrays(name, result, selection)
+        for key, records in values.items():
+            if isinstance(records, list) and all(isinstance(row, dict) for row in records):
+                yield from _of_records(name if len(values) == 1 else f"{name}_{key}", records)
 
 
-def _of_arrays(name: str, value: Any, selection: Selection) -> Iterator[DataTable]:
+def _of_arrays(name: str, result: Any, selection: Selection) -> Iterator[DataTable]:
     """Yield the one-dimensional arrays of a result, one table for each axis; that of the first axis has its name."""
-    by_axis: dict[tuple[str, int], dict[str, Any]] = {}
-    for quantity in quantities(type(value)):
+    by_axis: dict[tuple[str, int], dict[str, list[Any]]] = {}
+    for quantity in quantities(type(result)):
         if len(quantity.printed) != 1 or quantity.record is not None:
             continue
-        array = shown(value, quantity, selection)
-        if not isinstance(array, np.ndarray) or array.ndim != 1:
-            continue
-        columns = by_axis.setdefault((quantity.printed[0], len(array)), {})
-        if array.dtype.kind == "c":
-            columns |= {f"{quantity.key}_real": array.real, f"{quantity.key}_imag": array.imag}
-        else:
-            columns[quantity.key] = array
-    for place, ((axis, count), columns) in enumerate(by_axis.items()):
-        if not count:
-            continue
-        cells = [[_cell(item) for item in column.tolist()] for column in columns.values()]
-        rows = tuple(zip(range(1, count + 1), *cells, strict=True))
-        yield _with_rpm(
-            DataTable(
-                name if place == 0 else f"{name}_by_{axis.replace(' ', '_')}",
-                (axis, *columns),
-                rows,
-            )
-        )
+        array = shown(result, quantity, selection)
+        if isinstance(array, np.ndarray) and array.ndim == 1:
+            columns = by_axis.setdefault((quantity.printed[0], len(array)), {})
+            is_complex = array.dtype.kind == "c"
+            parts = {"_real": array.real, "_imag": array.imag} if is_complex else {"": array}
+            columns |= {f"{quantity.key}{part}": half.tolist() for part, half in parts.items()}
+
+    for position, ((axis, count), columns) in enumerate(by_axis.items()):
+        table_name = name if position == 0 else f"{name}_by_{axis.replace(' ', '_')}"
+        yield from _table(table_name, {axis: list(range(1, count + 1)), **columns})
 
 
 def _of_records(name: str, records: list[Any]) -> Iterator[DataTable]:
     """Yield the records as rows; a record in a record gives columns such as `basis.kind`, a list of words one text."""
-    flat = [dict(_flat(record)) for record in records if isinstance(record, Mapping)]
-    columns = tuple(dict.fromkeys(key for row in flat for key in row))
-    if flat and columns:
-        yield _with_rpm(
-            DataTable(name, columns, tuple(tuple(row.get(key) for key in columns) for row in flat))
-        )
+    rows = [dict(_flat(record)) for record in records if isinstance(record, Mapping)]
+    keys = dict.fromkeys(key for row in rows for key in row)
+    yield from _table(name, {key: [row.get(key) for row in rows] for key in keys})
 
 
 def _flat(record: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
@@ -115,66 +95,44 @@ def _flat(record: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]
         elif isinstance(value, list) and all(isinstance(item, str) for item in value):
             yield head + key, "; ".join(value)
         elif not isinstance(value, list | np.ndarray):
-            yield head + key, _cell(value)
+            yield head + key, value
+
+
+def _table(name: str, columns: Mapping[str, list[Any]]) -> Iterator[DataTable]:
+    """Yield the table of these columns, with `speed_rpm` after a speed in rad/s; nothing if it has no row."""
+    cells: dict[str, list[Any]] = {}
+    for key, values in columns.items():
+        cells[key] = [_cell(value) for value in values]
+        if key == SPEED:
+            cells["speed_rpm"] = [None if value is None else value * RPM for value in cells[key]]
+    if rows := tuple(zip(*cells.values(), strict=True)):
+        yield DataTable(name, tuple(cells), rows)
 
 
 def _cell(value: Any) -> Any:
     """Return a number, text or boolean; None for no value."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
-    return (
-        str(value)
-        if value is not None and not isinstance(value, bool | int | float | str)
-        else value
-    )
-
-
-def _with_rpm(table: DataTable) -> DataTable:
-    """Return the table with `speed_rpm` after a speed in rad/s."""
-    if SPEED not in table.columns:
-        return table
-    place = table.columns.index(SPEED)
-    speeds = [None if row[place] is None else row[place] * RPM for row in table.rows]
-    rows = [
-        (*row[: place + 1], rpm, *row[place + 1 :])
-        for row, rpm in zip(table.rows, speeds, strict=True)
-    ]
-    columns = (*table.columns[: place + 1], "speed_rpm", *table.columns[place + 1 :])
-    return DataTable(table.name, columns, tuple(rows))
+    return value if isinstance(value, bool | int | float | str | None) else str(value)
 
 
 def csv_of(table: DataTable) -> str:
     """Return a table as CSV; a text that a spreadsheet would run as a formula is made inert."""
-    target = io.StringIO()
-    rows = csv.writer(target, lineterminator="\n")
-    rows.writerow(table.columns)
-    rows.writerows(
-        [inert(one_line(cell)) if isinstance(cell, str) else cell for cell in row]
-        for row in table.rows
-    )
-    return target.getvalue()
+    return csv_rows([table.columns, *table.rows])
 
 
 def archive(document: Document, findings: Findings) -> bytes:
     """Return a .zip of `checks.csv`, `modes.csv`, ...; of a file with cases, those of each case in its folder."""
-    target = io.BytesIO()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as made:
-        for name, case in findings.each.items():
-            folder = "" if case is findings or not findings.cases else f"{_folder(case, name)}/"
-            for table in data_tables(case) if case.is_answered else ():
-                info = zipfile.ZipInfo(f"{folder}{table.name}.csv", WRITTEN)
-                made.writestr(info, csv_of(table), zipfile.ZIP_DEFLATED)
-    return target.getvalue()
-
-
-def _folder(case: Findings, name: str) -> str:
-    return case.study.case.folder if case.study.case is not None else name
+    texts = {}
+    for name, case in findings.each.items():
+        folder = "" if case is findings else case.study.case.folder if case.study.case else name
+        for table in data_tables(case) if case.is_answered else ():
+            texts[f"{folder}/{table.name}.csv" if folder else f"{table.name}.csv"] = csv_of(table)
+    return packed(texts)
 
 
 def workbook(document: Document, findings: Findings) -> bytes:
     """Return an .xlsx workbook, one sheet a table, numbers as numbers. Raises InputError without openpyxl."""
-    from torsion.errors import refusal
-
     try:
         from openpyxl import Workbook
         from openpyxl.styles import Font
@@ -189,7 +147,34 @@ def workbook(document: Document, findings: Findings) -> bytes:
             cell.font = Font(bold=True)
         sheet.freeze_panes = "A2"
         for row in table.rows:
-            sheet.append([inert(one_line(cell)) if isinstance(cell, str) else cell for cell in row])
+            sheet.append(inert_cells(row))
     target = io.BytesIO()
     book.save(target)
     return target.getvalue()
+
+
+def report_tables(document: Document) -> bytes:
+    """Return a .zip of `table-4.1.csv` and so on; a table is complete also if the page omits rows."""
+    texts = {}
+    for item in document.body:
+        if isinstance(item.block, Table) and item.number:
+            name = file_name(item.number)
+            complete = document.beside.get(f"{document.report.stem}-{name}")
+            texts[name] = complete() if complete else table_text(item.number, item.block)
+    return packed(texts)
+
+
+def report_columns(document: Document, findings: Findings) -> str | None:
+    """Return the columns of a report over one axis, after comments on their origin; None if it declares none."""
+    if not document.report.columns:
+        return None
+    columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(findings)
+    study = findings.study
+    comments = [f"scene: {inert(one_line(study.name))}"]
+    if study.text:
+        file = inert(one_line(study.shown_file))
+        comments.append(f"file: {file}, SHA-256 {checksum(study)}")
+    comments.append(f"torsion {torsion.__version__}; motion of the shaft downstream of the joint")
+    titles, values = zip(*columns, strict=True)
+    head = "".join(f"# {comment}\n" for comment in comments)
+    return head + csv_rows([titles, *np.column_stack(values).tolist()])

@@ -115,19 +115,19 @@ def document(
     is_full: bool = False,
 ) -> Document:
     """Return the report of the findings, with the blocks `before` at its begin and, if full, all its appendices."""
-    body, beside = list[Numbered](), dict[str, Callable[[], str]]()
+    body, files_beside = list[Numbered](), dict[str, Callable[[], str]]()
     for item in numbered([*before, *chapters(findings, report, is_full=is_full)]):
         block, files = shortened(item.block, item.number, report.stem)
         body.append(Numbered(block, item.number))
-        beside.update(files)
-    name = next(name for name, one in REPORTS.items() if one is report)
+        files_beside.update(files)
+    name = next(name for name, known_report in REPORTS.items() if known_report is report)
     return Document(
-        _cover(findings, today, report.title), tuple(body), name, _ending(findings), beside
+        _cover(findings, today, report.title), tuple(body), name, _ending(findings), files_beside
     )
 
 
 def _ending(findings: Findings) -> Ending:
-    done = [line for found in findings.each.values() for line in found.plan.done]
+    done = [line for case in findings.each.values() for line in case.plan.done]
     work = f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s" if done else ""
     return Ending(findings.exit_status, work, findings.without_answer)
 

@@ -6,7 +6,6 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Box, Paragraph
@@ -18,7 +17,7 @@ from torsion.output.reported_values import (
     band_words,
     barred,
     barred_rpm,
-    mode_near,
+    mode_of,
     tilted,
     unreliable,
 )
@@ -32,7 +31,6 @@ Cases = Mapping[str, Findings]
 MOST_CASES = 4  # named in the headline
 MOST_RANGES = 3  # barred ranges, failing ranges and failed analyses named in the box
 MOST_LISTED = 8  # ranges of speed without a reliable value
-ALL_CASES = {1: "the only judged case", 2: "both cases"}
 KINDS: Mapping[Verdict, Kind] = {
     "pass": "pass",
     "restricted": "note",
@@ -44,74 +42,60 @@ KINDS: Mapping[Verdict, Kind] = {
 
 def verdict(findings: Findings) -> Verdict:
     """Return the worst verdict of the checks, of a comparison, fit or sweep that fails, and of missing answers."""
-    checks, sweep = findings.need(Checks).lines, findings.get(Sweep)
-    if any(
-        getattr(findings.results.get(name), "fails", False) for name in ("check", "fit", "sweep")
-    ):
+    results, sweep = findings.results, findings.get(Sweep)
+    if any(getattr(results.get(name), "fails", False) for name in ("check", "fit", "sweep")):
         return "fail"
-    worst = worst_verdict(checks)
+    worst = worst_verdict(findings.need(Checks).lines)
     if findings.plan.unanswered and WORDS[worst] != "FAIL":
         return "not judged"
     return "restricted" if worst == "pass" and sweep is not None and sweep.is_partial else worst
 
 
-def failing_share(sweep: Sweep) -> str:
-    """How many variants of a sweep fail, where the file permits fewer or says nothing of them, as a clause."""
-    share = f"{100.0 * sweep.share_failing:.3g} % of the variants fail a check"
-    return (
-        share
-        if sweep.fail_at_most is None
-        else f"{share}, {100.0 * sweep.fail_at_most:.3g} % are permitted"
-    )
-
-
 def headline(findings: Findings) -> tuple[Head, Kind]:
-    """Sign and words of the verdict with one clause, and how it stands out."""
+    """Return sign and words of the verdict with one clause, and how it stands out."""
     word = verdict(findings)
     return (SIGNS[word], f"{WORDS[word]}: {_clause(findings, word)}"), KINDS[word]
 
 
 def _clause(findings: Findings, word: Verdict) -> str:
-    """Why the verdict is what it is."""
+    """Return why the verdict is what it is."""
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
     first = next((check for check in checks if WORDS[check.verdict] == WORDS[word]), None)
     sweep = findings.get(Sweep)
-    partial_pass = word == "restricted" and sweep is not None and sweep.is_partial
-    if sweep is not None and (partial_pass or (first is None and sweep.fails)):
-        return failing_share(sweep)
-    if first is None and word == "fail":
-        return "the comparison of the models or the fit to measurements"
+    if sweep is not None and (
+        (word == "restricted" and sweep.is_partial) or (first is None and sweep.fails)
+    ):
+        share = f"{100.0 * sweep.share_failing:.3g} % of the variants fail a check"
+        if sweep.fail_at_most is None:
+            return share
+        return f"{share}, {100.0 * sweep.fail_at_most:.3g} % are permitted"
     if word == "not judged" and findings.plan.unanswered:
         return "an analysis was not computed"
+    if first is None and word == "fail":
+        return "the comparison of the models or the fit to measurements"
     if first is None:
         return "no rule judges this train" if findings.study.rules else "no rule is named"
     if word == "pass":
         return "1 limit met" if len(checks) == 1 else f"{len(checks)} limits met"
     if word == "restricted":
-        bands = barred_rpm(findings)
-        return (
-            f"barred range {', '.join(map(band_words, bands))}"
-            if bands
-            else next(iter(first.restrictions))
-        )
+        bands = ", ".join(map(band_words, barred_rpm(findings)))
+        return f"barred range {bands}" if bands else first.restrictions[0]
     used, speed = first.utilisation, "" if first.speed is None else f" at {rpm(first.speed)} rpm"
-    share = (
-        ""
-        if used is None or np.isinf(used) or word == "not judged"
-        else f" {check_words.percent(used)} of its limit"
-    )
+    share = ""
+    if used is not None and np.isfinite(used) and word != "not judged":
+        share = f" {check_words.percent(used)} of its limit"
     return f"{first.what}, {first.where}{share}{speed} ({first.rule})"
 
 
 def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
-    """Sign and words of the worst verdict of the judged cases, with the names of the cases that have it."""
-    counted_in = judged(cases)
+    """Return sign and words of the worst verdict of the judged cases, with the names of the cases that have it."""
+    verdicts = {name: case_verdict(case) for name, case in judged(cases).items()}
     with_rules = {
-        name: case
-        for name, case in counted_in.items()
+        name: verdicts[name]
+        for name, case in judged(cases).items()
         if case.study.rules or lines_of(case) or not case.is_answered
     }
-    verdicts = {name: case_verdict(case) for name, case in (with_rules or counted_in).items()}
+    verdicts = with_rules or verdicts
     worst = next(word for word in WORDS if word in verdicts.values())
     names = [name for name, word in verdicts.items() if WORDS[word] == WORDS[worst]]
     if len(verdicts) == 1:
@@ -119,7 +103,7 @@ def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
     elif len(names) < len(verdicts):
         which = f"{_named(names[:MOST_CASES])} ({len(names)} of {len(verdicts)})"
     else:
-        which = ALL_CASES.get(len(names), f"all {len(names)} cases")
+        which = "both cases" if len(names) == 2 else f"all {len(names)} cases"
     omitted = "".join(
         f", without {listed(rules)} in case {name}" for name, rules in omitted_rules(cases).items()
     )
@@ -154,11 +138,11 @@ def case_verdict(findings: Findings) -> Verdict:
 
 def omitted_rules(cases: Cases) -> dict[str, tuple[str, ...]]:
     """Return, by judged case, the rules of other cases that it does not name."""
-    rules = {name: [rule for rule, _ in case.study.rules] for name, case in judged(cases).items()}
-    all_rules = dict.fromkeys(rule for names in rules.values() for rule in names)
+    rules = {name: dict(case.study.rules) for name, case in judged(cases).items()}
+    all_rules = dict.fromkeys(rule for named in rules.values() for rule in named)
     omitted = {
-        name: tuple(rule for rule in all_rules if rule not in names)
-        for name, names in rules.items()
+        name: tuple(rule for rule in all_rules if rule not in named)
+        for name, named in rules.items()
     }
     return {name: lacking for name, lacking in omitted.items() if lacking}
 
@@ -180,49 +164,45 @@ def box(findings: Findings) -> Box:
         *_joined("Sweep", solved, _sweep_words),
         *_design_line(findings),
         *_engine_line(findings),
+        *_joined("Barred ranges", solved, _barred_words),
+        *_joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case))),
+        *_joined("Not computed", cases, _uncomputed_words),
+        *(("Note", note.text) for note in notes(findings)),
     ]
-    lines += _joined("Barred ranges", solved, _barred_words)
-    lines += _joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case)))
-    lines += _joined("Not computed", cases, _uncomputed_words)
-    lines += [("Note", note.text) for note in notes(findings)]
     if unjudged := [name for name, case in cases.items() if not case.is_judged]:
         lines.append(("For information", f"{_named(unjudged)}: not part of the verdict"))
-    checks = tuple(check for case in solved.values() for check in lines_of(case))
-    if checks:
+    if checks := tuple(check for case in solved.values() for check in lines_of(case)):
         of_cases = f" in {len(solved)} cases" if len(solved) > 1 else ""
-        lines.append(
-            ("Checks", f"{len(checks)}{of_cases}: {Checks(checks).counts}{_basis_words(checks)}")
-        )
+        count = f"{len(checks)}{of_cases}: {Checks(checks).counts}"
+        unconfirmed = sum(check.standing == TO_BE_VERIFIED for check in checks)
+        if unconfirmed:
+            limits = sum(not np.isnan(check.limit) for check in checks)
+            verb = "follows" if unconfirmed == 1 else "follow"
+            count += f". {unconfirmed} of {limits} limits {verb} an edition that is not confirmed"
+        lines.append(("Checks", count))
     (sign, words), kind = overall_headline(findings)
-    is_case = findings.study.case is not None
-    return Box(
-        sign, f"Case {case_name(findings)}: {words}" if is_case else words, kind, tuple(lines)
-    )
+    case = "" if findings.study.case is None else f"Case {case_name(findings)}: "
+    return Box(sign, case + words, kind, tuple(lines))
 
 
 def _joined(
     title: str, cases: Cases, words_of: Callable[[Findings], str]
 ) -> Iterator[tuple[str, str]]:
     """Yield one line with the words of every case that has any."""
-    words = {name: text for name, case in cases.items() if (text := words_of(case))}
-    by_text = dict[str, list[str]]()
-    for name, text in words.items():
-        by_text.setdefault(text, []).append(name)
-    sentences = [
-        f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items()
-    ]
+    names = dict[str, list[str]]()
+    for name, case in cases.items():
+        if text := words_of(case):
+            names.setdefault(text, []).append(name)
+    sentences = [f"{_named(those)}: {text}" if those[0] else text for text, those in names.items()]
     if sentences:
-        yield (
-            title,
-            "; ".join([*(text.removesuffix(".") for text in sentences[:-1]), sentences[-1]]),
-        )
+        *before, last = sentences
+        yield title, "; ".join([*(text.removesuffix(".") for text in before), last])
 
 
 def worst(findings: Findings) -> Check | None:
     """Return the check that ranks first among those with a limit."""
-    return min(
-        filter(check_words.is_judged, lines_of(findings)), key=check_words.rank, default=None
-    )
+    checks = (check for check in lines_of(findings) if check.has_limit)
+    return min(checks, key=check_words.rank, default=None)
 
 
 def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
@@ -230,8 +210,7 @@ def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
     checks = {name: check for name, case in cases.items() if (check := worst(case)) is not None}
     if not checks:
         return
-    name = min(checks, key=lambda name: check_words.rank(checks[name]))
-    check = checks[name]
+    name, check = min(checks.items(), key=lambda entry: check_words.rank(entry[1]))
     if check.utilisation is None and not check.fails:
         return
     words = [f"{check.where}: {check.what} {check_words.against(check)}"]
@@ -245,10 +224,8 @@ def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
         words.append(f"with {check.misfire}")
     basis = f"{symbols(check.clause)}, {check.rule}; basis: {check_words.basis(check)}"
     case = f"case {name}, " if name else ""
-    yield (
-        "Worst check" if check.fails else "Largest utilisation",
-        f"{case}{', '.join(words)} ({basis})",
-    )
+    title = "Worst check" if check.fails else "Largest utilisation"
+    yield title, f"{case}{', '.join(words)} ({basis})"
 
 
 def _sweep_words(findings: Findings) -> str:
@@ -259,30 +236,23 @@ def _sweep_words(findings: Findings) -> str:
         return ""
     unsolved = f"; {sweep.unsolved} not solved" if sweep.unsolved else ""
     if sweep.method == "grid":
-        return f"{result.failing:,} of {counted(sweep.samples, 'variant')} fail a check{_failing_ranges(sweep)}{unsolved}"
+        variants, ranges = counted(sweep.samples, "variant"), ""
+        if sweep.grid is not None and len(sweep.grid.axes) == 1 and sweep.grid.axes[0].is_numeric:
+            axis = sweep.grid.axes[0]
+            ends = [
+                dict.fromkeys((axis.words[a], axis.words[b])) for a, b in runs(sweep.grid.fails)
+            ]
+            failing = listed(map(" to ".join, ends), most=MOST_RANGES)
+            ranges = f": {axis.name} {failing}" if ends else ""
+        return f"{result.failing:,} of {variants} fail a check{ranges}{unsolved}"
     share, low, high = (
         number(100.0 * (value or 0.0), 3)
         for value in (result.probability, result.lower, result.upper)
     )
-    fail = (
-        f"{share} % of the variants fail a check"
-        if result.failing
-        else f"none of {sweep.samples:,} variants fails"
-    )
+    fail = f"none of {sweep.samples:,} variants fails"
+    if result.failing:
+        fail = f"{share} % of the variants fail a check"
     return f"{fail} (95 % CI {low} to {high} %){unsolved}"
-
-
-def _failing_ranges(sweep: Sweep) -> str:
-    """Return the values between which the variants of a one-dimensional sweep fail."""
-    grid = sweep.grid
-    if grid is None or len(grid.axes) != 1 or not grid.axes[0].is_numeric:
-        return ""
-    axis = grid.axes[0]
-    ranges = [
-        axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}"
-        for a, b in runs(grid.fails)
-    ]
-    return f": {axis.name} {listed(ranges, most=MOST_RANGES)}" if ranges else ""
 
 
 def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
@@ -295,7 +265,7 @@ def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
 def _engine_line(findings: Findings) -> Iterator[tuple[str, str]]:
     """Yield the state of the engines unless all cylinders fire alike."""
     if any(part.engine is not None for part in findings.study.train.parts):
-        from torsion.output.chapters.engine import states
+        from torsion.output.chapters.crank_machines import states
 
         if words := listed(states(findings), "; "):
             yield "Engine state", words
@@ -307,27 +277,16 @@ def _barred_words(findings: Findings) -> str:
     for band in barred(findings):
         words = [band_words((band.lower * RPM, band.upper * RPM)), band.shaft]
         if band.order is not None:
-            mode = mode_near(findings, float(band.order) * band.critical / (2.0 * np.pi))
-            words += [f"order {check_words.contributing(findings, band.order)}", f"mode {mode}"]
+            order = check_words.contributing(findings, band.order)
+            words += [f"order {order}", f"mode {mode_of(findings, band)}"]
         ranges.append(", ".join(words))
     return listed(ranges, "; ", most=MOST_RANGES)
 
 
 def _uncomputed_words(findings: Findings) -> str:
     """Return the analyses that failed, with the reason."""
-    return listed(
-        [f"{step.what}: {step.words}" for step in findings.plan.unanswered], "; ", most=MOST_RANGES
-    )
-
-
-def _basis_words(checks: tuple[Check, ...]) -> str:
-    """Return how many limits follow an edition that nobody confirmed."""
-    unconfirmed = sum(check.standing == TO_BE_VERIFIED for check in checks)
-    limits = sum(not np.isnan(check.limit) for check in checks)
-    if not unconfirmed:
-        return ""
-    verb = "follows" if unconfirmed == 1 else "follow"
-    return f". {unconfirmed} of {limits} limits {verb} an edition that is not confirmed"
+    failed = [f"{step.what}: {step.words}" for step in findings.plan.unanswered]
+    return listed(failed, "; ", most=MOST_RANGES)
 
 
 def notes(findings: Findings) -> Iterator[Paragraph]:
@@ -355,45 +314,33 @@ def restrictions(findings: Findings) -> tuple[str, ...]:
         for band in barred_rpm(findings)
     ]
     sentences = (*ranges, *other_restrictions(findings))
-    if (
-        sentences
-        or findings.get(Response) is None
-        or verdict(findings) not in ("pass", "restricted")
-    ):
+    is_met = verdict(findings) in ("pass", "restricted")
+    if sentences or findings.get(Response) is None or not is_met:
         return sentences
     return ("No restriction of speed follows from the checks.",)
 
 
 def other_restrictions(findings: Findings) -> tuple[str, ...]:
     """Return the restrictions other than barred ranges: conditions of checks, unstable ranges, unreliable speeds."""
-    response, bad, stable = (
-        findings.get(Response),
-        unreliable(findings),
-        findings.results.get("stability"),
-    )
     conditions = (words for check in findings.need(Checks).lines for words in check.restrictions)
     sentences = [f"{words[:1].upper()}{words[1:]}." for words in dict.fromkeys(conditions)]
-    if stable is not None:
-        from torsion.output.chapters.stability_ranges import restrictions as unstable_ranges
+    stability = findings.results.get("stability")
+    if stability is not None or tilted(findings):
+        from torsion.output.chapters import stability_ranges
 
-        sentences += unstable_ranges(findings, stable)
-    if tilted(findings):
-        from torsion.output.chapters.stability_ranges import tilt_restrictions
-
-        sentences += tilt_restrictions(findings)
-    if response is not None and np.any(bad):
-        sentences.append(f"At {_speed_ranges(response.speed[bad] * RPM)} {UNDAMPED}")
-    if unreached := check_words.unreached(findings):
-        sentences.append(unreached)
-    return tuple(sentences)
-
-
-def _speed_ranges(speeds: FloatArray) -> str:
-    """Return speeds in rpm as ranges of neighbours."""
-    groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
-    words = [
-        "–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1])))))
-        for group in groups
-    ]
-    more = f" (the first {MOST_LISTED} of {len(words)} ranges)" if len(words) > MOST_LISTED else ""
-    return f"{', '.join(words[:MOST_LISTED])} rpm{more}"
+        if stability is not None:
+            sentences += stability_ranges.restrictions(findings, stability)
+        sentences += stability_ranges.tilt_restrictions(findings)
+    if np.any(is_bad := unreliable(findings)):
+        speeds = findings.need(Response).speed[is_bad] * RPM
+        # Neighbours form one range.
+        groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
+        ranges = [
+            "–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1])))))
+            for group in groups
+        ]
+        more = ""
+        if len(ranges) > MOST_LISTED:
+            more = f" (the first {MOST_LISTED} of {len(ranges)} ranges)"
+        sentences.append(f"At {', '.join(ranges[:MOST_LISTED])} rpm{more} {UNDAMPED}")
+    return (*sentences, *filter(None, [check_words.unreached(findings)]))

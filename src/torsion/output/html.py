@@ -24,24 +24,22 @@ LONG_WORD = 20  # characters
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Drawings:
     """The drawings of a page by the names of their figures, and what they need beside them."""
 
-    drawings: Mapping[str, Markup]
+    by_figure: Mapping[str, Markup]
     numbers: Markup  # JSON for the script of the page
     on_dark: Markup  # rules of style on a dark screen
 
     def __call__(self, figure: Figure) -> Markup:
-        """The drawing of a figure, as the templates show it."""
-        return self.drawings[figure.name]
+        """Return the drawing of a figure, as the templates show it."""
+        return self.by_figure[figure.name]
 
 
 def html(document: Document) -> str:
-    """The page."""
-    drawn, own = _drawn(document.body), Markup(script())
-    chapters = [
-        item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1
-    ]
+    """Return the page of a report."""
+    drawn, page_script = _draw(document.body), Markup(script())
+    blocks = [(item, item.block) for item in document.body]
     return (
         environment()
         .get_template("report.html")
@@ -49,11 +47,13 @@ def html(document: Document) -> str:
             drawn=drawn,
             cover=document.cover,
             body=document.body,
-            chapters=chapters,
+            chapters=[
+                item for item, block in blocks if isinstance(block, Heading) and block.level == 1
+            ],
             style=Markup(style()),
-            script=own,
+            script=page_script,
             on_dark=drawn.on_dark,
-            digest=b64encode(sha256(f"\n{own}\n".encode()).digest()).decode(),
+            digest=b64encode(sha256(f"\n{page_script}\n".encode()).digest()).decode(),
             numbers=drawn.numbers,
             has_first_page=document.has_first_page,
         )
@@ -61,63 +61,59 @@ def html(document: Document) -> str:
 
 
 def fragment(body: Sequence[Numbered]) -> dict[str, str]:
-    """Blocks without cover and contents, as a page that is there already takes them: `main`, its `numbers`, `dark`."""
-    drawn, template = _drawn(body, level=1), environment().get_template("report_main.html")
+    """Return blocks without cover and contents for a page that exists already: `main`, its `numbers`, `dark`."""
+    drawn, template = _draw(body, level=1), environment().get_template("report_main.html")
     main = template.render(drawn=drawn, body=body, chapters=(), has_first_page=False)
     return {"main": main, "numbers": str(drawn.numbers), "dark": str(drawn.on_dark)}
 
 
-def _drawn(body: Sequence[Numbered], level: int = 9) -> Drawn:
-    """Every figure drawn; level: of zlib, 1 where it is to be soon rather than short."""
-    live = Page()
-    figures = [item.block for item in body if isinstance(item.block, Figure)]
-    drawings = {figure.name: _figure(live, figure) for figure in figures}
-    dark = rules(drawings.values())
-    return Drawn(drawings, Markup(live.numbers(level)), Markup(dark))
+def _draw(body: Sequence[Numbered], level: int = 9) -> Drawings:
+    """Draw every figure, with its numbers for the script; level: of zlib, 1 if speed matters more than length."""
+    page, drawings = Page(), dict[str, Markup]()
+    for figure in (item.block for item in body):
+        if isinstance(figure, Figure):
+            text, frames = framed(figure)
+            data = page.figure(figure, frames)
+            drawings[figure.name] = Markup(f'{text}<script type="application/json">{data}</script>')
+    on_dark = Markup(rules(drawings.values()))
+    return Drawings(drawings, Markup(page.numbers(level)), on_dark)
 
 
 @cache
 def environment() -> Environment:
-    """Of the templates of pages: everything is escaped but what their `drawn` makes of a figure."""
-    made = Environment(
+    """Return the environment of the templates: all text is escaped but the drawings of figures."""
+    templates = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
     )
-    made.filters.update(
-        words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked
-    )
-    made.filters.update(kind=lambda block: type(block).__name__, figures=figures)
-    return made
-
-
-def _figure(live: Page, figure: Figure) -> Markup:
-    """A drawing, with its numbers for the script of the page."""
-    text, frames = framed(figure)
-    return Markup(f'{text}<script type="application/json">{live.figure(figure, frames)}</script>')
+    for function in (words, css_text, anchor, has_long_word, linked, figures):
+        templates.filters[function.__name__] = function
+    templates.filters["kind"] = lambda block: type(block).__name__
+    return templates
 
 
 def words(text: str) -> Markup:
-    """Text escaped, with its subscripts."""
+    """Return a text escaped, with its subscripts."""
     return Markup(SUBSCRIPT.sub(r"<sub>\1</sub>", str(escape(text))))
 
 
 def linked(text: str) -> Markup:
-    """The name of a file, which leads there; of none its sign."""
+    """Return the name of a file as a link to it; the sign for none unchanged."""
     return escape(text) if text == NONE else Markup('<a href="{0}">{0}</a>').format(text)
 
 
 def css_text(text: str) -> Markup:
-    """A string of a style sheet: whatever could end it is written by its code point."""
+    """Return a string of a style sheet: whatever could end it is written by its code point."""
     return Markup("".join(c if c.isalnum() or c in " -.,:()" else f"\\{ord(c):x} " for c in text))
 
 
 def has_long_word(text: str) -> bool:
-    """A word that would push a table over the edge of the page, and may be broken anywhere."""
+    """Return whether a word would push a table over the edge of the page, and may be broken anywhere."""
     return any(len(word) > LONG_WORD for word in text.split())
 
 
 def anchor(item: Numbered) -> str:
-    """A stable name to link to."""
+    """Return a stable name to link to."""
     return "s" + item.number.replace(" ", "-").replace(".", "-").lower()

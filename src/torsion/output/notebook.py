@@ -88,10 +88,10 @@ def _findings_line(findings: Findings) -> str:
 
 
 def _frequencies(modes: Modes) -> str:
-    """The first of them."""
-    more = ", …" if modes.frequency.size > FEW else ""
+    """Return the first frequencies after a colon; nothing if there is none."""
+    ellipsis = ", …" if modes.frequency.size > FEW else ""
     return (
-        f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{more} Hz"
+        f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{ellipsis} Hz"
         if modes.frequency.size
         else ""
     )
@@ -102,16 +102,22 @@ def _findings(findings: Findings) -> Iterator[Block]:
     first = [*verdict.chapter(findings)] if findings.get(Checks) is not None else []
     yield KeyValues((("Scene", findings.study.name),))
     further = [block for block in first if isinstance(block, Figure)][1:]
-    yield from (block for block in first if not any(block is one for one in further))
+    yield from (block for block in first if not any(block is figure for figure in further))
     if not first:
-        yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+        yield from _plant(findings)
+
+
+def _plant(findings: Findings) -> Iterator[Figure]:
+    """Yield the sketch of the train; nothing of a train too long for a page."""
+    if len((sketch := plant.sketch(findings)).links) <= plant.MOST_LINKS:
+        yield Figure("plant", "Train (not to scale)", (sketch,))
 
 
 def _study(study: Study) -> Iterator[Block]:
     """The sketch of the train and its mass-elastic tables, nothing solved."""
     findings = Findings(study, {"system": assembled(study), "checks": Checks(())}, Plan((), (), {}))
     yield KeyValues((("Study", study.name),))
-    yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+    yield from _plant(findings)
     yield from (block for block in mass_elastic.chapter(findings) if isinstance(block, Table))
 
 
@@ -142,11 +148,17 @@ def _first(caption: str, count: int) -> str:
 def _modes(modes: Modes) -> Iterator[Block]:
     """The frequencies with their bounds, and the first mode over the train."""
     if modes.frequency.size:
-        found = natural_frequencies.frequencies(modes)
-        rest = (
-            f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
+        frequencies = natural_frequencies.frequencies(modes)
+        remainder = (
+            f"; the first {MOST_MODES} of {len(frequencies.rows)}"
+            if len(frequencies.rows) > MOST_MODES
+            else ""
         )
-        yield replace(found, values=found.values[:MOST_MODES], caption=found.caption + rest)
+        yield replace(
+            frequencies,
+            values=frequencies.values[:MOST_MODES],
+            caption=frequencies.caption + remainder,
+        )
         yield from natural_frequencies.plots(_alone(modes), modes, (0,))
     else:
         yield Paragraph("no elastic modes")
@@ -155,29 +167,29 @@ def _modes(modes: Modes) -> Iterator[Block]:
 def _response(response: Response) -> Iterator[Block]:
     """The largest harmonic component of every element, and the element that carries most over the speed."""
     findings = _alone(response)
-    found = [
+    loaded = [
         e
         for e in elements(response.system)
         if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)
     ]
-    if not found:
+    if not loaded:
         yield Paragraph("nothing excites")
         return
-    sizes = {element: amplitude(findings, element.spans) for element in found}
+    sizes = {element: amplitude(findings, element.spans) for element in loaded}
     unit = torques(sizes.values())
     rows = []
     for element, size in sizes.items():
-        at = largest(size.ravel())
-        if at is None:
+        peak = largest(size.ravel())
+        if peak is None:
             rows.append((element.name, NO_VALUE, NONE, NONE))
         else:
-            speed, line = divmod(at, size.shape[1])
+            speed, line = divmod(peak, size.shape[1])
             torque, name = unit.text(float(size[speed, line])), harmonic_name(response, line)
             rows.append((element.name, torque, rpm(float(response.speed[speed])), name))
     titles = f"< Element | Torque amplitude [{unit.unit}] | At speed [rpm] | Order"
     yield table(titles, rows, "Largest torque amplitude of any one harmonic component")
     yield forced_response.curves(
-        findings, max(found, key=lambda one: highest(sizes[one]) * one.ratio)
+        findings, max(loaded, key=lambda one: highest(sizes[one]) * one.ratio)
     )
 
 

@@ -72,10 +72,10 @@ def _power(exponent: int) -> str:
 
 def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
     """The values with the same number of significant digits: as many as keep different ones from reading alike."""
-    for more in range(digits, MOST_DIGITS):
-        found = [number(value, more) for value in values]
-        if len(set(found)) == len(set(values)):
-            return found
+    for precision in range(digits, MOST_DIGITS):
+        texts = [number(value, precision) for value in values]
+        if len(set(texts)) == len(set(values)):
+            return texts
     return [number(value, MOST_DIGITS) for value in values]
 
 

@@ -10,14 +10,15 @@ SCRIPTS = tuple(
 
 
 def style() -> str:
-    """Of the page on a screen and on paper."""
-    return _text("report.css")
+    """Return the style of the page on a screen and on paper."""
+    return template_text("report.css")
 
 
 def script() -> str:
-    """All of it, without indents."""
-    return "\n".join(re.sub(r"\n\s+", "\n", _text(name)) for name in SCRIPTS)
+    """Return the scripts of the page in one text, without indents."""
+    return "\n".join(re.sub(r"\n\s+", "\n", template_text(name)) for name in SCRIPTS)
 
 
-def _text(name: str) -> str:
-    return (TEMPLATES / name).read_text(encoding="utf-8").strip()
+def template_text(name: str, folder: Path = TEMPLATES) -> str:
+    """Return the text of a file of the page without the blank space around it."""
+    return (folder / name).read_text(encoding="utf-8").strip()

@@ -103,8 +103,8 @@ def _cover(document: Document, folder: Path) -> str:
         kind, _, content = cover.logo.partition(";base64,")
         logo = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
         (folder / logo).write_bytes(b64decode(content))
-    rest = "none" if document.has_first_page else _basis(document)
-    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, {text(logo)}, {rest})"
+    basis = "none" if document.has_first_page else _basis(document)
+    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, {text(logo)}, {basis})"
 
 
 def _basis(document: Document) -> str:
@@ -121,8 +121,8 @@ def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]
     block: Block = item.block
     match block:
         case Box(sign=sign, text=title, kind=kind, lines=lines):
-            said = "".join(f"({text(head)}, {words(line)}), " for head, line in lines)
-            return f"#verdict({text(kind)}, {text(sign)}, {words(title)}, ({said}))"
+            pairs_text = "".join(f"({text(head)}, {words(line)}), " for head, line in lines)
+            return f"#verdict({text(kind)}, {text(sign)}, {words(title)}, ({pairs_text}))"
         case PageEnd():
             return f"#page-end({_basis(document)})"
         case Heading(text=title, level=level):
@@ -145,14 +145,14 @@ def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]
 
 
 def _longest(texts: Iterable[str]) -> str:
-    """The longest word."""
-    return max((word for one in texts for word in one.split()), key=len, default="")
+    """Return the longest word of all texts."""
+    return max((word for sentence in texts for word in sentence.split()), key=len, default="")
 
 
 def _table(table: Table, number: str) -> str:
     head = "".join(
-        f"({words(c.title)}, {words(c.unit)}, {words(_longest([c.title]))}, {text(_longest(each))}), "
-        for c, each in zip(
+        f"({words(c.title)}, {words(c.unit)}, {words(_longest([c.title]))}, {text(_longest(cells))}), "
+        for c, cells in zip(
             table.columns, zip(*table.rows, strict=True) if table.rows else repeat(()), strict=False
         )
     )
@@ -165,5 +165,5 @@ def _table(table: Table, number: str) -> str:
         cells.extend(plain)
         cells.append(f'marked("{colour}", {last})' if colour else last)
     size = "7pt" if len(table.columns) >= WIDE else "7.5pt"
-    caption, every = words(table.caption), "".join(f"{c}, " for c in cells)
-    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({every}))"
+    caption, content = words(table.caption), "".join(f"{c}, " for c in cells)
+    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({content}))"

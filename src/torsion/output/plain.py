@@ -28,14 +28,14 @@ def plain(value: Any, selection: Selection) -> Any:
     if isinstance(value, np.ndarray):
         return numbers(value)
     if isinstance(value, dict):
-        return {key: plain(one, selection) for key, one in value.items()}
+        return {key: plain(item, selection) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one, selection) for one in value]
+        return [plain(item, selection) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, complex):
-        known = not np.isnan(value)
-        return [value.real, value.imag] if known else [None, None]
+        is_known = not np.isnan(value)
+        return [value.real, value.imag] if is_known else [None, None]
     if isinstance(value, float):
         return finite(value)
     return value
@@ -57,48 +57,62 @@ def numbers(array: np.ndarray) -> np.ndarray:
 def _result(value: Any, selection: Selection) -> Any:
     """A result as a dict; arrays over an axis of records are distributed over the records."""
     declared = quantities(type(value))
-    records = {one.axes[0]: one for one in declared if one.record is not None}
-    found: dict[str, Any] = {}
-    for one in sorted(declared, key=lambda one: one.record is None):
-        held = _known(value, one)
-        axis = next((axis for axis in one.axes if axis in records), None)
-        if one.record is not None:
+    records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
+    entries_by_key: dict[str, Any] = {}
+    for declaration in sorted(declared, key=lambda quantity: quantity.record is None):
+        held = _known(value, declaration)
+        axis = next((axis for axis in declaration.axes if axis in records), None)
+        if declaration.record is not None:
             entries = [plain(record, selection) for record in held]
-            found[one.key] = [{one.record: entry} for entry in entries] if one.record else entries
+            entries_by_key[declaration.key] = (
+                [{declaration.record: entry} for entry in entries]
+                if declaration.record
+                else entries
+            )
         elif axis is None or held is None:
-            found[one.key] = plain(_reduced(held, one, one.axes, selection), selection)
+            entries_by_key[declaration.key] = plain(
+                _reduced(held, declaration, declaration.axes, selection), selection
+            )
         else:
-            place, rest = one.axes.index(axis), tuple(other for other in one.axes if other != axis)
-            for number, entry in enumerate(found[records[axis].key]):
-                inside = _reduced(np.take(held, number, axis=place), one, rest, selection)
-                entry[one.key] = plain(inside, selection)
-    printed = {axis for one in declared for axis in one.printed}
+            position, remaining = (
+                declaration.axes.index(axis),
+                tuple(other_axis for other_axis in declaration.axes if other_axis != axis),
+            )
+            for number, entry in enumerate(entries_by_key[records[axis].key]):
+                inside = _reduced(
+                    np.take(held, number, axis=position), declaration, remaining, selection
+                )
+                entry[declaration.key] = plain(inside, selection)
+    printed = {axis for quantity in declared for axis in quantity.printed}
     positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
     return (
-        found[""]
-        if "" in found
-        else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+        entries_by_key[""]
+        if "" in entries_by_key
+        else {
+            **{LISTED[axis]: held_positions for axis, held_positions in positions.items()},
+            **entries_by_key,
+        }
     )
 
 
-def shown(value: Any, one: Quantity, selection: Selection) -> Any:
+def shown(value: Any, quantity: Quantity, selection: Selection) -> Any:
     """A quantity of a result as every output shows it: reduced to what is reported, NaN where it is not known."""
-    return _reduced(_known(value, one), one, one.axes, selection)
+    return _reduced(_known(value, quantity), quantity, quantity.axes, selection)
 
 
-def _known(value: Any, one: Quantity) -> Any:
+def _known(value: Any, quantity: Quantity) -> Any:
     """The quantity of a result, with NaN where its status says that it is not known."""
-    held = getattr(value, one.name)
-    if not one.known_by or held is None:
+    held = getattr(value, quantity.name)
+    if not quantity.known_by or held is None:
         return held
-    status = np.asarray(getattr(value, one.known_by))
+    status = np.asarray(getattr(value, quantity.known_by))
     bad = np.expand_dims(status != 0, tuple(range(status.ndim, held.ndim)))
     return np.where(bad, complex(np.nan, np.nan) if np.iscomplexobj(held) else np.nan, held)
 
 
-def _reduced(value: Any, one: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:
+def _reduced(value: Any, quantity: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:
     return (
-        selection.reduced(value, one, axes)
+        selection.reduced(value, quantity, axes)
         if isinstance(value, np.ndarray) and value.ndim
         else value
     )

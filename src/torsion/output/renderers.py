@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document
+from torsion.output.reports import Report
 
 Content = (
     str | bytes | Callable[[Path], list[Path]]
@@ -24,43 +26,45 @@ class Output:
     on_request: bool = False  # written where it is requested by its name
     of_findings: bool = False  # rendered of a document and the findings that it reports
 
-    def __call__(self, document: Document, *findings: Findings) -> Any:
-        """The document in this form: text, bytes, or what the terminal prints."""
-        return resolve_name(self.render)(document, *findings)
+    def __call__(self, document: Document, findings: Findings | None = None) -> Any:
+        """Return the document in this form: text, bytes, or what the terminal prints."""
+        render = resolve_name(self.render)
+        return render(document, findings) if self.of_findings else render(document)
+
+    def file_of(self, name: str, report: Report) -> str:
+        """Return the name of its file in the folder of a report."""
+        return report.files.get(name, report.stem + self.suffix)
 
 
+_of_findings = partial(Output, of_findings=True)
 OUTPUTS = {
-    "json": Output("torsion.output.results_json:rendered", ".json", of_findings=True),
+    "json": _of_findings("torsion.output.results_json:rendered", ".json"),
     "html": Output("torsion.output.html:html", ".html"),
-    "csv": Output("torsion.output.csv_table:csv_text", ".csv", of_findings=True),
-    "motion": Output("torsion.output.motion_files:motion", ".npz", of_findings=True),
-    "fitted": Output("torsion.output.fitted_scene:fitted", "-fitted.yaml", of_findings=True),
-    "designed": Output("torsion.output.designed_scene:designed", ".yaml", of_findings=True),
+    "csv": _of_findings("torsion.output.data_tables:report_columns", ".csv"),
+    "motion": _of_findings("torsion.output.motion_files:motion", ".npz"),
+    "fitted": _of_findings("torsion.output.fitted_scene:fitted", "-fitted.yaml"),
+    "designed": _of_findings("torsion.output.designed_scene:designed", ".yaml"),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
-    "vtu": Output("torsion.output.mode_lines:vtu", ".vtu", on_request=True, of_findings=True),
+    "vtu": _of_findings("torsion.output.mode_lines:vtu", ".vtu", on_request=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
-    "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
-    "data": Output(
-        "torsion.output.data_tables:archive", "-data.zip", on_request=True, of_findings=True
-    ),
-    "xlsx": Output(
-        "torsion.output.data_tables:workbook", ".xlsx", on_request=True, of_findings=True
-    ),
-    "long": Output("torsion.output.renderers:beside", "-table.csv"),
+    "tables": Output("torsion.output.data_tables:report_tables", ".zip", on_request=True),
+    "data": _of_findings("torsion.output.data_tables:archive", "-data.zip", on_request=True),
+    "xlsx": _of_findings("torsion.output.data_tables:workbook", ".xlsx", on_request=True),
+    "long": Output("torsion.output.renderers:long_blocks", "-table.csv"),
     "terminal": Output("torsion.output.terminal:screen"),
 }
 
 
-def beside(document: Document) -> Callable[[Path], list[Path]] | None:
-    """What writes the files with all that is too long for the page; None where nothing is."""
+def long_blocks(document: Document) -> Callable[[Path], list[Path]] | None:
+    """Return a writer of the files with all that is too long for the page; None if nothing is."""
 
-    def written(target: Path) -> list[Path]:
-        made = [target.with_name(name) for name in document.beside]
-        for path, text in zip(made, document.beside.values(), strict=True):
+    def write(target: Path) -> list[Path]:
+        paths = [target.with_name(name) for name in document.beside]
+        for path, text in zip(paths, document.beside.values(), strict=True):
             path.write_text(text(), encoding="utf-8")
-        return made
+        return paths
 
-    return written if document.beside else None
+    return write if document.beside else None
 
 
 def files(
@@ -70,27 +74,28 @@ def files(
     faults: list[Fault] | None = None,
     without: Collection[str] = (),
 ) -> dict[str, Content]:
-    """Name and content of every file of a report, `also` of the outputs on request and not of those `without`.
+    """Return name and content of every file of a report, `also` of the outputs on request and not of those `without`.
 
     Without the findings: of every file that the document alone makes. An output on request that cannot be made is noted
-    in `faults`, where they are given.
+    in `faults`, if they are given.
     """
-    found = {}
+    contents = {}
     for name, output in OUTPUTS.items():
-        is_made = output.suffix and name not in without and (not output.on_request or name in also)
-        if is_made and not (output.of_findings and findings is None):
-            try:
-                content = output(document, *([findings] if output.of_findings and findings else []))
-            except InputError as error:
-                if faults is None or not output.on_request:
-                    raise
-                faults += [
-                    replace(one, message=f"the {name} cannot be made: {one.message}")
-                    for one in error.faults
-                ]
-                continue
-            if content is not None:
-                found[document.report.files.get(name, document.report.stem + output.suffix)] = (
-                    content
-                )
-    return found
+        is_requested = (
+            output.suffix and name not in without and (not output.on_request or name in also)
+        )
+        if not is_requested or (output.of_findings and findings is None):
+            continue
+        try:
+            content = output(document, findings)
+        except InputError as error:
+            if faults is None or not output.on_request:
+                raise
+            faults += [
+                replace(fault, message=f"the {name} cannot be made: {fault.message}")
+                for fault in error.faults
+            ]
+            continue
+        if content is not None:
+            contents[output.file_of(name, document.report)] = content
+    return contents

@@ -37,7 +37,7 @@ class ReportFigure(Figure):
         return draw_plots(self, ax)
 
     def _repr_svg_(self) -> str:
-        """As a notebook shows it."""
+        """Return the drawing that a notebook shows."""
         return self.svg
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
@@ -63,13 +63,15 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     '<svg'
     """
     drawn = [block for block in chapters(findings, is_full=True) if isinstance(block, Figure)]
-    return {one.name: ReportFigure(**vars(one)) for one in drawn}
+    return {figure.name: ReportFigure(**vars(figure)) for figure in drawn}
 
 
 def _by_title(columns: list[tuple[str, FloatArray]]) -> dict[str, FloatArray]:
     """Columns of the same title get numbers."""
-    found: dict[str, FloatArray] = {}
+    by_title: dict[str, FloatArray] = {}
     for title, values in columns:
-        count = sum(title == one or one.startswith(f"{title} (") for one in found)
-        found[f"{title} ({count + 1})" if count else title] = values
-    return found
+        count = sum(
+            title == known_title or known_title.startswith(f"{title} (") for known_title in by_title
+        )
+        by_title[f"{title} ({count + 1})" if count else title] = values
+    return by_title

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -142,6 +142,22 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     return np.where(response.status == Status.OK, size, np.nan)
 
 
+def rows_by_mode(*columns: FloatArray | IntArray) -> list[tuple[float, ...]]:
+    """Return the rows of a table over the modes: the number of the mode, then the values of each array (modes,)."""
+    values = zip(*(column.tolist() for column in columns), strict=True)
+    return [(mode, *row) for mode, row in enumerate(values, start=1)]
+
+
+def speed_axis(findings: Findings) -> dict[str, Any]:
+    """Return what every curve of the response over the speed has: speeds, unreliable ones, rated speed, barred ranges."""
+    return {
+        "speed": findings.need(Response).speed * RPM,
+        "bad": unreliable(findings),
+        "rated": rated_rpm(findings),
+        "barred": barred_rpm(findings),
+    }
+
+
 def harmonic_name(response: Response, index: int, word: str = "") -> str:
     """Of a harmonic component: '2' of an order, behind a word where one is given, or '40 Hz'."""
     line = response.lines[index]
@@ -198,12 +214,9 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     stability: Stability | None = findings.results.get(
         "stability"
     )  # its class is not loaded where there is none
-    found = () if stability is None else stability.ranges
-    zones = (zone for _, tilting in tilted(findings) for zone in tilting.zones)
-    return (
-        *((one.first * RPM, one.last * RPM) for one in found),
-        *((zone.lower * RPM, zone.upper * RPM) for zone in zones),
-    )
+    ranges = [] if stability is None else [*stability.ranges]
+    ranges += (band for _, tilting in tilted(findings) for band in tilting.zones)
+    return tuple((band.first * RPM, band.last * RPM) for band in ranges)
 
 
 def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":
@@ -234,6 +247,13 @@ def joint_model(findings: Findings) -> str:
             "peaks are not valid."
         )
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
+
+
+def mode_of(findings: Findings, barred: BarredRange) -> str:
+    """The mode that the order of a barred range excites at its critical speed."""
+    if barred.order is None:
+        return NONE
+    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
 
 
 def mode_near(findings: Findings, frequency: float) -> str:

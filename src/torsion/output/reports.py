@@ -63,7 +63,7 @@ REPORTS = {
         },
         more=(
             "forced_response:angles",
-            "engine:details",
+            "crank_machines:engine_harmonics",
             "natural_frequencies:all_modes",
             "verdict:remarks",
         ),

@@ -58,7 +58,9 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
             for key, value in values.items()
         }
     if isinstance(values, list | tuple):
-        return [replaced(value, change, f"{path}[{place}]") for place, value in enumerate(values)]
+        return [
+            replaced(value, change, f"{path}[{position}]") for position, value in enumerate(values)
+        ]
     return values
 
 
@@ -98,7 +100,7 @@ def write_json(
     of more than a few thousand once MOST_LISTED numbers of all arrays are written. Last come the names of the files
     that stand beside it by then, and the `report`, made of the SHA-256 of all before it.
     """
-    beside, opened, before = file.with_name(SERIES), ExitStack(), sha256()
+    series, opened, before = file.with_name(SERIES), ExitStack(), sha256()
     archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
     numbers_listed = 0
 
@@ -111,7 +113,7 @@ def write_json(
             numbers_listed += array.size
             return array
         if not archive:
-            archive.append(opened.enter_context(zipfile.ZipFile(beside, "w")))
+            archive.append(opened.enter_context(zipfile.ZipFile(series, "w")))
         with archive[0].open(f"{name}.npy", "w", force_zip64=True) as member:
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
@@ -121,7 +123,9 @@ def write_json(
         if report is not None:
             yield (
                 reports.FILES,
-                sorted(one.relative_to(file.parent).as_posix() for one in file.parent.rglob("*.*")),
+                sorted(
+                    path.relative_to(file.parent).as_posix() for path in file.parent.rglob("*.*")
+                ),
             )
             yield reports.KEY, Written(report(before.hexdigest()))
 
@@ -130,13 +134,13 @@ def write_json(
             data = piece.encode()
             before.update(data)
             target.write(data)
-    return [file, beside] if beside.exists() else [file]
+    return [file, series] if series.exists() else [file]
 
 
 def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """The text of a JSON object, one line for each key, piece by piece."""
-    for place, (key, value) in enumerate(parts):
-        yield f"{',' if place else '{'}\n{json.dumps(key)}: "
+    for position, (key, value) in enumerate(parts):
+        yield f"{',' if position else '{'}\n{json.dumps(key)}: "
         yield from pieces(value)
     yield "\n}\n"
 
@@ -147,9 +151,9 @@ def _dumped(values: Any) -> str:
 
 def _listed(array: NDArray[Any]) -> Any:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
-        known = np.isfinite(array)
+        finite = np.isfinite(array)
         array = array.astype(object)
-        array[~known] = None
+        array[~finite] = None
     return array.tolist()
 
 
@@ -169,8 +173,8 @@ def _has_long(values: Any) -> bool:
 
 def _joined(brackets: str, parts: Iterable[Iterable[str]]) -> Iterator[str]:
     yield brackets[0]
-    for place, part in enumerate(parts):
-        if place:
+    for position, part in enumerate(parts):
+        if position:
             yield ", "
         yield from part
     yield brackets[1]
@@ -271,7 +275,7 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
     """What makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
     chosen = Selection(findings.system)
     names = [name for analysis in ANALYSES.values() for name in analysis.results]
-    found: dict[str, Callable[[], Any]] = {
+    makers: dict[str, Callable[[], Any]] = {
         "format": lambda: FORMAT,
         "program": lambda: {"name": "torsion", "version": torsion.__version__},
         "legend": lambda: LEGEND,
@@ -279,13 +283,13 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
         "stations": lambda: plain(station_rows(chosen), chosen),
         "spans": lambda: plain(span_rows(chosen), chosen),
     }
-    found |= {
+    makers |= {
         name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")
     }
-    found["plan"] = lambda: plain(findings.plan, chosen)
-    found["sources"] = lambda: [plain(used, chosen) for used in findings.plan.sources]
-    found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
-    return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
+    makers["plan"] = lambda: plain(findings.plan, chosen)
+    makers["sources"] = lambda: [plain(used, chosen) for used in findings.plan.sources]
+    makers["cases"] = lambda: {name: _of_case(case) for name, case in findings.cases.items()}
+    return {key: make for key, make in makers.items() if not only or key in (*HEAD, *only)}
 
 
 def _of_case(findings: Findings) -> dict[str, Any]:
@@ -298,34 +302,44 @@ def _of_case(findings: Findings) -> dict[str, Any]:
 
 def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
-    found = {
+    kinds = {
         name: kind
         for analysis in ANALYSES.values()
         for name, kind in analysis.result_classes().items()
     }
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    every = head | found | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
-    return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
+    all_kinds = head | kinds | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
+    return (
+        *FIXED,
+        CASES,
+        *(key for path, kind in all_kinds.items() for key in _keys(kind, path, ())),
+    )
 
 
 def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
     """The keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
     declared = quantities(kind)
-    records = {one.axes[0]: one for one in declared if one.record is not None}
-    shown = {axis for one in declared for axis in one.printed}
+    records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
+    shown = {axis for quantity in declared for axis in quantity.printed}
     for axis, name in LISTED.items():
         if axis in shown:
             yield Key(f"{path}.{name}", "", (axis,), POSITIONS[axis])
-    for one in declared:
-        inner = parts(kind, one)
+    for quantity in declared:
+        inner = parts(kind, quantity)
         record = next(
-            (axis for axis in one.axes if axis in records and records[axis] is not one), None
+            (axis for axis in quantity.axes if axis in records and records[axis] is not quantity),
+            None,
         )
-        at = path if record is None else f"{path}.{records[record].key}[]"
-        at = f"{at}.{one.key}" if one.key else at
-        at = f"{at}[]" if (inner is not None and is_list(kind, one)) or one.record else at
+        full_path = path if record is None else f"{path}.{records[record].key}[]"
+        full_path = f"{full_path}.{quantity.key}" if quantity.key else full_path
+        full_path = (
+            f"{full_path}[]"
+            if (inner is not None and is_list(kind, quantity)) or quantity.record
+            else full_path
+        )
         if inner is None or inner in above:
-            axes = tuple(shown for shown in one.printed if shown not in records)
-            yield Key(f"{at}.{one.record}" if one.record else at, one.unit, axes, one.meaning)
+            axes = tuple(shown for shown in quantity.printed if shown not in records)
+            key = f"{full_path}.{quantity.record}" if quantity.record else full_path
+            yield Key(key, quantity.unit, axes, quantity.meaning)
         else:
-            yield from _keys(inner, at, (*above, kind, inner))
+            yield from _keys(inner, full_path, (*above, kind, inner))

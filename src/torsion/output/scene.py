@@ -104,19 +104,19 @@ def scene(study: Study) -> Scene:
 
 def pressure_files(study: Study) -> list[str]:
     """The files of the pressures of engines and compressors, as the scene names them."""
-    known = (
+    records = (
         record
         for part in study.train.parts
         for record in (part.engine, part.compressor)
         if record is not None
     )
-    return list(dict.fromkeys(name for record in known for name in record.files))
+    return list(dict.fromkeys(name for record in records for name in record.files))
 
 
 def signal_files(study: Study) -> list[str]:
     """The files of measured signals, as the scene names them."""
     measured = getattr(study.analyses.get("fit"), "measured", ())
-    return list(dict.fromkeys(one.signal for one in measured if one.signal))
+    return list(dict.fromkeys(signal.signal for signal in measured if signal.signal))
 
 
 def checksum(study: Study) -> str | None:
@@ -142,9 +142,9 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
             sense=station.sense,
             is_ground=station.is_ground,
             is_held=bool(system.held[index]),
-            inertia=float(inertia[place]),
+            inertia=float(inertia[position]),
         )
-        for place, index in enumerate(groups.stations.tolist())
+        for position, index in enumerate(groups.stations.tolist())
         for station in (system.stations[index],)
     )
 
@@ -160,17 +160,17 @@ def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
     )
     return tuple(
         SpanRow(
-            name=names[place],
+            name=names[position],
             component=parts[span.part].name,
             kind=parts[span.part].kind,
-            driving_station=ends[place][0],
-            driven_station=ends[place][1],
+            driving_station=ends[position][0],
+            driven_station=ends[position][1],
             ratio=span.ratio,
-            flexibility=float(flexibility[place]),
+            flexibility=float(flexibility[position]),
             loss_factor=float(system.loss_factor[index]),
             viscous=float(system.viscous[index]),
             error=tuple(Harmonic(order, value) for order, value in span.error),
         )
-        for place, index in enumerate(groups.spans.tolist())
+        for position, index in enumerate(groups.spans.tolist())
         for span in (system.spans[index],)
     )

@@ -39,15 +39,15 @@ def elements(system: System) -> tuple[Element, ...]:
 def pieces(system: System) -> list[Element]:
     """The same with sections and steps each by itself; points that are rigidly joined have none between them."""
     bars = {bar.part: bar.name for bar in system.train.bars}
-    found: dict[tuple[int, str], list[int]] = {}
+    spans_by_element: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
         if not _joins_points_rigidly(system, index):  # a spring of a shaft is that of its step
             name = (
                 span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
             )
-            found.setdefault((span.part, name), []).append(index)
+            spans_by_element.setdefault((span.part, name), []).append(index)
     named: list[tuple[int, str, Sequence[int]]] = [
-        (part, name, tuple(spans)) for (part, name), spans in found.items()
+        (part, name, tuple(spans)) for (part, name), spans in spans_by_element.items()
     ]
     first = len(system.own_spans)
     for row in system.rows:
@@ -63,12 +63,12 @@ def pieces(system: System) -> list[Element]:
 
 
 def _of_whole_shafts(system: System, made: Iterable[Element]) -> Iterator[Element]:
-    for name, each in groupby(made, key=lambda one: system.train.parts[one.part].whole):
-        first, *others = each
+    for name, sections in groupby(made, key=lambda one: system.train.parts[one.part].whole):
+        first, *further = sections
         if name == system.train.parts[first.part].name:
-            yield from (first, *others)
+            yield from (first, *further)
         else:
-            spans = (span for one in (first, *others) for span in one.spans)
+            spans = (span for section in (first, *further) for span in section.spans)
             yield replace(first, name=name, spans=tuple(spans))
 
 
@@ -144,33 +144,38 @@ class Selection:
         """The values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
         kept = [
-            next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,)))
+            next(
+                shown_axis
+                for shown_axis in quantity.printed
+                if shown_axis in WITHIN.get(axis, (axis,))
+            )
             for axis in axes
         ]
-        for place, axis in enumerate(axes):
+        for position, axis in enumerate(axes):
             if axis in WITHIN:
-                array = self._along(array, place, (axis, kept[place]), quantity.is_total)
+                array = self._along(array, position, (axis, kept[position]), quantity.is_total)
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
 
-    def _along(self, array: Any, place: int, axes: tuple[str, str], is_total: bool) -> Any:
+    def _along(self, array: Any, position: int, axes: tuple[str, str], is_total: bool) -> Any:
         """The values with one axis, of stations or spans, reduced to what is shown of it."""
         axis, shown = axes
         if shown == "element":
             largest = [
-                array.take(list(one.spans), axis=place).max(axis=place) for one in self.elements
+                array.take(list(element.spans), axis=position).max(axis=position)
+                for element in self.elements
             ]
-            return np.stack(largest, axis=place) if largest else array.take([], axis=place)
+            return np.stack(largest, axis=position) if largest else array.take([], axis=position)
         if shown in ("named station", "end span"):
             return array.take(
-                self.named_stations if axis == "station" else self.end_spans, axis=place
+                self.named_stations if axis == "station" else self.end_spans, axis=position
             )
         if self.groups.is_whole:
             return array
         if is_total:
             first = self.groups.first_station if axis == "station" else self.groups.spans
-            return np.add.reduceat(array, first, axis=place)
+            return np.add.reduceat(array, first, axis=position)
         return array.take(
-            self.groups.stations if axis == "station" else self.groups.spans, axis=place
+            self.groups.stations if axis == "station" else self.groups.spans, axis=position
         )
 
 
@@ -178,8 +183,8 @@ def largest(values: FloatArray) -> int | None:
     """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
     if not values.size:
         return None
-    at = int(np.argmax(values))  # the first NaN, where there is one
-    return at if np.isfinite(values[at]) else None
+    peak = int(np.argmax(values))  # the first NaN, where there is one
+    return peak if np.isfinite(values[peak]) else None
 
 
 def highest(values: FloatArray) -> float:
@@ -189,8 +194,8 @@ def highest(values: FloatArray) -> float:
 
 def worst(values: FloatArray, speed: FloatArray) -> tuple[float | str, float | None]:
     """Return the largest of values (speeds,) and its speed, rad/s; words where it is not known."""
-    at = largest(values)
-    return (NO_VALUE, None) if at is None else (float(values[at]), float(speed[at]))
+    peak = largest(values)
+    return (NO_VALUE, None) if peak is None else (float(values[peak]), float(speed[peak]))
 
 
 def torques(curves: Iterable[FloatArray]) -> Scale:
@@ -198,7 +203,7 @@ def torques(curves: Iterable[FloatArray]) -> Scale:
     return scale("N m", [highest(values) for values in curves])
 
 
-def strongest(values: FloatArray, most: int) -> list[int]:
+def strongest(values: FloatArray, count: int) -> list[int]:
     """The columns of (places, curves) with the largest values, in their order; those of nothing are left out."""
     size = np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=0, initial=0.0)
-    return sorted(k for k in np.argsort(-size, kind="stable")[:most].tolist() if size[k] > 0)
+    return sorted(k for k in np.argsort(-size, kind="stable")[:count].tolist() if size[k] > 0)

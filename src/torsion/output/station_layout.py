@@ -34,10 +34,10 @@ def label(parts: Sequence[Part], position: int) -> str:
     """
     name, number = parts[position].whole, str(position + 1)
     if name != parts[position].name:
-        each = [place for place, part in enumerate(parts) if part.whole == name]
-        if position != each[len(each) // 2]:
+        sections = [position for position, part in enumerate(parts) if part.whole == name]
+        if position != sections[len(sections) // 2]:
             return ""
-        number = f"{each[0] + 1}–{each[-1] + 1}" if len(each) > 1 else number
+        number = f"{sections[0] + 1}–{sections[-1] + 1}" if len(sections) > 1 else number
     return f"{number} {name}" if len(parts) <= MOST_NAMES else number
 
 
@@ -70,11 +70,11 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
 
 def _widths(system: System) -> dict[int, float]:
     """By part, of the sections of a shaft: to scale, on the average half a shaft."""
-    train, found = system.train, dict[int, float]()
+    train, widths = system.train, dict[int, float]()
     for bars in train.sectioned.values():
         scale = WIDTH["shaft"] / 2.0 * len(bars) / sum(bar.length for bar in bars)
-        found |= {bar.part: scale * bar.length for bar in bars}
-    return found
+        widths |= {bar.part: scale * bar.length for bar in bars}
+    return widths
 
 
 class _Rows:
@@ -92,7 +92,11 @@ class _Rows:
         if not self._row:
             self._row[branch] = 0
         elif branch not in self._row:
-            going_on = {row for other, row in self._row.items() if branch[: len(other)] == other}
+            going_on = {
+                row
+                for other_branch, row in self._row.items()
+                if branch[: len(other_branch)] == other_branch
+            }
             near = [row for row in (beside + 1, beside - 1) if row not in going_on]
             free = [row for row in near if self._end.get(row, -math.inf) < start - CLEAR]
             self._row[branch] = free[0] if free else max(self._end) + 1
@@ -118,9 +122,11 @@ def _behind(
     if not standing:
         return 0.0, float(row[station])
     is_wheel = system.train.parts[system.stations[station].part].kind == "gear"
-    is_step = any(one.driven == station and one.name.endswith(STEP) for one in system.train.springs)
-    apart = WIDTH["gear"] if is_wheel else 0.0 if is_step else RIGID
-    return float(x[standing[0]]) + apart, float(row[standing[0]])
+    is_step = any(
+        spring.driven == station and spring.name.endswith(STEP) for spring in system.train.springs
+    )
+    gap = WIDTH["gear"] if is_wheel else 0.0 if is_step else RIGID
+    return float(x[standing[0]]) + gap, float(row[standing[0]])
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
@@ -141,8 +147,8 @@ def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
     """Rings, grounds, planets and wheels without a train: beside the station that drives them, or that they drive."""
     while (missing := np.isnan(x)).any():
         for span in system.own_spans:
-            for here, there in ((span.driving, span.driven), (span.driven, span.driving)):
-                if np.isnan(x[there]) and not np.isnan(x[here]):
-                    x[there], row[there] = x[here], math.floor(row[here]) + 0.5
+            for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
+                if np.isnan(x[far]) and not np.isnan(x[near]):
+                    x[far], row[far] = x[near], math.floor(row[near]) + 0.5
         if np.array_equal(missing, np.isnan(x)):
             return

@@ -60,13 +60,13 @@ class Arrays:
             self.kept.append({"type": key[0], "shape": list(array.shape), "bytes": packed})
         return self.places[key]
 
-    def at(self, place: object) -> NDArray[Any]:
+    def at(self, position: object) -> NDArray[Any]:
         """Return the array at a position, the same object each time and read-only; raises ValueError."""
-        if type(place) is not int or not 0 <= place < len(self.kept):
-            raise ValueError(f"there is no array {place}")
-        if place not in self.read:
-            self.read[place] = _unpack_array(self.kept[place])
-        return self.read[place]
+        if type(position) is not int or not 0 <= position < len(self.kept):
+            raise ValueError(f"there is no array {position}")
+        if position not in self.read:
+            self.read[position] = _unpack_array(self.kept[position])
+        return self.read[position]
 
 
 def _unpack_array(kept: object) -> NDArray[Any]:
@@ -103,9 +103,9 @@ class StoredArray:
         return core_schema.with_info_plain_validator_function(_array_at)
 
 
-def _array_at(place: object, info: ValidationInfo) -> NDArray[Any]:
+def _array_at(position: object, info: ValidationInfo) -> NDArray[Any]:
     arrays = cast(Arrays, info.context)
-    return arrays.at(place)
+    return arrays.at(position)
 
 
 class NamedChoice:

@@ -67,12 +67,12 @@ def opened(path: Path) -> Document:
     try:
         data = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
-        place = (
+        location = (
             f" (line {error.lineno}, column {error.colno})"
             if isinstance(error, json.JSONDecodeError)
             else ""
         )
-        raise _refused(file, f"is not JSON{place}") from None
+        raise _refused(file, f"is not JSON{location}") from None
     return _restored(file, text, data.get(KEY) if isinstance(data, dict) else None)
 
 
@@ -80,11 +80,12 @@ def named(file: Path) -> set[str]:
     """Return the files that a file of results names; empty if it is a symbolic link or its checksum does not hold."""
     try:
         text = "" if file.is_symlink() else file.read_bytes().decode()
-        before, _, rest = text.rpartition(MARK)
-        head = HEAD.match(rest)
+        before, _, kept_text = text.rpartition(MARK)
+        head = HEAD.match(kept_text)
         if (
             not head
-            or _checksum(_checksum(before) + rest[head.end() :].removesuffix("}" + END)) != head[1]
+            or _checksum(_checksum(before) + kept_text[head.end() :].removesuffix("}" + END))
+            != head[1]
         ):
             return set()
         names = json.loads(before.rpartition(NAMED)[2])
@@ -95,19 +96,19 @@ def named(file: Path) -> set[str]:
 
 def naming(text: str, names: Iterable[str]) -> str:
     """The text of a file of results with these names of files, and with its checksum."""
-    before, mark, rest = text.rpartition(MARK)
+    before, mark, kept_text = text.rpartition(MARK)
     if not mark:
         return text  # a report without results
     before = before.rpartition(NAMED)[0] + NAMED + json.dumps(sorted(names))
-    kept = json.loads(rest.removesuffix(END))
+    kept = json.loads(kept_text.removesuffix(END))
     kept["sha256"] = _checksum(_checksum(before) + _text(kept["content"]))
     return before + MARK + _text(kept) + END
 
 
 def _before(text: str, kept: object) -> str:
     """The SHA-256 of what stands before the report, which stands last; '' where nothing does."""
-    before, mark, rest = text.rpartition(MARK)
-    return _checksum(before) if mark and rest == _text(kept) + END else ""
+    before, mark, kept_text = text.rpartition(MARK)
+    return _checksum(before) if mark and kept_text == _text(kept) + END else ""
 
 
 def _no_number(word: str) -> None:
@@ -118,19 +119,19 @@ def _restored(file: Path, text: str, kept: object) -> Document:
     """The report from what stands under its key in the text."""
     if not isinstance(kept, dict) or not isinstance(kept.get("format"), int):
         raise _refused(file, f"holds no report (key `{KEY}`), as what `--json` prints does not")
-    by = f"torsion {printable(str(kept.get('program')), 20)}"
+    writer = f"torsion {printable(str(kept.get('program')), 20)}"
     if kept["format"] > FORMAT:
-        here = f"this is torsion {torsion.__version__}, which reads format {FORMAT}"
+        reader = f"this is torsion {torsion.__version__}, which reads format {FORMAT}"
         raise _refused(
             file,
-            f"holds a report in format {kept['format']} of {by}; {here}",
+            f"holds a report in format {kept['format']} of {writer}; {reader}",
             "install that version",
         )
     content = kept.get("content")
     try:
         content_text = _text(content)
-        found = _checksum(_before(text, kept) + content_text)
-        if kept["format"] < 1 or not isinstance(content, dict) or found != kept.get("sha256"):
+        checksum = _checksum(_before(text, kept) + content_text)
+        if kept["format"] < 1 or not isinstance(content, dict) or checksum != kept.get("sha256"):
             again = "solve the scene again"
             raise _refused(
                 file, "holds a report that is damaged or was changed after it was written", again
@@ -140,7 +141,9 @@ def _restored(file: Path, text: str, kept: object) -> Document:
         made = restored(Document, content.get("document"), _arrays(content.get("arrays")))
         made.report  # noqa: B018  its name is one of REPORTS
     except (ValueError, TypeError, LookupError, RecursionError) as error:
-        message = f"holds a report of {by} that is none to torsion {torsion.__version__}: {error}"
+        message = (
+            f"holds a report of {writer} that is none to torsion {torsion.__version__}: {error}"
+        )
         raise _refused(
             file, message, "draw it with that version, or solve the model file again"
         ) from None

@@ -1,8 +1,11 @@
-"""A table of a report as CSV text, its figures as programs write them."""
+"""Tables as CSV text: figures as programs write them, texts that no spreadsheet runs, many tables in one archive."""
 
 import csv
 import io
 import re
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from torsion.output.blocks import Column, Table
 from torsion.output.numbers import NONE, cell
@@ -13,16 +16,34 @@ _FORMULA = re.compile(
     rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})"
 )  # also behind what parts cells elsewhere
 FIGURE = re.compile(r"−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
+WRITTEN = (1980, 1, 1, 0, 0, 0)  # date of every file in an archive: equal results, equal bytes
+
+
+def csv_rows(rows: Iterable[Sequence[Any]]) -> str:
+    """Return rows as CSV; a text is one line, and a spreadsheet does not run it as a formula."""
+    target = io.StringIO()
+    csv.writer(target, lineterminator="\n").writerows(map(inert_cells, rows))
+    return target.getvalue()
+
+
+def inert_cells(row: Iterable[Any]) -> list[Any]:
+    """Return the cells of a row, every text among them as one line that no spreadsheet runs."""
+    return [inert(one_line(value)) if isinstance(value, str) else value for value in row]
+
+
+def packed(texts: Mapping[str, str]) -> bytes:
+    """Return a .zip of texts by the names of their files; the same texts give the same bytes."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive_file:
+        for name, text in texts.items():
+            archive_file.writestr(zipfile.ZipInfo(name, WRITTEN), text, zipfile.ZIP_DEFLATED)
+    return target.getvalue()
 
 
 def table_text(number: str, table: Table) -> str:
-    """The rows of a table under their titles, behind its number and caption as a comment."""
-    target = io.StringIO()
-    target.write(f"# {number}: {inert(one_line(table.caption))}\n")
-    rows = csv.writer(target, lineterminator="\n")
-    rows.writerow([inert(_title(column)) for column in table.columns])
-    rows.writerows([inert(cell) for cell in row] for row in figures(table))
-    return target.getvalue()
+    """Return the rows of a table under their titles, after its number and caption as a comment."""
+    titles = [column_title(column) for column in table.columns]
+    return f"# {number}: {inert(one_line(table.caption))}\n{csv_rows([titles, *figures(table)])}"
 
 
 def figures(table: Table) -> list[list[str]]:
@@ -44,23 +65,22 @@ def figures(table: Table) -> list[list[str]]:
 
 
 def file_name(number: str) -> str:
-    """Of the table of that number: table-4.1.csv."""
+    """Return the file of the table with that number: table-4.1.csv."""
     return number.lower().replace(" ", "-") + ".csv"
 
 
-def _title(column: Column) -> str:
+def column_title(column: Column) -> str:
+    """Return title and unit of a column without the marks of subscripts."""
     title = column.title.replace("_{", "_").replace("}", "")
     return f"{title} [{column.unit}]" if column.unit else title
 
 
 def plain_figure(text: str) -> str:
-    """A cell with its number as programs write it, 1.2346e-07; words as they stand, and nothing for '–'.
+    """Return a cell with its number as programs write it, 1.2346e-07; words unchanged, and nothing for '–'.
 
     >>> plain_figure("−1.2346·10⁻⁷"), plain_figure("–"), plain_figure("5 × screw")
     ('-1.2346e-7', '', '5 × screw')
     """
-    if text.isascii():
-        return one_line(text)
     if text == NONE:
         return ""
     return text.translate(PLAIN).replace("·10", "e") if FIGURE.fullmatch(text) else one_line(text)
@@ -78,5 +98,5 @@ def inert(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """A text of the scene without breaks of lines."""
+    """Return a text without line breaks."""
     return " ".join(text.split())

@@ -39,36 +39,37 @@ def write(
     others are written, where it is one on request.
     """
     today = today or report_date()
-    made = document(findings, today, REPORTS[report], is_full=is_full)
-    folder = os.path.realpath(folder)  # below it no symbolic link is followed to remove a file
-    Path(folder).mkdir(parents=True, exist_ok=True)
+    page = document(findings, today, REPORTS[report], is_full=is_full)
+    folder = Path(
+        os.path.realpath(folder)
+    )  # below it no symbolic link is followed to remove a file
+    folder.mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
-    contents, read, folders = (
-        files(made, findings, also, faults),
-        inputs(findings.study),
-        {Path(folder)},
-    )
-    for found in findings.cases.values():
-        if found.is_answered and found.study.case is not None:
-            page = document(found, today, REPORTS[report], is_full=is_full)
-            own = files(page, found, also, faults, without=("json",))
-            contents |= {
-                f"{found.study.case.folder}/{name}": content for name, content in own.items()
-            }
-            folders.add(Path(folder) / found.study.case.folder)
-            read += inputs(found.study)
-    earlier = {
-        path for one in folders for path in earlier_files(one, made.report)
-    }  # of a case solved separately too
+    contents = files(page, findings, also, faults)
+    read, folders = inputs(findings.study), [folder]
+    for case in findings.cases.values():
+        if case.is_answered and case.study.case is not None:
+            case_folder = case.study.case.folder
+            case_page = document(case, today, REPORTS[report], is_full=is_full)
+            case_files = files(case_page, case, also, faults, without=("json",))
+            contents |= {f"{case_folder}/{name}": content for name, content in case_files.items()}
+            folders.append(folder / case_folder)
+            read += inputs(case.study)
+
+    # A case may have been solved separately before.
+    earlier = {path for target in folders for path in earlier_files(target, page.report)}
     placed = write_texts(contents, folder, read)
     for path in earlier.difference(placed):
-        if not _is_one(path, read):
+        if not _is_among(path, read):
             path.unlink()
     if faults:
         raise InputError(
-            [replace(one, message=f"{one.message}; all other files are written") for one in faults]
+            [
+                replace(fault, message=f"{fault.message}; all other files are written")
+                for fault in faults
+            ]
         )
-    return made
+    return page
 
 
 def write_place(findings: Findings, place: str | Path) -> list[Path]:
@@ -80,16 +81,13 @@ def write_place(findings: Findings, place: str | Path) -> list[Path]:
     if not target.suffix or target.is_dir():
         write(findings, target)
         return sorted(target / name for name in named(target / "results.json"))
-    output = next((output for output in OUTPUTS.values() if output.suffix == target.suffix), None)
-    if output is None:
-        suffixes = ", ".join(
-            output.suffix for output in OUTPUTS.values() if output.suffix.startswith(".")
-        )
+    outputs = {output.suffix: output for output in OUTPUTS.values() if output.suffix[:1] == "."}
+    if target.suffix not in outputs:
         raise refusal(
-            f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}"
+            f"no file of a report ends in '{target.suffix}'",
+            f"a folder, or a name with {', '.join(outputs)}",
         )
-    page = document(findings, report_date())
-    content = output(page, findings) if output.of_findings else output(page)
+    content = outputs[target.suffix](document(findings, report_date()), findings)
     if content is None:
         raise refusal(f"these findings have nothing for a file '{target.suffix}'")
     return write_texts({target.name: content}, target.parent, inputs(findings.study))
@@ -101,42 +99,28 @@ def report_date() -> date:
     return datetime.fromtimestamp(int(epoch), UTC).date() if epoch.isdecimal() else date.today()
 
 
-def _results(report: Report, folder: str | Path) -> Path:
-    return Path(folder) / report.files.get("json", f"{report.stem}.json")
-
-
 def earlier_files(folder: Path, report: Report) -> set[Path]:
     """Return the files of an earlier report in the folder, by its results: only names that a report can have.
 
     Nothing is found behind a symbolic link, nor if the results were changed after they were written.
     """
-    results = _results(report, folder)
-    names = {
-        report.files.get(name, report.stem + output.suffix)
-        for name, output in OUTPUTS.items()
-        if output.suffix
-    }
+    names = {output.file_of(name, report) for name, output in OUTPUTS.items() if output.suffix}
     family = re.compile(
         rf"figure-[\w.-]+\.csv|motion(-[\w.-]+)?\.csv|{report.stem}-(table-[\w.]+\.csv|input\.yaml)"
     )
     paths = set()
-    for relative in map(PurePosixPath, named(results)):
+    for relative in map(PurePosixPath, named(folder / OUTPUTS["json"].file_of("json", report))):
         *case, name = relative.parts or ("",)
-        is_ours = (name in names or name == SERIES or family.fullmatch(name)) and len(case) <= 1
+        is_ours = (name in {*names, SERIES} or family.fullmatch(name)) and len(case) <= 1
         path = folder / relative
-        if (
-            is_ours
-            and ".." not in case
-            and path.is_file()
-            and not path.is_symlink()
-            and not path.parent.is_symlink()
-        ):
+        is_link = path.is_symlink() or path.parent.is_symlink()
+        if is_ours and ".." not in case and path.is_file() and not is_link:
             paths.add(path)
     return paths
 
 
 def inputs(study: Study) -> list[Path]:
-    """Every file that a scene was read from."""
+    """Return every file that a scene was read from."""
     folder, bars = Path(study.file).parent, study.train.bars
     names = [name for name, _ in study.tables] + pressure_files(study) + signal_files(study)
     if study.document is not None and study.document.logo:
@@ -144,7 +128,8 @@ def inputs(study: Study) -> list[Path]:
     if "transient" in study.analyses:
         from torsion.analyses.motion.transient_settings import cases
 
-        tables = (getattr(event, "table", None) for one, _ in cases(study) for event in one.events)
+        events = (event for motion, _ in cases(study) for event in motion.events)
+        tables = (getattr(event, "table", None) for event in events)
         names += [table.file for table in tables if table is not None and table.file]
     meshes = [Path(bar.section.file) for bar in bars if isinstance(bar.section, SectionMesh)]
     return [Path(study.file), *(folder / name for name in names), *meshes] if study.file else meshes
@@ -153,15 +138,13 @@ def inputs(study: Study) -> list[Path]:
 def refuse_inputs(targets: Iterable[Path], read: Collection[Path]) -> None:
     """Raise InputError where a file to be written is one of those that were read, by whatever path."""
     for target in targets:
-        if _is_one(target, read):
+        if _is_among(target, read):
             message = f"{target} is a file that was read, and would be overwritten"
-            raise InputError(
-                [Fault((), message, hint := "write to another place")], f"{message} ({hint})"
-            )
+            raise refusal(message, "write to another place")
 
 
-def _is_one(path: Path, read: Collection[Path]) -> bool:
-    return path.exists() and any(one.exists() and path.samefile(one) for one in read)
+def _is_among(path: Path, files: Collection[Path]) -> bool:
+    return path.exists() and any(file.exists() and path.samefile(file) for file in files)
 
 
 def redraw(
@@ -176,11 +159,13 @@ def redraw(
     Raises OSError where the folder cannot be written, InputError where the report cannot be drawn, or the folder holds
     results that are not the file `results` of this report.
     """
-    own, read = _results(document.report, folder), [] if results is None else [results]
-    is_beside = _is_one(own, read)
-    if read and own.exists() and not is_beside:
-        message = f"{own} holds the results of another report"
-        raise InputError([Fault((), message)], f"{message} (choose another folder with -o)")
+    target = Path(folder) / OUTPUTS["json"].file_of("json", document.report)
+    read = [] if results is None else [results]
+    is_beside = _is_among(target, read)
+    if read and target.exists() and not is_beside:
+        raise refusal(
+            f"{target} holds the results of another report", "choose another folder with -o"
+        )
     try:
         OUTPUTS["terminal"](document)
         contents = files(document, also=also)
@@ -188,15 +173,15 @@ def redraw(
         message = f"the report cannot be drawn: {type(error).__name__}, {error}"
         raise InputError([Fault((), message, "solve the scene again")]) from None
     if is_beside:
-        contents[own.name] = partial(_renamed, own)
+        contents[target.name] = partial(_name_files, target)
     write_texts(contents, folder, [] if is_beside else read)
 
 
-def _renamed(results: Path, target: Path) -> list[Path]:
-    """Write the results with the names of the finished files beside the target; nothing where they name them."""
-    known = named(results)
-    names = known.union(os.listdir(target.parent))
-    if names == known:
+def _name_files(results: Path, target: Path) -> list[Path]:
+    """Write the results with the names of the finished files next to the target, unless they name them already."""
+    known_names = named(results)
+    names = known_names.union(os.listdir(target.parent))
+    if names == known_names:
         return []
     target.write_bytes(naming(results.read_bytes().decode(), names).encode())
     return [target]
@@ -213,35 +198,30 @@ def write_texts(
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    workshop = (
-        target / f".report-{secrets.token_hex(4)}"
-    )  # named first: a signal may come as soon as it is made
+    # The folder is named first: a signal may come as soon as it is made.
+    workshop = target / f".report-{secrets.token_hex(4)}"
     try:
         workshop.mkdir(mode=0o700)
-        ordered = sorted(contents.items(), key=lambda one: one[0].endswith(".json"))
-        finished = [
-            path for name, content in ordered for path in _finished(workshop / name, content)
-        ]
-        places = [target / path.relative_to(workshop) for path in finished]
-        refuse_inputs(places, read)
-        for one in {place.parent for place in places}:
-            one.mkdir(exist_ok=True)
-        return [
-            Path(shutil.move(path, place)) for path, place in zip(finished, places, strict=True)
-        ]
+        ordered = sorted(contents.items(), key=lambda item: item[0].endswith(".json"))
+        finished = [path for name, content in ordered for path in _finish(workshop / name, content)]
+        targets = [target / path.relative_to(workshop) for path in finished]
+        refuse_inputs(targets, read)
+        for parent in {path.parent for path in targets}:
+            parent.mkdir(exist_ok=True)
+        return [Path(shutil.move(*pair)) for pair in zip(finished, targets, strict=True)]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 
 
-def _finished(path: Path, content: Content) -> list[Path]:
-    """The files of a content, after all of them are on the disk."""
+def _finish(path: Path, content: Content) -> list[Path]:
+    """Write the files of a content and return them after all of them are on the disk."""
     path.parent.mkdir(exist_ok=True)
     if callable(content):
-        made = content(path)
+        paths = content(path)
     else:
         path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-        made = [path]
-    for one in made:
-        with one.open("rb+") as file:
+        paths = [path]
+    for written in paths:
+        with written.open("rb+") as file:
             os.fsync(file.fileno())
-    return made
+    return paths

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,17 +15,17 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import CouplingRatings, Part
-from torsion.rules import judgement
 from torsion.rules.demanded_states import MISFIRE, unjudged
 from torsion.rules.judgement import (
     MOSTLY,
-    RATED,
     Clause,
     Continuous,
     Curve,
     RuleOverSpeed,
     UseSettings,
     curve_of,
+    exact_share,
+    spans_of,
     within,
 )
 from torsion.rules.verdict_line import Check
@@ -51,104 +50,77 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
 
     name = "coupling-maker"
     settings_class = CouplingSettings
-    is_pointwise = True
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
-        judged = [
-            (part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything
-        ]
-        if not judged:
+        """Return what the file lacks for this rule."""
+        limited = [entry for entry in _couplings(study) if entry[2].limit_anything]
+        if not limited:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
             return [Fault(self.path(study), "no coupling has a limit of its maker", hint)]
-        is_vibration = any(ratings.limit_vibration for _, ratings in judged)
-        found = self.vibration_faults(study) if is_vibration else self.continuous_faults(study)
-        found += self._lossless(study)
-        means = [
-            part
-            for part, ratings in judged
-            if (ratings.rated_torque, ratings.max_torque) != (None, None)
-        ]
-        if means and not study.has_mean_torque:
-            message = (
-                f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
-            )
-            found.append(Fault(("operation", "rated", "power"), message, RATED))
-        return found
+        vibrates = any(ratings.limit_vibration for _, _, ratings in limited)
+        faults = self.vibration_faults(study) if vibrates else self.continuous_faults(study)
+        faults += self._lossless(study)
+        for _, part, ratings in limited:
+            if (ratings.rated_torque, ratings.max_torque) != (None, None):
+                return faults + self.mean_torque_faults(study, f"that of '{part.name}'")
+        return faults
 
     def _lossless(self, study: Study) -> Iterator[Fault]:
-        """Couplings whose heat is judged and of which nothing says what they lose: that they lose none is no answer."""
-        by_table = {
-            one.part for one in study.train.springs if one.table is not None and one.table.damps
-        }
+        """Yield couplings whose heat is judged and whose damping is not given: that they lose none is no answer."""
+        springs = study.train.springs
+        by_table = {spring.part for spring in springs if spring.table and spring.table.damps}
         for number, part, ratings in _couplings(study):
-            key = (
-                "heat_limit"
-                if ratings.heat_limit is not None
-                else "temperature"
-                if part.warming is not None
-                else ""
-            )
+            key = "heat_limit" if ratings.heat_limit is not None else ""
+            if not key and part.warming is not None:
+                key = "temperature"
             if key and part.damping is None and part.nonlinear is None and number not in by_table:
                 message = (
                     f"{self.name} judges the heat of '{part.name}', whose damping is not given"
                 )
-                yield Fault(
-                    (*part.path, key),
-                    message,
-                    "its `psi`, or another damping; `psi: 0` if it has none",
-                )
+                hint = "its `psi`, or another damping; `psi: 0` if it has none"
+                yield Fault((*part.path, key), message, hint)
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What was not judged, and why."""
-        silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
-        found = [(f"{self.name} for {name}", "its maker's limits are not given") for name in silent]
-        for _, part, ratings in _couplings(study):
-            if ratings.heat_in_misfire is None:
-                continue
-            if (
-                any(map(misfires, (study, *study.cases.values())))
-                and part.kind == "coupling"
-                and not (study.cases or study.case or part.warming)
-            ):
-                words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
-                found.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
-        return tuple(found)
+        """Return what was not judged, and why."""
+        rows = [
+            (f"{self.name} for {part.name}", "its maker's limits are not given")
+            for _, part, ratings in _couplings(study)
+            if not ratings.limit_anything
+        ]
+        if study.cases or study.case or not misfires(study):
+            return tuple(rows)
+        words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
+        return (
+            *rows,
+            *(
+                (f"{self.name}: heat of {part.name} in misfire, cold and warm", words)
+                for _, part, ratings in _couplings(study)
+                if ratings.heat_in_misfire and part.kind == "coupling" and not part.warming
+            ),
+        )
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Limits of the heat in misfire where every cylinder of an engine fires."""
+        """Return limits of the heat in misfire where every cylinder of an engine fires."""
         has_engine = any(part.engine is not None for part in study.train.parts)
-        if (
-            not has_engine
-            or study.covers(MISFIRE, self.name)
-            or any(map(misfires, (study, *study.cases.values())))
-        ):
+        has_misfire = any(map(misfires, (study, *study.cases.values())))
+        if not has_engine or has_misfire or study.covers(MISFIRE, self.name):
             return ()
-        note, limited = "every cylinder fires: compute a misfire, as a case", _couplings(study)
+        note = "every cylinder fires: compute a misfire, as a case"
         return tuple(
             unjudged(self.name, "P_KW misfire", part.name, "Heat in misfire", note, "maker")
-            for _, part, ratings in limited
+            for _, part, ratings in _couplings(study)
             if ratings.heat_in_misfire is not None
         )
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Of every coupling, as far as its limits are given.
-
-        Mean torque, vibratory torque and heat in continuous use, and greatest torque always.
-        """
+        """Yield mean torque, vibratory torque and heat in continuous use, and maximum torque always, of every coupling."""
         steady = evidence.get(Steady)
         for number, part, ratings in _couplings(evidence.study):
-            spans = judgement.spans_of(evidence.system, number)  # (1,): a coupling is one spring
+            spans = spans_of(evidence.system, number)  # (1,): a coupling is one spring
             if ratings.rated_torque is not None and steady is not None:
-                mean = curve_of(steady, np.abs(steady.torque[spans[0]]), ratings.rated_torque)
-                yield Clause(
-                    "T_KN",
-                    part.name,
-                    "Mean torque",
-                    "maker",
-                    mean,
-                    np.ones(len(mean.speed), dtype=bool),
-                )
+                curve = curve_of(steady, np.abs(steady.torque[spans[0]]), ratings.rated_torque)
+                always = np.ones(len(curve.speed), dtype=bool)
+                yield Clause("T_KN", part.name, "Mean torque", "maker", curve, always)
             if ratings.limit_vibration:
                 yield from self._vibration(evidence, part, ratings, spans)
             yield from self._temperature(evidence, part)
@@ -158,37 +130,41 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
     ) -> Iterator[Clause]:
         """Yield the clauses about the vibration of one coupling; a tolerance that was not varied is noted."""
         response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-        use, always = within(self.use, response.speed), np.ones(len(response.speed), dtype=bool)
         varied = ""
         if ratings.tolerance:
             varied = f"at nominal stiffness, its tolerance of {100 * ratings.tolerance:.3g} % was not varied"
 
-        def clause(name: str, what: str, unit: str, curve: Curve, words: str = "") -> Clause:
-            notes = self.use_words, MOSTLY, words, varied
-            return Clause(name, part.name, what, "maker", curve, use, unit, notes, spans)
+        def compare(
+            name: str,
+            what: str,
+            value: FloatArray,
+            limit: float | FloatArray,
+            unit: str = "N m",
+            words: str = "",
+            **options: Any,
+        ) -> Clause:
+            about, remarks = (name, part.name, what), (words, varied)
+            options |= {"spans": spans, "remarks": remarks}
+            return self.compare(response, about, "maker", value, limit, unit, **options)
 
         if (limit := ratings.vibratory_torque) is not None:
-            curve = curve_of(response, synthesis.half_range[:, spans[0]], limit)
-            yield clause("T_KW", "Vibratory torque", "N m", curve)
+            yield compare("T_KW", "Vibratory torque", synthesis.half_range[:, spans[0]], limit)
         if (limits := ratings.vibratory_over_frequency) is not None:
-            for curve, what, words, sizes in _over_frequency(evidence, limits, spans):
-                yield replace(clause("T_KW(f)", what, "N m", curve, words), size=sizes)
+            for what, value, permitted, words, sizes in _over_frequency(evidence, limits, spans):
+                yield compare("T_KW(f)", what, value, permitted, words=words, size=sizes)
         if (heat_limit := _heat_limit(evidence.study, ratings)) is not None:
             name, what, limit_of_heat, words = heat_limit
             power = raised_heat(evidence, spans)
-            limit_at = (
-                np.full(power.shape, limit_of_heat)
-                if isinstance(limit_of_heat, float)
-                else limit_of_heat.at(response.frequency)
-            )
-            # Of a limit over frequency every share counts as a share of the smallest limit.
-            smallest = float(limit_at.min())
-            weighted = np.sum(power * (smallest / limit_at), axis=1)
-            yield clause(name, what, "W", curve_of(response, weighted, smallest), words)
+            smallest = limit_of_heat
+            if not isinstance(limit_of_heat, float):
+                # Of a limit over frequency every share counts as a share of the smallest limit.
+                limit_at = limit_of_heat.at(response.frequency)
+                smallest = float(limit_at.min())
+                power = power * (smallest / limit_at)
+            yield compare(name, what, np.sum(power, axis=1), smallest, "W", words)
         if (limit := ratings.max_torque) is not None:
-            curve = curve_of(response, synthesis.peak[:, spans[0]], limit)
-            row = clause("T_Kmax", "Greatest torque in steady operation", "N m", curve)
-            yield replace(row, within=always, notes=("", MOSTLY, "", varied))
+            what, always = "Greatest torque in steady operation", np.ones(len(response.speed), bool)
+            yield compare("T_Kmax", what, synthesis.peak[:, spans[0]], limit, within=always)
 
     def _temperature(self, evidence: Results, part: Part) -> Iterator[Clause]:
         """Yield the highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
@@ -228,9 +204,9 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
             span, omega, response.carried(span), response.speed[:, None]
         )
         if span in added:
-            one = added[span]
-            loss = one.share[:, None] * loss + one.extra.imag[:, None]
-            stiffness = one.share[:, None] * stiffness + one.extra.real[:, None]
+            balance = added[span]
+            loss = balance.share[:, None] * loss + balance.extra.imag[:, None]
+            stiffness = balance.share[:, None] * stiffness + balance.extra.real[:, None]
         size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
         twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
         power += 0.5 * omega * loss * twist**2
@@ -238,86 +214,80 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
 
 
 def raised_heat(evidence: Results, spans: IntArray) -> FloatArray:
-    """(speeds, lines) W: the heat of the spans, raised as the exact motions beside harmonic balance raise the torque.
-
-    Infinite where such a motion is needed and none is known.
-    """
-    return _nonlinear(
-        evidence, spans, harmonic_heat(evidence.need(Response), evidence.system, spans), power=2
-    )
+    """Return (speeds, lines) W: the heat of the spans, raised as exact motions beside harmonic balance raise the torque."""
+    heat_by_line = harmonic_heat(evidence.need(Response), evidence.system, spans)
+    return _nonlinear(evidence, spans, heat_by_line, power=2)
 
 
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
-    """Every coupling with its position in the train's parts, and its maker's limits."""
-    return (
-        (k, part, part.ratings)
-        for k, part in enumerate(study.train.parts)
-        if part.ratings is not None
-    )
+    """Yield every coupling with its position in the train's parts, and its maker's limits."""
+    for number, part in enumerate(study.train.parts):
+        if part.ratings is not None:
+            yield number, part, part.ratings
 
 
 def _heat_limit(
     study: Study, ratings: CouplingRatings
 ) -> "tuple[str, str, float | OverFrequency, str] | None":
-    """Clause, what is compared, the limit and a remark; None where there is none but for a misfire, and none is."""
+    """Return clause, what is compared, the limit and a remark; None where there is none in this state of the engine."""
     case = "" if study.case is None else f"case {study.case.name}"
-    if misfires(study) and ratings.heat_in_misfire is not None:
-        time = ratings.heat_in_misfire.time
-        most = "" if time is None else f"for {time / 60.0:.4g} min at most"
-        words = "; ".join(filter(None, (most, case)))
-        return "P_KW misfire", "Heat in misfire", ratings.heat_in_misfire.power, words
-    words = (
-        f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation"
-        * misfires(study)
-    )
+    words = ""
+    if misfires(study):
+        if (limit := ratings.heat_in_misfire) is not None:
+            most = "" if limit.time is None else f"for {limit.time / 60.0:.4g} min at most"
+            return (
+                "P_KW misfire",
+                "Heat in misfire",
+                limit.power,
+                "; ".join(filter(None, (most, case))),
+            )
+        words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation"
     if ratings.heat_over_frequency is not None:
-        what = "Heat, weighted by frequency"
-        return "P_KW(f)", what, ratings.heat_over_frequency, words
-    if ratings.heat_limit is None:
-        return None
-    return "P_KW", "Heat", ratings.heat_limit, words
+        return "P_KW(f)", "Heat, weighted by frequency", ratings.heat_over_frequency, words
+    return None if ratings.heat_limit is None else ("P_KW", "Heat", ratings.heat_limit, words)
 
 
 def _over_frequency(
     evidence: Results, limit: "OverFrequency", spans: IntArray
-) -> Iterator[tuple[Curve, str, str, FloatArray]]:
-    """Every harmonic component by itself, and all together, against a torque that depends on the frequency of each.
+) -> Iterator[tuple[str, FloatArray, float | FloatArray, str, FloatArray]]:
+    """Yield each harmonic component, and all together, against a torque that depends on the frequency of each.
 
-    Together each counts times the limit of the lowest frequency of the maker's data / that of its own; of these the
-    half range, and the root of the sum of squares where that is larger, which stands for the heat.
+    What is compared, value and limit (speeds,), a remark, and the sizes of the components (speeds, lines). Together
+    each counts times the limit of the lowest frequency of the maker's data / that of its own; of these the half range,
+    and the root of the sum of squares where that is larger, which stands for the heat.
     """
     response = evidence.need(Response)
-    own, known = limit.at(response.frequency), limit.rows[0]
+    limits, (frequency, lowest) = limit.at(response.frequency), limit.rows[0]
     phasors = response.torque[:, :, spans[0]]
-    share = _nonlinear(evidence, spans, np.abs(phasors)) / own
-    at, rows = np.argmax(np.nan_to_num(share, nan=np.inf), axis=1), np.arange(len(share))
-    alone = curve_of(response, (share * own)[rows, at], own[rows, at])
-    yield alone, "Vibratory torque of one harmonic component", "", share
-    weighted = phasors * (known[1] / own)
+    share = _nonlinear(evidence, spans, np.abs(phasors)) / limits
+    worst = np.arange(len(share)), np.argmax(np.nan_to_num(share, nan=np.inf), axis=1)
+    what = "Vibratory torque of one harmonic component"
+    yield what, (share * limits)[worst], limits[worst], "", share
+
+    weighted = phasors * (lowest / limits)
     squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
-    value = np.maximum(half_range_of(response, weighted), squares)
-    together = curve_of(response, _nonlinear(evidence, spans, value), known[1])
-    words = f"each component times T_KW({known[0]:g} Hz) / T_KW(f)"
-    yield together, "Vibratory torque of all components, weighted by frequency", words, share
+    value = _nonlinear(evidence, spans, np.maximum(half_range_of(response, weighted), squares))
+    words = f"each component times T_KW({frequency:g} Hz) / T_KW(f)"
+    what = "Vibratory torque of all components, weighted by frequency"
+    yield what, value, lowest, words, share
 
 
 def misfires(study: Study) -> bool:
-    """A cylinder of an engine does not fire."""
+    """Return whether a cylinder of an engine does not fire."""
     engines = [part.engine for part in study.train.parts if part.engine is not None]
-    return any(one.state != "firing" for engine in engines for one in engine.cylinders)
+    return any(cylinder.state != "firing" for engine in engines for cylinder in engine.cylinders)
 
 
 def _nonlinear(
     evidence: Results, spans: IntArray, values: FloatArray, power: int = 1
 ) -> FloatArray:
-    """Values (speeds, ...) of a torque to that power, as large as exact motions beside harmonic balance have them."""
+    """Return values (speeds, ...) of a torque to that power, raised as exact motions beside harmonic balance raise it.
+
+    Infinite where such a motion is needed and none is known.
+    """
     if not evidence.study.train.has_nonlinear_couplings:
         return values
-    from torsion.analyses.motion.raised_synthesis import surplus
-
-    factor = surplus(evidence)[0][:, spans].max(axis=1) ** power
-    unknown = ~np.isfinite(
-        evidence.need(Synthesis).half_range[:, spans[0]]
-    )  # no exact motion is known
     shape = (-1, *(1,) * (values.ndim - 1))
-    return np.where(unknown.reshape(shape), np.inf, values * factor.reshape(shape))
+    is_known = np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])
+    factor = exact_share(evidence, spans) ** power
+    return np.where(is_known.reshape(shape), values * factor.reshape(shape), np.inf)

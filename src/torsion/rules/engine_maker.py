@@ -8,8 +8,8 @@ from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules.demanded_states import order_rows
-from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, UseSettings, curve_of, within
-from torsion.rules.shaft_limits import PA, nominal_stress, with_role
+from torsion.rules.judgement import Clause, RuleOverSpeed, UseSettings
+from torsion.rules.shaft_limits import PA, no_crank, nominal_stress, with_role
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
@@ -31,43 +31,28 @@ class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
     settings_class = EngineMakerSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
-        where = self.path(study)
-        found = self.vibration_faults(study)
+        """Return what the file lacks for this rule."""
+        faults = self.vibration_faults(study)
         if self.settings.crank_stress is None:
+            message = f"`crank_stress` of {self.name} is missing; only the maker knows it"
             hint = f"- {self.name}: {{crank_stress: 40 MPa}}"
-            found.append(
-                Fault(
-                    where,
-                    f"`crank_stress` of {self.name} is missing; only the maker knows it",
-                    hint,
-                )
-            )
-        if not any(with_role(study.train, "crank")):
-            found.append(
-                Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft")
-            )
-        return found
+            faults.append(Fault(self.path(study), message, hint))
+        return faults + no_crank(study, self)
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What it does not judge, and why."""
+        """Return what the rule does not judge, and why."""
         other = "the rule limits the torsional stress only"
         return ((f"{self.name}: damper, front end and bearings of the engine", other),)
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Orders that the synthesis lacks."""
+        """Return the orders that the synthesis lacks."""
         return tuple(order_rows(self.name, study, "maker"))
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Of every crankshaft in continuous use."""
-        response, limit = evidence.need(Response), self.settings.crank_stress
-        use = within(self.use, response.speed)
-        if limit is None:
-            raise ValueError("the rule has no limit")
+        """Yield the stress of every crankshaft in continuous use."""
+        response, torque = evidence.need(Response), evidence.need(Synthesis).half_range
+        limit = (self.settings.crank_stress or 0.0) * PA
         for number, part, _ in with_role(evidence.study.train, "crank"):
-            spans, stress = nominal_stress(
-                evidence.system, number, evidence.need(Synthesis).half_range
-            )
-            curve, notes = curve_of(response, stress, limit * PA), (self.use_words, MOSTLY)
-            what = "Nominal torsional stress amplitude of the crankshaft"
-            yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)
+            spans, stress = nominal_stress(evidence.system, number, torque)
+            name = "tau_N", part.name, "Nominal torsional stress amplitude of the crankshaft"
+            yield self.compare(response, name, "maker", stress, limit, "N/mm2", spans=spans)

@@ -9,7 +9,7 @@ from torsion.analyses.response.fillet_stresses import has_judged, stated_fillets
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, UseSettings, curve_of, within
+from torsion.rules.judgement import Clause, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
@@ -31,13 +31,8 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
         """What the file lacks for this rule."""
         if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
-            return [
-                Fault(
-                    self.path(study),
-                    f"{self.name} finds no fillet or notch with an `endurance`",
-                    hint,
-                )
-            ]
+            message = f"{self.name} finds no fillet or notch with an `endurance`"
+            return [Fault(self.path(study), message, hint)]
         return self.vibration_faults(study)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
@@ -49,30 +44,22 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
         return *super().judge(evidence), *rows
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """K_t times the half range of the nominal stress at every speed, of every fillet with an endurance."""
+        """Yield K_t times the half range of the nominal stress, of every fillet with an endurance."""
         response, torque = evidence.need(Response), evidence.need(Synthesis).half_range
-        use = within(self.use, response.speed)
         for fillet in stated_fillets(response.system):
             if fillet.endurance is None:
                 continue
             factor = fillet.factor * (1.0 + (fillet.error or 0.0))
-            stress = factor * fillet.torque(torque) / fillet.modulus * PA
             source = "by finite elements, with its error"
             if fillet.error is None:
                 source = "by formula (IACS UR M53)"
-            notes = (
-                f"K_t {fillet.factor:.4g} {source}",
-                self.use_words,
-                MOSTLY,
-            )
-            yield Clause(
-                "endurance",
-                fillet.shaft,
-                f"Shear stress amplitude in the {fillet.words}",
+            yield self.compare(
+                response,
+                ("endurance", fillet.shaft, f"Shear stress amplitude in the {fillet.label}"),
                 "setting",
-                curve_of(response, stress, PA * fillet.endurance),
-                use,
+                factor * fillet.torque(torque) / fillet.modulus * PA,
+                PA * fillet.endurance,
                 "N/mm2",
-                notes,
-                np.array(fillet.spans),
+                spans=np.array(fillet.spans),
+                notes=(f"K_t {fillet.factor:.4g} {source}",),
             )

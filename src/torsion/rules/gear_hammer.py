@@ -13,16 +13,7 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.lowering import Part
 from torsion.rules import judgement
-from torsion.rules.judgement import (
-    MOSTLY,
-    RATED,
-    Clause,
-    Continuous,
-    RuleOverSpeed,
-    UseSettings,
-    curve_of,
-    within,
-)
+from torsion.rules.judgement import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.reached_speeds import coverage
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study
@@ -64,18 +55,12 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
     name = "gear-hammer"
     edition = "application factor of ISO 6336-1"
     settings_class = GearHammerSettings
-    is_pointwise = True
 
     def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
-            return [
-                Fault(
-                    self.path(study),
-                    f"{self.name} finds no gear in the train",
-                    "leave the rule out",
-                )
-            ]
+            message = f"{self.name} finds no gear in the train"
+            return [Fault(self.path(study), message, "leave the rule out")]
         faults = self.vibration_faults(study)
         compares = f"{self.name} compares with the rated torque"
         if study.operation.rated is None:
@@ -86,45 +71,35 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
         return faults
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Of every mesh, at the driving gear's speed.
+        """Yield the vibratory torque of every mesh, at the driving gear's speed.
 
-        Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
+        Against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
         """
         response = evidence.need(Response)
-        use = within(self.use, response.speed)
+        always = np.ones(len(response.speed), dtype=bool)
         reach = coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
         for mesh in meshes(evidence):
+            torque, spans = mesh.vibratory, mesh.spans
             share, origin, standing = _share(mesh.part, self.settings)
             if mesh.rated > 0:
-                curve = curve_of(response, mesh.vibratory, share * mesh.rated)
-                notes = f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach, MOSTLY
-                yield Clause(
-                    "(K_A - 1) T_rated",
-                    mesh.name,
-                    VIBRATORY,
+                yield self.compare(
+                    response,
+                    ("(K_A - 1) T_rated", mesh.name, VIBRATORY),
                     standing,
-                    curve,
-                    use | True,
-                    "N m",
-                    notes,
-                    mesh.spans,
+                    torque,
+                    share * mesh.rated,
+                    spans=spans,
+                    notes=(f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach),
+                    within=always,
                 )
-            curve = curve_of(response, mesh.vibratory, mesh.mean)
-            notes = (
-                "" if mesh.rated > 0 else "the mesh carries no mean torque",
-                self.use_words,
-                MOSTLY,
-            )
-            yield Clause(
-                "torque reversal",
-                mesh.name,
-                REVERSAL,
+            yield self.compare(
+                response,
+                ("torque reversal", mesh.name, REVERSAL),
                 TO_BE_VERIFIED,
-                curve,
-                use,
-                "N m",
-                notes,
-                mesh.spans,
+                torque,
+                mesh.mean,
+                spans=spans,
+                notes=("" if mesh.rated > 0 else "the mesh carries no mean torque",),
             )
 
 
@@ -151,10 +126,8 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
 
 def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
     """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
-    factor = part.application_factor
     if settings.limit is not None:
         return settings.limit, "setting `limit`", "setting"
-    share, origin = (
-        (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
-    )
-    return share, origin, TO_BE_VERIFIED
+    if (factor := part.application_factor) is not None:
+        return factor - 1.0, f"K_A {factor:.4g}", TO_BE_VERIFIED
+    return USUAL_SHARE, "usual K_A 1.35", TO_BE_VERIFIED

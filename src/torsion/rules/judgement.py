@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
@@ -21,16 +21,17 @@ from torsion.fields import given, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
-from torsion.rules import needed as read_by_rules
-from torsion.rules import of_study
-from torsion.rules.reached_speeds import BARRED_BELOW, demanded_study, distinct, in_rpm, with_reach
-from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
+from torsion.rules import needed, of_study
+from torsion.rules.reached_speeds import BARRED_BELOW, distinct, in_rpm, with_reach
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, Verdict, verdict_of
 from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
 MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
+analyses_read = needed  # as an analysis asks its rules
+NO_SPANS = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,9 @@ class Clause:
     within: BoolArray  # (speeds,) speeds that are judged
     unit: str = "N m"
     notes: tuple[str, ...] = ()  # empty ones are left out
-    spans: IntArray = field(
-        default_factory=lambda: np.flatnonzero(())
-    )  # whose vibration it is; none of a mean torque
-    size: FloatArray | None = (
-        None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
-    )
+    spans: IntArray = field(default_factory=NO_SPANS.copy)  # that vibrate; none of a mean torque
+    size: FloatArray | None = None  # (speeds, lines) of harmonic components, if not the torque
     infinite_fails: bool = False  # an infinite value is one that runs away, not one that is missing
-    if_kept: bool = False  # a value beyond the limit is judged otherwise, as in a barred range
 
 
 class Continuous(Range):
@@ -93,9 +89,8 @@ class RuleOverSpeed(Rule[Settings]):
 
     needs: tuple[str, ...] = ("steady", "response")
     begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
-    has_limits_outside_use = (
-        False  # of the same values, so that continuous use at the rated speed leaves none out
-    )
+    # The same values have limits outside continuous use too: use at the rated speed leaves none out.
+    has_limits_outside_use = False
 
     @property
     def use(self) -> Continuous | None:
@@ -113,9 +108,41 @@ class RuleOverSpeed(Rule[Settings]):
         """Yield what the rule judges."""
         return iter(())
 
-    def settling(self, evidence: Results) -> Iterator[Clause]:
-        """Yield what says all of a train that keeps it, each speed by itself."""
-        return self.clauses(evidence)
+    def compare(
+        self,
+        response: Response,
+        name: tuple[str, str, str],
+        standing: Standing,
+        value: FloatArray,
+        limit: float | FloatArray,
+        unit: str = "N m",
+        *,
+        spans: IntArray,
+        notes: tuple[str, ...] = (),
+        remarks: tuple[str, ...] = (),
+        within: BoolArray | None = None,
+        size: FloatArray | None = None,
+    ) -> Clause:
+        """Return a clause that compares a vibration (speeds,) with its limit, in continuous use or `within`.
+
+        name: clause, component and what is compared. `notes` stand before the main harmonic component, `remarks`
+        after it.
+        """
+        use = self.use_words if within is None else ""
+        return Clause(
+            *name,
+            standing,
+            curve_of(response, value, limit),
+            self.in_use(response) if within is None else within,
+            unit,
+            (*notes, use, MOSTLY, *remarks),
+            spans,
+            size,
+        )
+
+    def in_use(self, response: Response) -> BoolArray:
+        """Return (speeds,) which speeds of the response are in continuous use."""
+        return within(self.use, response.speed)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return a check for every clause that has a speed."""
@@ -183,17 +210,24 @@ class RuleOverSpeed(Rule[Settings]):
         path = (*self.path(study), self.name, "continuous")
         return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
 
+    def mean_torque_faults(self, study: Study, compared: str) -> list[Fault]:
+        """Return the fault of a file whose mean torque is not known; compared: what the rule compares, in words."""
+        if study.has_mean_torque:
+            return []
+        message = f"the mean torque is not known, and {self.name} compares {compared}"
+        return [Fault(("operation", "rated", "power"), message, RATED)]
 
-def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:
-    """The values (speeds,) against a limit, with the worst status of any harmonic component of a response."""
-    status = np.zeros(len(found.speed), dtype=np.int64)
-    if isinstance(found, Response):
-        status = np.asarray(np.max(found.status, axis=1, initial=Status.OK), dtype=np.int64)
-    return Curve(found.speed, value, np.broadcast_to(limit, value.shape), status)
+
+def curve_of(source: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:
+    """Return values (speeds,) against a limit, with the worst status of any harmonic component of a response."""
+    status = np.zeros(len(source.speed), dtype=np.int64)
+    if isinstance(source, Response):
+        status = np.asarray(np.max(source.status, axis=1, initial=Status.OK), dtype=np.int64)
+    return Curve(source.speed, value, np.broadcast_to(limit, value.shape), status)
 
 
 def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
-    """The check at the worst of the speeds that are judged; None where there is no speed.
+    """Return the check at the worst of the speeds that are judged; None where there is no speed.
 
     A singular response fails. A value that is missing for another reason is not judged.
     """
@@ -204,66 +238,55 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
     is_unknown = np.isnan(curve.value) if clause.infinite_fails else ~np.isfinite(curve.value)
     is_missing = (curve.status == Status.OK) & is_unknown
     is_exceeded = ~is_missing & (share > 1.0)
-    if np.any(
-        is_exceeded
-    ):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
+    # A limit that is exceeded somewhere fails whatever is missing elsewhere.
+    if np.any(is_exceeded):
         share = np.where(is_exceeded, share, -np.inf)
-    at = worst_of(share, curve.value)
-    is_known = curve.status[at] == Status.OK and not is_missing[at]
-    main = main_component(evidence, at, clause.spans, clause.size)
-    said = "" if main is None else f"{MOSTLY} {main.words}"
-    notes = [
-        *(said if note == MOSTLY else note for note in clause.notes),
-        *_exact_words(evidence, clause, at),
-    ]
-    doubt = _doubt(evidence, clause)
+    row = worst_of(share, curve.value)
+
+    main = main_component(evidence, row, clause.spans, clause.size)
+    mainly = "" if main is None else f"{MOSTLY} {main.words}"
+    notes = [_status_words(curve, row)]
+    notes += (mainly if note == MOSTLY else note for note in clause.notes)
+    doubt = ""
+    if evidence.study.train.has_nonlinear_couplings:
+        from torsion.rules.beside_exact_motion import UNPROVEN, unproven, words
+
+        notes.append(words(evidence, clause.spans, float(curve.speed[row])))
+        open_speeds = curve.speed[unproven(evidence) & clause.within] if clause.spans.size else ()
+        if len(open_speeds):
+            doubt = UNPROVEN.format(speed=in_rpm(float(open_speeds[0])))
+
+    is_known = curve.status[row] == Status.OK and not is_missing[row]
+    verdict: Verdict = "fail"
+    if is_missing[row]:
+        verdict = "not judged"
+    elif is_known and not doubt:
+        verdict = verdict_of(bool(share[row] <= 1.0), clause.standing)
     return Check(
         rule,
         clause.clause,
         clause.where,
         clause.what,
-        value=float(curve.value[at]) if is_known else math.nan if is_missing[at] else math.inf,
-        limit=float(curve.limit[at]),
+        value=float(curve.value[row]) if is_known else math.nan if is_missing[row] else math.inf,
+        limit=float(curve.limit[row]),
         unit=clause.unit,
-        verdict="not judged"
-        if is_missing[at]
-        else verdict_of(bool(share[at] <= 1.0), clause.standing)
-        if is_known and not doubt
-        else "fail",
+        verdict=verdict,
         standing=clause.standing,
-        speed=float(curve.speed[at]),
+        speed=float(curve.speed[row]),
         order=None if main is None else main.order,
-        note="; ".join(note for note in (_status_words(curve, at), *notes, doubt) if note),
+        note="; ".join(filter(None, (*notes, doubt))),
     )
 
 
-def _exact_words(evidence: Results, clause: Clause, at: int) -> Iterator[str]:
-    """What the exact motion at the peaks of nonlinear couplings did to a vibration; nothing where it did nothing."""
-    if evidence.study.train.has_nonlinear_couplings:
-        from torsion.rules.beside_exact_motion import words
-
-        yield words(evidence, clause.spans, float(clause.curve.speed[at]))
-
-
-def _doubt(evidence: Results, clause: Clause) -> str:
-    """Why no vibration of a train with nonlinear couplings passes, with the first speed; empty where it may."""
-    if not (evidence.study.train.has_nonlinear_couplings and clause.spans.size):
-        return ""
-    from torsion.rules.beside_exact_motion import UNPROVEN, unproven
-
-    found = np.flatnonzero(unproven(evidence) & clause.within)
-    return UNPROVEN.format(speed=in_rpm(float(clause.curve.speed[found[0]]))) if found.size else ""
-
-
 def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
-    """(speeds,) rad/s, ascending: where a share of a limit stands higher than at the computed speeds beside it.
+    """Return (speeds,) rad/s, ascending: where a share of a limit stands higher than at its neighbours.
 
     curves: over the same speeds, each with the speeds at which it is judged.
     """
     shares, speed = [], np.empty(0)
-    for curve, within in curves:
+    for curve, judged in curves:
         share, speed = curve.utilisation(), curve.speed
-        shares.append(np.where(within & (share <= OBVIOUS), share, np.nan))
+        shares.append(np.where(judged & (share <= OBVIOUS), share, np.nan))
     if not shares:
         return speed
     return missed_peaks(
@@ -272,98 +295,56 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
 
 
 def worst_of(share: FloatArray, value: FloatArray) -> int:
-    """The place of the greatest share; among infinite ones that of the greatest value."""
+    """Return the position of the greatest share; among infinite ones that of the greatest value."""
     top = np.flatnonzero(share == np.max(share))
     return int(top[np.argmax(np.where(np.isfinite(value[top]), value[top], np.inf))])
 
 
-def _status_words(curve: Curve, at: int) -> str:
-    """Why a number is not one to pass on; empty where the response is ok."""
-    if curve.status[at] == Status.OK:
-        return "" if np.isfinite(curve.value[at]) else f"no value at {in_rpm(curve.speed[at])}"
-    word = Status(int(curve.status[at])).name.lower().replace("_", "-")
-    return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
+def _status_words(curve: Curve, row: int) -> str:
+    """Return why a number is not one to pass on; empty where the response is ok."""
+    if curve.status[row] == Status.OK:
+        return "" if np.isfinite(curve.value[row]) else f"no value at {in_rpm(curve.speed[row])}"
+    word = Status(int(curve.status[row])).name.lower().replace("_", "-")
+    return f"the response is {word} at {in_rpm(curve.speed[row])}, which is never a pass"
 
 
 def main_component(
-    evidence: Results, at: int, spans: IntArray, sizes: FloatArray | None = None
+    evidence: Results, row: int, spans: IntArray, sizes: FloatArray | None = None
 ) -> Line | None:
-    """The greatest harmonic component at a speed, of the torque in the spans or of `sizes`; None where not known."""
+    """Return the greatest harmonic component at a speed, of the torque in the spans or of `sizes`; None if unknown."""
     if not spans.size:
         return None
     response = evidence.need(Response)
-    size = np.abs(response.torque[at][:, spans]).max(axis=1) if sizes is None else sizes[at]
-    known = bool(np.all(np.isfinite(size)) and np.any(size > 0))
-    return response.lines[int(np.argmax(size))] if known else None
+    size = np.abs(response.torque[row][:, spans]).max(axis=1) if sizes is None else sizes[row]
+    is_known = bool(np.all(np.isfinite(size)) and np.any(size > 0))
+    return response.lines[int(np.argmax(size))] if is_known else None
 
 
 def named_speeds(study: Study) -> FloatArray:
-    """(speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
+    """Return (speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
     named = [speed for rule in _vibration_rules(study) for speed in rule.speeds(study)]
-    return np.unique([*named, *_corners(study)])
-
-
-def analyses_read(study: Study) -> frozenset[str]:
-    """The analyses that the study's rules read."""
-    return read_by_rules(study)
-
-
-def are_pointwise(study: Study) -> bool:
-    """All that the rules of the study say of a train that keeps their limits are clauses at each speed by itself."""
-    rules = list(of_study(study))
-    rows = (row for rule in rules for row in rule.demanded_rows(study))
-    return (
-        all(rule.is_pointwise for rule in rules)
-        and all(row.verdict in ("pass", "restricted") for row in rows)
-        and (not study.operation.load.table or demanded_study(study) is None)
-    )
-
-
-def judged_band(study: Study) -> tuple[float, float]:
-    """rad/s: the first speed of the operation, and the last that it has or a rule demands above it."""
-    speeds, above = study.operation.speeds, demanded_study(study)
-    if speeds is None:
-        raise ValueError("no speeds")
-    last = (
-        speeds.last
-        if above is None or above.operation.speeds is None
-        else above.operation.speeds.last
-    )
-    return speeds.first, last
-
-
-def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
-    """Every such clause with the name of its rule."""
-    above, speeds = demanded_study(evidence.study), evidence.study.operation.speeds
-    demanding = set() if above is None else {name for name, _ in above.rules}
-    for rule in of_study(evidence.study):
-        if not isinstance(rule, RuleOverSpeed):
-            continue
-        for clause in rule.settling(evidence):
-            # what another rule demands above the operation is no speed of this one
-            judged = (
-                clause.within
-                if rule.name in demanding
-                else clause.within & within(speeds, clause.curve.speed)
-            )
-            if np.any(judged):
-                yield rule.name, replace(clause, within=judged)
+    for torque in study.train.torques:  # straight between two rows of a table
+        ratio = float(study.train.stations[torque.station].ratio)
+        named += [row[0] / ratio for row in torque.table]
+    if study.has_mean_torque:
+        named += power_balance(study.train, study.operation).corners
+    return np.unique(named)
 
 
 def judged_speeds(study: Study) -> FloatArray:
-    """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds requested."""
+    """Return (speeds,) rad/s, ascending, in the range of the operation: what its rules need in addition."""
     speeds = study.operation.speeds
     if speeds is None:
         return np.empty(0)
-    found = named_speeds(study)
+    judged = named_speeds(study)
     even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
     if speeds.steps < FEWEST_JUDGED:
-        found = np.union1d(found, apart(found, even)) if found.size else even
-    return np.asarray(found[(found >= speeds.first) & (found <= speeds.last)])
+        judged = np.union1d(judged, apart(judged, even)) if judged.size else even
+    return np.asarray(judged[(judged >= speeds.first) & (judged <= speeds.last)])
 
 
 def speeds_between(evidence: Results) -> FloatArray:
-    """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
+    """Return (speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at their neighbours."""
     speed = evidence.need(Response).speed
     between = [rule.speeds_between(evidence) for rule in _vibration_rules(evidence.study)]
     further = np.unique(np.concatenate([np.empty(0), *between]))
@@ -375,89 +356,73 @@ def _vibration_rules(study: Study) -> Iterator[Rule[Any]]:
     return (rule for rule in of_study(study) if "response" in rule.needs)
 
 
-def _corners(study: Study) -> list[float]:
-    """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
-    stations, torques = study.train.stations, study.train.torques
-    own = [
-        row[0] / float(stations[torque.station].ratio) for torque in torques for row in torque.table
-    ]
-    return (
-        [*own, *power_balance(study.train, study.operation).corners]
-        if study.has_mean_torque
-        else own
-    )
-
-
 def within(use: Range | None, speed: FloatArray) -> BoolArray:
-    """(speeds,) which speeds lie in a range, but for rounding; all where there is none."""
+    """Return (speeds,) which speeds lie in a range, but for rounding; all where there is none."""
     if use is None:
         return np.ones(len(speed), dtype=bool)
     return (speed >= use.first * (1 - SAME_SPEED)) & (speed <= use.last * (1 + SAME_SPEED))
 
 
 def spans_of(system: System, part: int) -> IntArray:
-    """(spans of the part,) positions of the spans that a component was made into, from driving to driven."""
+    """Return (spans of the part,) positions of the spans that a component was made into, from driving to driven."""
     return np.flatnonzero(system.span_part == part)
 
 
+def exact_share(evidence: Results, spans: IntArray) -> FloatArray:
+    """Return (speeds,) by which exact motions of nonlinear couplings exceed the torques in spans; 1 without them."""
+    if not (evidence.study.train.has_nonlinear_couplings and spans.size):
+        return np.ones(len(evidence.need(Response).speed))
+    from torsion.analyses.motion.raised_synthesis import surplus
+
+    return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))
+
+
 def rated_torque(evidence: Results) -> FloatArray | None:
-    """(spans,) N m: magnitude of the mean torque at the rated speed, which is computed; None where it is not known."""
-    known, rated, law = (
-        evidence.get(Steady),
-        evidence.study.operation.rated,
-        evidence.study.operation.load,
-    )
-    if known is None or rated is None:
+    """Return (spans,) N m: magnitude of the mean torque at the rated speed, if computed there; None if unknown."""
+    steady, operation = evidence.get(Steady), evidence.study.operation
+    rated, load = operation.rated, operation.load
+    if steady is None or rated is None:
         return None
-    first, last = known.speed[0], known.speed[-1]
+    first, last = steady.speed[0], steady.speed[-1]
     if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
         return None
-    power = law.exponent if law.exponent > 0 and not law.table else 1.0
-    rows = [np.interp(rated.speed**power, known.speed**power, torque) for torque in known.torque]
+    power = load.exponent if load.exponent > 0 and not load.table else 1.0
+    rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
     return np.asarray(np.abs(np.array(rows)))
 
 
 def full_torque(evidence: Results) -> FloatArray | None:
-    """(spans,) N m at the rated speed, of the full power at least: what the train carries with less is scaled up.
+    """Return (spans,) N m at the rated speed, of the full power at least: what is carried with less is scaled up.
 
     That is `rated.power`, or what all loads take when every cylinder fires. A table of the load may give less, and an
     engine with a cylinder that does not fire. Where nothing is carried there, every span has the whole rated power.
     """
-    every, known, rated = (
-        rated_torque(evidence),
-        evidence.get(Steady),
-        evidence.study.operation.rated,
+    torque, power = rated_torque(evidence), rated_power(evidence.study)
+    rated = evidence.study.operation.rated
+    if torque is None or rated is None or power is None:
+        return torque
+    steady, system = evidence.need(Steady), evidence.system
+    row = int(np.argmin(np.abs(steady.speed - rated.speed)))
+    ratios = np.array([abs(float(station.ratio)) for station in system.stations])
+    carried = (
+        float(np.maximum(steady.applied[:, row], 0.0) @ ratios[: len(steady.applied)]) * rated.speed
     )
-    power = rated_power(evidence.study)
-    if every is None or known is None or rated is None or power is None:
-        return every
-    at = int(np.argmin(np.abs(known.speed - rated.speed)))
-    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[
-        : len(known.applied)
-    ]
-    carried = float(np.maximum(known.applied[:, at], 0.0) @ ratios) * rated.speed
-    whole = power / rated.speed / np.abs(evidence.system.span_ratio)
     if carried > 0:
-        return every * max(1.0, power / carried)
-    return every if np.any(every) else np.asarray(whole)
+        return torque * max(1.0, power / carried)
+    return torque if np.any(torque) else np.asarray(power / rated.speed / np.abs(system.span_ratio))
 
 
 def share_of_rated(operation: Operation) -> float:
-    """Rated torque over what a table of load gives at the rated speed, at most 1: a larger load is no better rating."""
+    """Return rated torque over what a table of load gives at the rated speed, at most 1: more load rates nothing up."""
     rated, table = operation.rated, operation.load.table
     if not table or rated is None or rated.power is None:
         return 1.0
-    there = abs(float(np.interp(rated.speed, [row[0] for row in table], [row[1] for row in table])))
-    return min(1.0, rated.power / rated.speed / there) if there else 1.0
-
-
-def knows_rated_torque(study: Study) -> bool:
-    """The mean torque at the rated speed is known."""
-    return study.operation.rated is not None and study.has_mean_torque
+    torque = abs(float(np.interp(rated.speed, *np.array(table).T[:2])))
+    return min(1.0, rated.power / rated.speed / torque) if torque else 1.0
 
 
 def rated_speed(study: Study) -> float:
-    """rad/s of the reference station; raises ValueError where the study has none."""
+    """Return rad/s of the reference station; raises ValueError where the study has no rated speed."""
     if study.operation.rated is None:
         raise ValueError("the rule needs the rated speed")
     return study.operation.rated.speed

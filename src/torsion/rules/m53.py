@@ -17,13 +17,21 @@ from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part
 from torsion.results import listed
-from torsion.rules import judgement, m53_factors
+from torsion.rules import m53_factors as factors
 from torsion.rules.demanded_states import LAST_ORDER, MOST_ORDERS, misfire_row, unjudged
-from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, curve_of
+from torsion.rules.judgement import Clause, RuleOverSpeed, spans_of
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
 from torsion.rules.reached_speeds import START, restricted
-from torsion.rules.shaft_limits import MM, PA, ROUNDING, diameters, with_role
+from torsion.rules.shaft_limits import (
+    MM,
+    PA,
+    ROUNDING,
+    diameters,
+    no_crank,
+    unknown_strengths,
+    with_role,
+)
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
@@ -36,6 +44,9 @@ RATIOS = {  # that the factors of a place have
     JOURNAL: (*OF_FILLETS, "r of the journal"),
     BORE: ("d of the oil bore",),
 }
+NOMINAL = {PIN: ("bending",), JOURNAL: ("bending", "shear"), BORE: ("bore_bending",)}
+STRESS = "Equivalent alternating stress, {}"
+UNJUDGED_FITS = "section 8 of the rule: the program does not judge shrink fits of crankshafts"
 EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"
@@ -51,98 +62,74 @@ class M53(RuleOverSpeed[M53Settings]):
     begin = START
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
-        where = self.path(study)
-        found = self.vibration_faults(study)
-        cranks = list(with_role(study.train, "crank"))
-        if not cranks:
-            found.append(
-                Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft")
-            )
-        for _, part, shaft in cranks:
-            if study.train.materials[shaft.material].tensile_strength is None:
-                message = f"`tensile_strength` of '{shaft.material}' is not given, and {self.name} needs it"
-                hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 800 MPa}}}}"
-                found.append(Fault((*part.path, "material"), message, hint))
+        """Return what the file lacks for this rule."""
+        path = self.path(study)
+        faults = self.vibration_faults(study) + no_crank(study, self)
+        faults += unknown_strengths(study, self, "crank", assumed=None)
         missing = [key for key in SIZES if getattr(self.settings, key) is None]
         if self.settings.oil_bore and self.settings.bore_bending is None:
             missing.append("bore_bending")
         if missing:
-            words = ", ".join(f"`{key}`" for key in missing)
-            message = f"{words} of {self.name} {'is' if len(missing) == 1 else 'are'} missing"
-            found.append(Fault(where, message, EXAMPLE))
-        return [*dict.fromkeys(found), *contradictions(study, self.settings, (*where, self.name))]
+            keys = ", ".join(f"`{key}`" for key in missing)
+            message = f"{keys} of {self.name} {'is' if len(missing) == 1 else 'are'} missing"
+            faults.append(Fault(path, message, EXAMPLE))
+        return [*faults, *contradictions(study, self.settings, (*path, self.name))]
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Equivalent stress against fatigue strength / 1.15, of every crank span at both fillets and the oil bore."""
-        response, train = evidence.need(Response), evidence.study.train
-        use = judgement.within(self.use, response.speed)
+        """Yield the equivalent stress of every crank span at both fillets and the oil bore, as far as there are factors."""
+        response, train, settings = evidence.need(Response), evidence.study.train, self.settings
         for number, part, shaft in with_role(train, "crank"):
-            spans = judgement.spans_of(evidence.system, number)
+            spans = spans_of(evidence.system, number)
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place, stress, fatigue in _places(self.settings, torque, strength):
-                if place not in _stated_places(self.settings) or any(
-                    _doubts(self.settings, place, strength)
+            for place, stress, fatigue in _places(settings, torque, strength):
+                if place in _stated_places(settings) and not any(
+                    _doubts(settings, place, strength)
                 ):
-                    continue
-                curve = curve_of(response, stress, fatigue / LEAST_Q)
-                notes = (
-                    f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",
-                    self.use_words,
-                    MOSTLY,
-                    *_notes(self.settings, place),
-                )
-                what = f"Equivalent alternating stress, {place}"
-                yield Clause(
-                    place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans
-                )
+                    yield self.compare(
+                        response,
+                        (place, part.name, STRESS.format(place)),
+                        TO_BE_VERIFIED,
+                        stress,
+                        fatigue / LEAST_Q,
+                        "N/mm2",
+                        spans=spans,
+                        notes=(f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",),
+                        remarks=tuple(_notes(settings, place)),
+                    )
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the checks, each with its acceptability factor and its restrictions."""
-        train = evidence.study.train
-        sections = {
-            part.name: diameters(train, number)[0] for number, part, _ in with_role(train, "crank")
-        }
-        checks = list[Check]()
-        for line in super().judge(evidence):
-            factor = (
-                f"Q = {LEAST_Q * line.limit / line.value:.4g}"
-                if line.value and math.isfinite(line.limit)
-                else ""
-            )
-            checks.append(replace(line, note="; ".join(filter(None, (factor, line.note)))))
-            if line.verdict in ("pass", "restricted"):
-                for words in _restrictions(
-                    self.settings, line.clause, sections[line.where][0] * MM
-                ):
-                    checks[-1] = restricted(checks[-1], words)
+        train, checks = evidence.study.train, list[Check]()
+        cranks = {part.name: number for number, part, _ in with_role(train, "crank")}
+        for check in super().judge(evidence):
+            notes = [check.note]
+            if check.value and math.isfinite(check.limit):
+                notes.insert(0, f"Q = {LEAST_Q * check.limit / check.value:.4g}")
+            outer = diameters(train, cranks[check.where])[0][0] * MM
+            conditions = _restrictions(self.settings, check.clause, outer)
+            check_with_factor = replace(check, note="; ".join(filter(None, notes)))
+            checks.append(restricted(check_with_factor, *conditions))
         return tuple(checks)
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
-        rows = list[Check]()
+        """Return places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
+        rows, settings = list[tuple[str, str, str, str]](), self.settings
         for number, part, shaft in with_role(study.train, "crank"):
             strength = (study.train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place in _stated_places(self.settings):
-                if doubts := tuple(_doubts(self.settings, place, strength)):
-                    what = f"Equivalent alternating stress, {place}"
-                    rows.append(unjudged(self.name, place, part.name, what, "; ".join(doubts)))
-            if self.settings.built == "semi-built":
-                note = (
-                    "section 8 of the rule: the program does not judge shrink fits of crankshafts"
-                )
-                rows.append(
-                    unjudged(
-                        self.name, "shrink fits", part.name, "Shrink fits of the crankshaft", note
-                    )
-                )
-            if lacking := _lacking(study, self.settings, number, part):
+            for place in _stated_places(settings):
+                if doubts := "; ".join(_doubts(settings, place, strength)):
+                    rows.append((place, part.name, STRESS.format(place), doubts))
+            if settings.built == "semi-built":
+                what = "Shrink fits of the crankshaft"
+                rows.append(("shrink fits", part.name, what, UNJUDGED_FITS))
+            if lacking := _lacking(study, settings, number, part):
                 note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-                rows.append(
-                    unjudged(self.name, "orders", part.name, "Orders of the synthesis", note)
-                )
-        return (*rows, *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"))
+                rows.append(("orders", part.name, "Orders of the synthesis", note))
+        return (
+            *(unjudged(self.name, *row) for row in rows),
+            *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"),
+        )
 
 
 def _stated_places(settings: M53Settings) -> tuple[str, ...]:
@@ -194,11 +181,14 @@ def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[s
 
 
 def _notes(settings: M53Settings, place: str) -> Iterator[str]:
-    """What the stress of a place counts in, in words."""
+    """Yield what the stress of a place counts in, in words, and nominal stresses that the file states as 0."""
+    for key in NOMINAL[place]:
+        if getattr(settings, key) == 0.0:
+            yield f"`{key}` stated as 0 MPa"
     if place != BORE:
         stress, source = settings.added_bending
         yield f"additional bending {stress:g} N/mm2 ({source})"
-        if settings.throw.ratios["s"] < m53_factors.LEAST_OVERLAP:
+        if settings.throw.ratios["s"] < factors.LEAST_OVERLAP:
             yield "overlap below -0.5: all factors at -0.5, shear included"
 
 
@@ -210,35 +200,35 @@ def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> lis
     if settings.strokes is None:
         return []
     step = Fraction(2, settings.strokes)  # an order a cycle of the engine
-    wanted = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
+    orders = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
     engines = (other.engine for other in study.train.parts if other.engine is not None)
     engine = next((record for record in engines if crank in record.cranks), None)
     if engine is None:
         excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
     else:
         excited = set() if engine.gas is None else set(engine.gas_orders)
-    return [order for order in wanted if order not in excited]
+    return [order for order in orders if order not in excited]
 
 
 def _places(
     settings: M53Settings, torque: FloatArray, strength: float
 ) -> Iterator[tuple[str, FloatArray, float]]:
-    """Both fillets and the oil bore: name, (speeds,) equivalent stress and the fatigue strength, N/mm2."""
-    throw, factors, (add, _) = settings.throw, m53_factors, settings.added_bending
-    sections = (throw.pin, throw.pin_bore), (throw.journal, throw.journal_bore)
-    of_pin, of_journal = (
-        torque / section_modulus(outer / MM, bore / MM) * PA for outer, bore in sections
-    )
+    """Yield both fillets and the oil bore: name, (speeds,) equivalent stress and the fatigue strength, N/mm2."""
+    throw, (added, _) = settings.throw, settings.added_bending
+    of_pin = torque / section_modulus(throw.pin / MM, throw.pin_bore / MM) * PA
+    of_journal = torque / section_modulus(throw.journal / MM, throw.journal_bore / MM) * PA
     bending, shear = (settings.bending or 0.0) * PA, (settings.shear or 0.0) * PA
-    local = factors.alpha_b(throw) * bending + add
+
+    local = factors.alpha_b(throw) * bending + added
     fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.factor)
     yield PIN, factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
-    local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + add
-    fatigue = factors.fatigue_strength(
-        strength, throw.journal, throw.journal_fillet, settings.factor
-    )
+
+    local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + added
+    size = throw.journal, throw.journal_fillet
+    fatigue = factors.fatigue_strength(strength, *size, settings.factor)
     torsion = factors.alpha_t(throw, journal=True) * of_journal
     yield JOURNAL, factors.of_fillet(local, torsion), fatigue
+
     if throw.oil_bore:
         local = factors.gamma_b(throw) * (settings.bore_bending or 0.0) * PA
         manufacture = min(settings.factor, 1.0)  # grain flow does not help at the bore

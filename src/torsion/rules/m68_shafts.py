@@ -6,7 +6,8 @@ Ch. 4); "to be verified" is to be compared with the edition in force before it i
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, Self, cast, get_args
+from functools import partial
+from typing import Annotated, Any, Literal, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,17 @@ from torsion.arrays import FloatArray
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.model.lowering import Part, ShaftRecord
 from torsion.rules.reached_speeds import BARRED_BELOW
-from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
+from torsion.rules.shaft_limits import (
+    MM,
+    PA,
+    ROUNDING,
+    LimitCurve,
+    LimitedShaft,
+    Mark,
+    Piece,
+    diameters,
+    with_role,
+)
 from torsion.rules.verdict_line import RuleSettings, refuse_blank
 from torsion.study import Study
 from torsion.train import Train
@@ -39,7 +50,6 @@ class Detail:
     has_keyway: bool = False
     condition: str = ""  # what the factor assumes
     c_k_mark: Mark = "rule text"
-    k_mark: Mark = "to be verified"
 
 
 DETAILS: Mapping[str, Detail] = {
@@ -75,11 +85,9 @@ ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy 
 MOST_CARBON_STRENGTH = 760.0  # N/mm2 of carbon and C-Mn steel (rule text, M68.3)
 LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau_T (rule text)
 NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
-MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = (
-    0.8,
-    0.7,
-    0.15,
-)  # of the diameter (rule text, note 4)
+MOST_SLOT_LENGTH = 0.8  # of the diameter (rule text, note 4), as the next two
+MOST_SLOT_BORE = 0.7
+LEAST_SLOT_WIDTH = 0.15
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
 LEAST_FLANGE_FILLET = 0.08  # of the diameter, of an integral flange (to be verified)
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
@@ -189,30 +197,25 @@ class M68Settings(RuleSettings):
         refuse_blank(self, "conditions")
 
 
-@dataclass(frozen=True)
-class ClassedShaft:
-    """A shaft with a role, and what the rule takes for it."""
+@dataclass(frozen=True, kw_only=True)
+class ClassedShaft(LimitedShaft):
+    """A shaft with a role and the limits of the rule, and what these take for it."""
 
-    part: int
-    name: str
     role: Role  # as the rule sees it: a tube shaft is one of the propeller shafts
     strength: float  # N/mm2, as used
-    details: tuple[
-        tuple[str, Detail], ...
-    ]  # by feature; the smallest C_K and the greatest k govern
-    diameter: float  # mm, greatest: for C_D
-    ends: Ends  # mm, (outer, bore) of the driving and the driven end
     stated: float | None  # N/mm2: strength as the file gives it
-    restrictions: tuple[str, ...] = ()  # conditions of the factors that the file does not answer
-    broken: tuple[str, ...] = ()  # conditions that it breaks
-    near_limit: tuple[
-        str, ...
-    ] = ()  # conditions near the limit of continuous use that the file does not answer
+    details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K, the greatest k govern
+    ends: Ends  # mm, (outer, bore) of the driving and the driven end
+
+    @property
+    def diameter(self) -> float:
+        """The greatest diameter in mm, for C_D."""
+        return max(outer for outer, _ in self.ends)
 
     @property
     def governing(self) -> tuple[str, Detail]:
         """The feature with the smallest C_K."""
-        return min(self.details, key=lambda entry: entry[1].c_k)
+        return _governing(self.details)
 
     @property
     def c_k(self) -> float:
@@ -220,135 +223,140 @@ class ClassedShaft:
         return self.governing[1].c_k
 
     @property
-    def standing(self) -> Mark:
-        """Of tau_C: that of C_K, and of the least strength of shaft steel where none is stated."""
-        return self.governing[1].c_k_mark if self.stated is not None else "to be verified"
-
-    @property
     def k(self) -> float:
         """The greatest k of the shaft's features, for the least diameter."""
         return max(detail.k for _, detail in self.details)
 
-    @property
-    def keyways(self) -> tuple[str, ...]:
-        """Features that do not go with a barred range."""
-        return tuple(name for name, detail in self.details if detail.has_keyway)
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """Why the limits do not hold for it."""
-        if self.stated is None or self.stated >= LEAST_STRENGTH * (1 - ROUNDING):
-            return self.broken
-        return (
-            f"tensile strength {self.stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds",
-            *self.broken,
-        )
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was used, in words."""
-        feature, detail = self.governing
-        doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
-        condition = f": {detail.condition}" if detail.condition else ""
-        doubt_of_strength = " (none stated: the least of shaft steel assumed, to be verified)"
-        if self.stated is not None:
-            doubt_of_strength = f" (of {self.stated:.4g})" if self.strength < self.stated else ""
-        factors = (
-            f"C_K {self.c_k:.4g} ({feature}{condition}{doubt})",
-            f"C_D {size_factor(self.diameter):.4g}",
-            f"sigma_B {self.strength:.4g} N/mm2{doubt_of_strength}",
-        )
-        (first, _), (last, _) = self.ends
-        cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
-        return (", ".join(factors), *([cone] if first != last else []))
-
 
 def judged(train: Train, roles: tuple[str, ...] = ROLES) -> list[tuple[Part, ShaftRecord]]:
-    """The shafts with a role whose stress and diameters are known."""
+    """Return the shafts with a role whose stress and diameters are known."""
     return [(part, shaft) for _, part, shaft in with_role(train, *roles)]
 
 
 def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft]:
-    """Every round shaft of the train that has a role."""
-    every = with_role(study.train, *ROLES)
-    return (_classed(study, settings, number, shaft) for number, _, shaft in every)
+    """Yield every round line shaft of the train that has a role."""
+    for number, _, shaft in with_role(study.train, *ROLES):
+        yield _classed(study, settings, number, shaft)
 
 
-def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> ClassedShaft:
-    name, whole = study.train.parts[part].name, study.train.parts[part].whole
-    # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
-    role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
-    given_strength = study.train.materials[record.material].tensile_strength
-    stated = None if given_strength is None else given_strength * PA
-    steel = LEAST_STRENGTH if stated is None else stated
-    is_alloy = not {name, whole}.isdisjoint(settings.alloy)
-    strength = used_strength(steel, role, alloy=is_alloy)
-    ends = cast(
-        Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part))
-    )
+def _classed(study: Study, settings: M68Settings, number: int, record: ShaftRecord) -> ClassedShaft:
+    part, material = study.train.parts[number], study.train.materials[record.material]
+    name, features = part.name, record.features
+    # A tube shaft is ruled with the propeller shafts (cap of sigma_B, F).
+    role: Role = "propeller" if "tube shaft" in features else cast(Role, record.role)
+    sizes = ((outer * MM, bore * MM) for outer, bore in diameters(study.train, number))
+    ends = cast(Ends, tuple(sizes))
+    diameter, smallest = (choose(outer for outer, _ in ends) for choose in (max, min))
     details = _details(record, role, name, ends, settings)
+    feature, governing = _governing(details)
+
+    stated = None if material.tensile_strength is None else material.tensile_strength * PA
+    is_alloy = not {name, part.whole}.isdisjoint(settings.alloy)
+    steel = LEAST_STRENGTH if stated is None else stated
+    strength = used_strength(steel, role, alloy=is_alloy)
+    origin = " (none stated: the least of shaft steel assumed, to be verified)"
+    if stated is not None:
+        origin = f" (of {stated:.4g})" if strength < stated else ""
+    doubt = "" if governing.c_k_mark == "rule text" else ", to be verified"
+    condition = f": {governing.condition}" if governing.condition else ""
+    factors = (
+        f"C_K {governing.c_k:.4g} ({feature}{condition}{doubt}), C_D {size_factor(diameter):.4g}"
+    )
+    notes = [f"{factors}, sigma_B {strength:.4g} N/mm2{origin}"]
+    if diameter != smallest:
+        notes.append("conical: W_p of the smaller end of every piece, C_D of the maximum diameter")
+
     unknown, broken = _conditions(record, name, ends, settings)
+    if stated is not None and stated < LEAST_STRENGTH * (1 - ROUNDING):
+        weak = f"tensile strength {stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds"
+        broken.insert(0, weak)
     most = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
     if stated is not None and stated > most * (1 + ROUNDING):
         kind = "alloy" if is_alloy else "carbon"
         unknown.append(
             f"special approval of '{name}': {kind} steel of {stated:.4g} N/mm2, above {most:g}"
         )
-    answered = settings.conditions is not None
+    is_open = settings.conditions is None  # no document answers them
+
+    made_of: tuple[Any, ...] = strength, diameter, governing.c_k
+    continuous = partial(tau_c, *made_of)
+    pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
     return ClassedShaft(
-        part,
+        number,
         name,
-        role,
-        strength,
-        details,
-        max(outer for outer, _ in ends),
-        ends,
-        stated,
-        () if answered else tuple(unknown),
-        tuple(broken),
-        (SEAT.format(name),) if "shrink fit" in record.features and not answered else (),
+        LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of))),
+        governing.c_k_mark if stated is not None else "to be verified",
+        tuple(notes),
+        keyways=tuple(feature for feature, detail in details if detail.has_keyway),
+        restrictions=tuple(unknown) if is_open else (),
+        doubts=tuple(broken),
+        near_limit=(SEAT.format(name),) if "shrink fit" in features and is_open else (),
+        role=role,
+        strength=strength,
+        stated=stated,
+        details=details,
+        ends=ends,
     )
+
+
+def _governing(details: tuple[tuple[str, Detail], ...]) -> tuple[str, Detail]:
+    return min(details, key=lambda entry: entry[1].c_k)
 
 
 def _conditions(
     shaft: ShaftRecord, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[list[str], list[str]]:
-    """Conditions of the factors of a shaft that the file does not answer, and those that it breaks, in words."""
-    unknown, broken = (
-        list[str](),
-        list(_without_factor(shaft, name, min(outer for outer, _ in ends))),
-    )
+    """Return conditions of a shaft's factors that the file does not answer, and those that it breaks, in words."""
+    smallest, largest = (choose(outer for outer, _ in ends) for choose in (min, max))
+    unknown, broken = list[str](), list(_without_factor(shaft, name, smallest))
     if "radial hole" in shaft.features:
         unknown.append(f"radial hole of '{name}' at most 0.3 of the diameter")
     if "slot" not in shaft.features:
         return unknown, broken
-    slot, diameter = settings.slots.get(name), min(outer for outer, _ in ends)
-    of = f"slot of '{name}': "
-    bore = max(inner / outer for outer, inner in ends)
-    if bore >= MOST_SLOT_BORE * (1 - ROUNDING):
-        broken.append(f"{of}bore {bore:.3g} of the diameter, not below {MOST_SLOT_BORE:g}")
-    if slot is None:
-        unknown += [f"{of}length below {MOST_SLOT_LENGTH:g} of the diameter"]
-        unknown += [f"{of}width above {LEAST_SLOT_WIDTH:g} of the diameter"]
-    else:
-        length, width = (
-            slot.length * MM / diameter,
-            slot.width * MM / max(outer for outer, _ in ends),
-        )
-        if length >= MOST_SLOT_LENGTH * (1 - ROUNDING):
-            broken.append(
-                f"{of}length {length:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}"
-            )
-        if width <= LEAST_SLOT_WIDTH * (1 + ROUNDING):
-            broken.append(f"{of}width {width:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}")
-    if slot is None or slot.end_radius is None:
-        unknown.append(f"{of}radius of its ends at least half of the width")
-    elif slot.end_radius < 0.5 * slot.width * (1 - ROUNDING):
-        broken.append(f"{of}radius of its ends below half of the width")
-    if slot is None or slot.number is None:
-        unknown.append(f"{of}1, 2 or 3 slots, evenly spaced")
-    elif slot.number not in SLOT_NUMBERS:
-        broken.append(f"{of}{slot.number} slots in one section, more than 3")
+
+    slot, bore = settings.slots.get(name), max(inner / outer for outer, inner in ends)
+    length = None if slot is None else slot.length * MM / smallest
+    width = None if slot is None else slot.width * MM / largest
+    radius = None if slot is None or slot.end_radius is None else slot.end_radius / slot.width
+    number = None if slot is None else slot.number
+    below, above = 1 - ROUNDING, 1 + ROUNDING
+    conditions = (  # value, whether it keeps the condition, what is asked, what is broken
+        (
+            bore,
+            bore < MOST_SLOT_BORE * below,
+            "",
+            f"bore {bore:.3g} of the diameter, not below {MOST_SLOT_BORE:g}",
+        ),
+        (
+            length,
+            (length or 0.0) < MOST_SLOT_LENGTH * below,
+            f"length below {MOST_SLOT_LENGTH:g} of the diameter",
+            f"length {length or 0.0:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}",
+        ),
+        (
+            width,
+            (width or 0.0) > LEAST_SLOT_WIDTH * above,
+            f"width above {LEAST_SLOT_WIDTH:g} of the diameter",
+            f"width {width or 0.0:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}",
+        ),
+        (
+            radius,
+            (radius or 0.0) >= 0.5 * below,
+            "radius of its ends at least half of the width",
+            "radius of its ends below half of the width",
+        ),
+        (
+            number,
+            number in SLOT_NUMBERS,
+            "1, 2 or 3 slots, evenly spaced",
+            f"{number} slots in one section, more than 3",
+        ),
+    )
+    for value, is_met, asked, breach in conditions:
+        if value is None:
+            unknown.append(f"slot of '{name}': {asked}")
+        elif not is_met:
+            broken.append(f"slot of '{name}': {breach}")
     return unknown, broken
 
 
@@ -371,22 +379,22 @@ def _details(
     ends: tuple[tuple[float, float], ...],
     settings: M68Settings,
 ) -> tuple[tuple[str, Detail], ...]:
-    """The shaft's features with their factors, and those of its role and its notches that no feature states."""
-    found: list[tuple[str, Detail]] = []
-    if not shaft.features:
-        found.append(("no feature given", ASSUMED[role]))
-    elif not set(shaft.features) & OF_ROLE[role] and role != "intermediate":
-        found.append((f"{role} shaft", ASSUMED[role]))
-    kinds = {notch.form for notch in shaft.notches}
-    if "keyway" in kinds and not any(DETAILS[feature].has_keyway for feature in shaft.features):
-        found.append(("keyway of `notches`", DETAILS["cylinder keyway"]))
-    if "hole" in kinds and "radial hole" not in shaft.features:
-        found.append(("hole of `notches`", DETAILS["radial hole"]))
-    for feature in shaft.features:
+    """Return the shaft's features with their factors, and those of its role and notches that no feature states."""
+    features, kinds = shaft.features, {notch.form for notch in shaft.notches}
+    details: list[tuple[str, Detail]] = []
+    if not features:
+        details.append(("no feature given", ASSUMED[role]))
+    elif not set(features) & OF_ROLE[role] and role != "intermediate":
+        details.append((f"{role} shaft", ASSUMED[role]))
+    if "keyway" in kinds and not any(DETAILS[feature].has_keyway for feature in features):
+        details.append(("keyway of `notches`", DETAILS["cylinder keyway"]))
+    if "hole" in kinds and "radial hole" not in features:
+        details.append(("hole of `notches`", DETAILS["radial hole"]))
+    for feature in features:
         detail = DETAILS[feature]
         if feature == "slot" and name in settings.slots:
             slot = settings.slots[name].length * MM, settings.slots[name].width * MM
             worst = max(slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
             detail = replace(detail, c_k=slot_c_k(worst), c_k_mark="to be verified")
-        found.append((feature, detail))
-    return tuple(found)
+        details.append((feature, detail))
+    return tuple(details)

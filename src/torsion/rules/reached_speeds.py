@@ -47,7 +47,7 @@ def with_reach(
     rated, speeds = study.operation.rated, study.operation.speeds
     cut = use_words(use, study)
     if rated is None or speeds is None:
-        yield restricted(check, cut) if cut else check
+        yield restricted(check, cut)
         return
 
     demanded, limited = demanded_speed(study, scope)
@@ -56,47 +56,38 @@ def with_reach(
     first, last = min(computed), max(computed)
     if isinstance(speeds, SpeedsAbove):
         first = speeds.begin
-    reach, rows = Reach(first, last, demanded), list[Check]()
+    lacking = list[tuple[str, Reach]]()
 
+    reach, from_start = Reach(first, last, demanded), Reach(first, last, 0.0)
     needed = demanded if is_own else min(demanded, rated.speed)
     if coverage(last, rated.speed, needed / rated.speed):
         if is_own and scope <= 1.0:
-            check = restricted(check, reach_words(reach, rated.speed), reach)
+            check = restricted(check, reach_words(reach, rated.speed), reach=reach)
         else:
-            rows.append(_uncomputed(check, f"{subject} above", reach, rated.speed))
+            lacking.append(("above", reach))
     elif use is not None and coverage(use.last, rated.speed):
         reach = Reach(use.first, use.last, rated.speed)
-        check = restricted(check, reach_words(reach, rated.speed), reach)
-    if limited:
-        check = restricted(check, limited)
-    if cut:
-        check = restricted(check, cut)
+        check = restricted(check, reach_words(reach, rated.speed), reach=reach)
+    check = restricted(check, limited, cut)
 
     if first > begin * rated.speed * (1 + SAME_SPEED):
-        from_start = Reach(first, last, 0.0)
         has_rated = first <= rated.speed * (1 + SAME_SPEED)
-        lacks_barred = begin < BARRED_BELOW and first >= BARRED_BELOW * rated.speed * (
-            1 - SAME_SPEED
-        )
+        above_barred = first >= BARRED_BELOW * rated.speed * (1 - SAME_SPEED)
+        lacks_barred = begin < BARRED_BELOW and above_barred
         is_stated = is_own and (has_rated or scope <= 1.0)
         if is_stated or (has_rated and not lacks_barred):
             check = restricted(check, reach_words(from_start, rated.speed))
         else:
-            rows.append(_uncomputed(check, f"{subject} below", from_start, rated.speed))
+            lacking.append(("below", from_start))
     yield check
-    yield from rows
-
-
-def _uncomputed(check: Check, what: str, reach: Reach, rated: float) -> Check:
-    """Return the row of speeds that a rule demands and that were not computed."""
-    words, what = reach_words(reach, rated), f"{what} the computed speeds"
-    return replace(
-        unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach
-    )
+    for side, reach in lacking:
+        words, what = reach_words(reach, rated.speed), f"{subject} {side} the computed speeds"
+        row = unjudged(check.rule, "speeds", check.where, what, words, check.standing)
+        yield replace(row, reach=reach)
 
 
 def use_words(use: Range | None, study: Study) -> str:
-    """Which speeds of the operation a setting of the rule leaves out, in words; empty where it leaves none out."""
+    """Return which speeds of the operation a setting of the rule leaves out; empty where it leaves none out."""
     rated, speeds = study.operation.rated, study.operation.speeds
     ends = [] if speeds is None else [speeds.first, speeds.last]
     ends += [] if rated is None else [rated.speed]
@@ -108,18 +99,19 @@ def use_words(use: Range | None, study: Study) -> str:
 
 
 def demanded_speed(study: Study, scope: float) -> tuple[float, str]:
-    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed.
+    """Return rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed.
 
     A train that can run above that share is judged up to its `highest` speed.
     """
     operation = study.operation
-    whole = scope * (0.0 if operation.rated is None else operation.rated.speed)
-    if operation.highest is None or operation.highest >= whole * (1 - SAME_SPEED):
-        return max(whole, operation.highest or 0.0), ""
-    return (
-        operation.highest,
-        f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}",
-    )
+    demanded = scope * (0.0 if operation.rated is None else operation.rated.speed)
+    highest = operation.highest
+    if highest is None or highest >= demanded * (1 - SAME_SPEED):
+        return max(demanded, highest or 0.0), ""
+    keeper = operation.by or "a limit that the file states"
+    if operation.by and not keeper.startswith("the "):
+        keeper = f"the {keeper}"
+    return highest, f"speed limited to {in_rpm(highest)} by {keeper}"
 
 
 def demanded_study(study: Study) -> Study | None:
@@ -148,24 +140,15 @@ def demanded_study(study: Study) -> Study | None:
     return replace(study, operation=operation, rules=rules, variations={}, cases={})
 
 
-def _keeper(by: str | None) -> str:
-    return (
-        "a limit that the file states"
-        if by is None
-        else by
-        if by.startswith("the ")
-        else f"the {by}"
-    )
-
-
-def restricted(check: Check, words: str, reach: Reach | None = None) -> Check:
-    """Return a check that is met as one that is met with a restriction, in words; another check as it is."""
-    if check.verdict not in ("pass", "restricted"):
+def restricted(check: Check, *words: str, reach: Reach | None = None) -> Check:
+    """Return a check that is met as one that is met with restrictions, in words; another check as it is."""
+    words = tuple(filter(None, words))
+    if not words or check.verdict not in ("pass", "restricted"):
         return check
     return replace(
         check,
         verdict="restricted",
-        restrictions=(*check.restrictions, words),
+        restrictions=(*check.restrictions, *words),
         reach=reach or check.reach,
     )
 
@@ -173,12 +156,15 @@ def restricted(check: Check, words: str, reach: Reach | None = None) -> Check:
 def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:
     """Return the checks without the rows that several checks of a component have in common."""
     return tuple(
-        {(one.rule, one.clause, one.where, one.what, one.verdict): one for one in checks}.values()
+        {
+            (check.rule, check.clause, check.where, check.what, check.verdict): check
+            for check in checks
+        }.values()
     )
 
 
 def reach_words(reach: Reach | None, rated: float) -> str:
-    """Which speeds were judged, where the rule demands more; empty where it does not."""
+    """Return which speeds were judged, where the rule demands more; empty where it does not."""
     if reach is None:
         return ""
     if reach.demanded < reach.first:
@@ -187,12 +173,12 @@ def reach_words(reach: Reach | None, rated: float) -> str:
 
 
 def coverage(last: float, rated: float, needed: float = 1.0) -> str:
-    """That the speeds end below a share of the rated speed up to which is judged; empty where they do not; rad/s."""
+    """Return that the speeds (rad/s) end below a share `needed` of the rated speed; empty where they do not."""
     if last >= needed * rated * (1 - SAME_SPEED):
         return ""
     return f"judged up to {in_rpm(last)} only, {last / rated:.3g} of the rated speed"
 
 
 def in_rpm(speed: float) -> str:
-    """A speed in words, per minute."""
+    """Return a speed (rad/s) in words, per minute."""
     return f"{speed * 30.0 / math.pi:.5g} rpm"

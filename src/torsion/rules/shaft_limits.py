@@ -5,17 +5,21 @@ Stresses in N/mm2; the speed ratio is the speed of a shaft / its rated speed.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.errors import Fault
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part, ShaftRecord
+from torsion.model.material import STEEL, Material
 from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.verdict_line import Rule
+from torsion.study import Study
 from torsion.train import Train
 
 PA = 1e-6  # N/mm2
@@ -59,25 +63,24 @@ class LimitCurve:
         """Every piece with (speeds,) where it holds."""
         left = np.ones(ratio.shape, dtype=bool)
         for piece in self.pieces:
-            here = left & (
-                ratio < piece.last * (1.0 - ROUNDING if piece.is_open else 1.0 + ROUNDING)
-            )
-            left = left & ~here
-            yield piece, here
+            rounding = -ROUNDING if piece.is_open else ROUNDING
+            holds = left & (ratio < piece.last * (1.0 + rounding))
+            left = left & ~holds
+            yield piece, holds
 
     def ranges(self, ratio: FloatArray) -> dict[str, BoolArray]:
         """By clause (speeds,) where it holds."""
-        found = dict[str, BoolArray]()
-        for piece, here in self._holds(ratio):
-            found[piece.clause] = here | found.get(piece.clause, False)
-        return found
+        by_clause = dict[str, BoolArray]()
+        for piece, holds in self._holds(ratio):
+            by_clause[piece.clause] = holds | by_clause.get(piece.clause, False)
+        return by_clause
 
     def continuous(self, ratio: FloatArray) -> FloatArray:
         """(speeds,) in continuous use; NaN above the last piece."""
-        found = np.full(ratio.shape, np.nan)
-        for piece, here in self._holds(ratio):
-            found[here] = piece.limit(ratio[here])
-        return found
+        limit = np.full(ratio.shape, np.nan)
+        for piece, holds in self._holds(ratio):
+            limit[holds] = piece.limit(ratio[holds])
+        return limit
 
     def while_passing(self, ratio: FloatArray) -> FloatArray:
         """(speeds,) while a barred range is passed; NaN where none may be."""
@@ -100,9 +103,7 @@ class LimitedShaft:
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
     restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
     doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
-    near_limit: tuple[
-        str, ...
-    ] = ()  # conditions that hold for a stress near the limit of continuous use
+    near_limit: tuple[str, ...] = ()  # conditions of a stress near the limit of continuous use
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
@@ -124,6 +125,28 @@ def with_role(train: Train, *roles: str) -> Iterator[tuple[int, Part, ShaftRecor
             yield number, part, part.shaft
 
 
+def no_crank(study: Study, rule: Rule[Any]) -> list[Fault]:
+    """Return the fault of a train without a crankshaft whose stress is known."""
+    if any(with_role(study.train, "crank")):
+        return []
+    hint = "role: crank, on a round shaft"
+    return [Fault(rule.path(study), f"{rule.name} finds no crankshaft", hint)]
+
+
+def unknown_strengths(
+    study: Study, rule: Rule[Any], *roles: str, assumed: Material | None = STEEL
+) -> list[Fault]:
+    """Return a fault for each shaft of a role without a tensile strength; that of the `assumed` material is known."""
+    faults = []
+    for _, part, shaft in with_role(study.train, *roles):
+        material = study.train.materials[shaft.material]
+        if material.tensile_strength is None and material != assumed:
+            message = f"`tensile_strength` of '{shaft.material}' is not given, and {rule.name} needs it for '{part.name}'"
+            hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
+            faults.append(Fault((*part.path, "material"), message, hint))
+    return faults
+
+
 def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float, float]]:
     """m, (outer, bore) at the driving and at the driven end of a shaft, of a crank span twice those of its journal."""
     for bar in train.bars:
@@ -138,10 +161,8 @@ def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float
 def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
     """Spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans, (driving, driven) = spans_of(system, part), diameters(system.train, part)
-    at = np.linspace(
-        0.0, 1.0, len(spans) + 1
-    )  # between two of them the modulus is never below the smaller
-    outer, bore = (first + (last - first) * at for first, last in zip(driving, driven, strict=True))
+    # Between two ends of a span the modulus is never below the smaller one.
+    outer, bore = np.linspace(driving, driven, len(spans) + 1).T
     at_edge = section_modulus(outer, bore)
     return spans, np.minimum(at_edge[:-1], at_edge[1:])
 

@@ -4,7 +4,7 @@ The stress amplitude is the half range of the synthesis of all orders, nominal o
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -25,6 +25,7 @@ from torsion.rules.judgement import (
     curve_of,
     judge_clause,
     rated_speed,
+    spans_of,
     worst_of,
 )
 from torsion.rules.m68_shafts import M68Settings
@@ -51,6 +52,7 @@ from torsion.study import Study
 
 STRESS = "Torsional stress amplitude, continuous operation"
 PASSING = "Torsional stress amplitude, passing a barred range"
+ABOVE = "Torsional stress amplitude above the last speed with a limit"
 SUBJECT = "Torsional stress amplitude"  # of the rows about speeds that were not computed
 
 
@@ -77,7 +79,9 @@ class Stressed:
     """A shaft with its stress against the limit of continuous use, and what is barred."""
 
     shaft: LimitedShaft
+    spans: IntArray
     curve: Curve
+    tau_t: FloatArray  # (speeds,) N/mm2, the limit of passing a barred range
     barred: Barring
     ruled: dict[str, BoolArray]  # by clause (speeds,) where it holds
 
@@ -95,185 +99,152 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
     begin = START
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
-        """Every shaft that is judged, with its limits."""
+        """Yield every shaft that is judged, with its limits."""
         return iter(())
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for any of them."""
-        found = self.vibration_faults(study)
+        """Return what the file lacks for any of these rules."""
+        faults = self.vibration_faults(study)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {self.name} count from it"
-            found.append(Fault(("operation", "rated"), message, RATED))
-        return found
+            faults.append(Fault(("operation", "rated"), message, RATED))
+        return faults
 
     def speeds(self, study: Study) -> tuple[float, ...]:
-        """rad/s: the rated speed, and those at which the limits bend or end."""
-        corners = {share: None for shaft in self.shafts(study) for share in shaft.curve.corners}
+        """Return in rad/s the rated speed, and those at which the limits bend or end."""
+        corners = {share for shaft in self.shafts(study) for share in shaft.curve.corners}
         return tuple(share * rated_speed(study) for share in sorted(corners))
 
     def speeds_between(self, evidence: Results) -> FloatArray:
-        """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
-        found, ends = [], list[float]()
-        for one in self.stressed(evidence):
-            found += [(one.curve, one.is_ruled), (one.curve, one.is_ruled & ~one.barred.passed)]
-            ends += [end for band in one.barred.permitted for end in (band.lower, band.upper)]
-        return np.union1d(
-            np.union1d(judgement.between(found), ends), super().speeds_between(evidence)
-        )
+        """Return (speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
+        curves, ends = list[tuple[Curve, BoolArray]](), list[float]()
+        for stressed in self.stressed(evidence):
+            curve, is_ruled, barred = stressed.curve, stressed.is_ruled, stressed.barred
+            curves += [(curve, is_ruled), (curve, is_ruled & ~barred.passed)]
+            ends += [end for band in barred.permitted for end in (band.lower, band.upper)]
+        speeds = np.union1d(judgement.between(curves), ends)
+        return np.union1d(speeds, super().speeds_between(evidence))
 
     def stressed(self, evidence: Results) -> Iterator[Stressed]:
-        """Every shaft against its limits."""
-        rated, tolerance = rated_speed(evidence.study), self.settings.tachometer
-        for shaft, curve, ruled in self._curves(evidence):
-            barred = Barring((), (), np.zeros(len(curve.speed), dtype=bool))
-            if shaft.curve.passing is not None:
-                barred = barring(curve, rated, shaft.name, tolerance)
-            yield Stressed(shaft, curve, barred, ruled)
-
-    def _curves(
-        self, evidence: Results
-    ) -> Iterator[tuple[LimitedShaft, Curve, dict[str, BoolArray]]]:
-        """Every shaft, its stress against the limit of continuous use, and by clause (speeds,) where it holds."""
+        """Yield every shaft against its limits."""
+        response, rated = evidence.need(Response), rated_speed(evidence.study)
         for shaft in self.shafts(evidence.study):
-            speed, tau_c, _, tau = limits_of(evidence, shaft)
-            curve = curve_of(evidence.need(Response), tau, tau_c)
-            yield shaft, curve, shaft.curve.ranges(speed / rated_speed(evidence.study))
-
-    def settling(self, evidence: Results) -> Iterator[Clause]:
-        """The stress against the limit of continuous use; nothing is barred where that is kept."""
-        for shaft, curve, ruled in self._curves(evidence):
-            spans = judgement.spans_of(evidence.system, shaft.part)
-            for clause, within in ruled.items():
-                about = clause, shaft.name, STRESS, shaft.standing, curve, within, "N/mm2"
-                yield Clause(*about, spans=spans, if_kept=True)
-        yield from self.clauses(evidence)
+            speed, tau_c, tau_t, tau = limits_of(evidence, shaft)
+            curve = curve_of(response, tau, tau_c)
+            barred = Barring((), (), np.zeros(len(speed), dtype=bool))
+            if shaft.curve.passing is not None:
+                barred = barring(curve, rated, shaft.name, self.settings.tachometer)
+            spans = spans_of(evidence.system, shaft.part)
+            yield Stressed(shaft, spans, curve, tau_t, barred, shaft.curve.ranges(speed / rated))
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Stress in continuous use, while barred ranges are passed, and above the last limit; of every shaft."""
-        found = list[Check]()
-        for one in self.stressed(evidence):
-            for line in self.stresses(evidence, one):
-                found += with_reach(
-                    conditioned(line, one.shaft),
+        """Return the checks of every shaft: in continuous use, passing barred ranges, and above the last limit."""
+        checks = list[Check]()
+        for stressed in self.stressed(evidence):
+            for check in self.stresses(evidence, stressed):
+                checks += with_reach(
+                    conditioned(check, stressed.shaft),
                     evidence.study,
                     self.scope,
                     subject=SUBJECT,
                     begin=self.begin,
                 )
-        return distinct((*found, *super().judge(evidence)))
+        return distinct((*checks, *super().judge(evidence)))
 
-    def stresses(self, evidence: Results, one: Stressed) -> Iterator[Check]:
-        """The clauses about the stress amplitude of one shaft.
+    def stresses(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
+        """Yield the checks of the stress amplitude of one shaft.
 
         Outside the permitted barred ranges it is at most the limit of continuous use, in them that of passing, which
         no keyway allows; the greatest stress above the last limit is stated.
         """
-        shaft, barred = one.shaft, one.barred
-        spans = judgement.spans_of(evidence.system, shaft.part)
+        shaft, curve, barred = stressed.shaft, stressed.curve, stressed.barred
 
         def judged(
             clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str
-        ) -> Check | None:
-            about = replace(one.curve, limit=limit)
-            return judge_clause(
-                self.name,
-                Clause(
-                    clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans
-                ),
-                evidence,
+        ) -> Iterator[Check]:
+            name, against = (clause, shaft.name, what), replace(curve, limit=limit)
+            options = within, "N/mm2", notes, stressed.spans
+            check = judge_clause(
+                self.name, Clause(*name, shaft.standing, against, *options), evidence
             )
+            return iter(() if check is None else (check,))
 
-        rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
-        last = shaft.curve.last
-        notes = (MOSTLY, _refusal(one), rest, *shaft.notes)
-        for clause, within in one.ruled.items():
-            line = judged(clause, STRESS, one.curve.limit, within & ~barred.passed, *notes)
-            if line is not None:
-                yield line
-        line = self._passing(evidence, one, judged)
-        if line is not None:
-            yield line
-        what = "Torsional stress amplitude above the last speed with a limit"
-        end = in_rpm(last * rated_speed(evidence.study))
-        without = f"no continuous operation above {end}, {last:g} of the rated speed: the rule has no limit there"
-        clause = shaft.curve.pieces[-1].clause
-        line = judged(clause, what, np.ones(len(one.curve.speed)), ~one.is_ruled, without)
-        if line is not None:
-            verdict = self._above(evidence.study, last)
-            restrictions = (without,) if verdict == "restricted" else ()
-            yield replace(
-                line, limit=math.nan, verdict=verdict, restrictions=restrictions, standing=self.mark
+        refusal = ""
+        if barred.refused:
+            critical = " and ".join(in_rpm(band.critical) for band in barred.refused)
+            refusal = (
+                f"the stress exceeds {' or '.join(stressed.ruled)} about {critical}: no barred range is permitted "
+                f"there (lambda >= {BARRED_BELOW:g}): detune; it would run from {_words(barred.refused)}"
             )
+        outside = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
+        notes = MOSTLY, refusal, outside, *shaft.notes
+        for clause, within in stressed.ruled.items():
+            yield from judged(clause, STRESS, curve.limit, within & ~barred.passed, *notes)
 
-    def _above(self, study: Study, last: float) -> Verdict:
-        """Verdict above the last limit: a restriction, or NOT JUDGED if a rule has continuous use there."""
-        ranges = [
-            settings.continuous for _, settings in study.rules if isinstance(settings, UseSettings)
-        ]
-        highest = max(
-            [*(use.last for use in ranges if use is not None), study.operation.highest or 0.0]
+        if (passing := shaft.curve.passing) is not None:
+            keyways = [
+                f"{feature}: keyways are not for use with a barred range"
+                for feature in shaft.keyways
+            ]
+            meter = self.settings.tachometer
+            times = barred_time.barred_times(evidence, barred.permitted)
+            notes = (
+                *keyways,
+                f"barred range {_words(barred.permitted)}, to be passed rapidly",
+                f"tachometer tolerance {100 * meter:.3g} % {'added' if meter else 'assumed'}",
+                MOSTLY,
+                barred_time.words(times),
+            )
+            for check in judged(passing.clause, PASSING, stressed.tau_t, barred.passed, *notes):
+                rated = rated_speed(evidence.study)
+                ordered = (_with_order(evidence, band, stressed.spans) for band in barred.permitted)
+                ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
+                met: Verdict = "restricted" if check.verdict == "pass" else check.verdict
+                yield replace(check, verdict="fail" if keyways else met, barred=ranges, times=times)
+
+        last = shaft.curve.last * rated_speed(evidence.study)
+        share = f"{shaft.curve.last:g} of the rated speed"
+        without = (
+            f"no continuous operation above {in_rpm(last)}, {share}: the rule has no limit there"
         )
-        return (
-            "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
-        )
-
-    def _passing(
-        self, evidence: Results, one: Stressed, judged: Callable[..., Check | None]
-    ) -> Check | None:
-        """The stress while the barred ranges are passed; None where nothing is barred."""
-        shaft, barred, meter = one.shaft, one.barred, self.settings.tachometer
-        if shaft.curve.passing is None:
-            return None
-        reasons = [
-            f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways
-        ]
-        passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
-        tachometer = f"tachometer tolerance {100 * meter:.3g} % " + (
-            "added" if meter else "assumed"
-        )
-        times = barred_time.barred_times(evidence, barred.permitted)
-        notes = *reasons, passed, tachometer, MOSTLY, barred_time.words(times)
-        limit = limits_of(evidence, shaft).tau_t
-        line = judged(shaft.curve.passing.clause, PASSING, limit, barred.passed, *notes)
-        if line is None:
-            return None
-        spans = judgement.spans_of(evidence.system, shaft.part)
-        rated = rated_speed(evidence.study)
-        ordered = (_with_order(evidence, band, spans) for band in barred.permitted)
-        ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
-        verdict = "fail" if reasons else "restricted" if line.verdict == "pass" else line.verdict
-        return replace(line, verdict=verdict, barred=ranges, times=times)
+        clause, unlimited = shaft.curve.pieces[-1].clause, np.ones(len(curve.speed))
+        for check in judged(clause, ABOVE, unlimited, ~stressed.is_ruled, without):
+            bare = replace(check, limit=math.nan, standing=self.mark)
+            if _highest_use(evidence.study) > last * (1 + ROUNDING):
+                yield replace(bare, verdict="not judged")
+            else:
+                yield replace(bare, verdict="restricted", restrictions=(without,))
 
 
-def conditioned(line: Check, shaft: LimitedShaft) -> Check:
+def _highest_use(study: Study) -> float:
+    """Return in rad/s the highest speed of continuous use that the file states, of any rule or of the train."""
+    uses = (settings.continuous for _, settings in study.rules if isinstance(settings, UseSettings))
+    return max([study.operation.highest or 0.0, *(use.last for use in uses if use is not None)])
+
+
+def conditioned(check: Check, shaft: LimitedShaft) -> Check:
     """Return a check of a stress with the conditions of its limit: NOT JUDGED if one is broken, else restricted."""
-    if line.fails or not line.has_limit:
-        return line
+    if check.fails or not check.has_limit:
+        return check
     if shaft.doubts:
-        return replace(
-            line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note)))
-        )
+        note = "; ".join(filter(None, (*shaft.doubts, check.note)))
+        return replace(check, verdict="not judged", note=note)
     passing = shaft.curve.passing
-    is_near = (line.utilisation or 0.0) > NEAR_LIMIT or (
-        passing is not None and line.clause == passing.clause
-    )
-    for words in (*shaft.restrictions, *(shaft.near_limit if is_near else ())):
-        line = restricted(line, words)
-    return line
+    is_passing = passing is not None and check.clause == passing.clause
+    is_near = is_passing or (check.utilisation or 0.0) > NEAR_LIMIT
+    return restricted(check, *shaft.restrictions, *(shaft.near_limit if is_near else ()))
 
 
 def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:
-    """Stress and limits of one shaft over speed."""
-    response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-    _, tau = nominal_stress(evidence.system, shaft.part, synthesis.half_range)
-    ratio = response.speed / rated_speed(evidence.study)
-    return Limits(
-        response.speed, shaft.curve.continuous(ratio), shaft.curve.while_passing(ratio), tau
-    )
+    """Return stress and limits of one shaft over speed."""
+    response, torque = evidence.need(Response), evidence.need(Synthesis).half_range
+    _, tau = nominal_stress(evidence.system, shaft.part, torque)
+    ratio, curve = response.speed / rated_speed(evidence.study), shaft.curve
+    return Limits(response.speed, curve.continuous(ratio), curve.while_passing(ratio), tau)
 
 
 def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
-    """The first rule of the file that limits the stress of a shaft, and its limits. Raises KeyError where none does."""
+    """Return the first rule of the file that limits the stress of a shaft, and its limits; raises KeyError if none does."""
     for rule in of_study(evidence.study):
         if isinstance(rule, ShaftStress):
             for limited in rule.shafts(evidence.study):
@@ -283,25 +254,14 @@ def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
 
 
 def _with_order(evidence: Results, barred: BarredRange, spans: IntArray) -> BarredRange:
-    """With the order that has the greatest torque in the shaft at the critical speed."""
-    at = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
-    main = judgement.main_component(evidence, at, spans)
+    """Return a range with the order that has the greatest torque in the shaft at the critical speed."""
+    row = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
+    main = judgement.main_component(evidence, row, spans)
     return replace(barred, order=None if main is None else main.order)
 
 
-def _refusal(one: Stressed) -> str:
-    """That the stress above the limit cannot be barred; empty where it can."""
-    if not one.barred.refused:
-        return ""
-    critical = " and ".join(in_rpm(band.critical) for band in one.barred.refused)
-    return (
-        f"the stress exceeds {' or '.join(one.ruled)} about {critical}: no barred range is permitted there (lambda >= "
-        f"{BARRED_BELOW:g}): detune; it would run from {_words(one.barred.refused)}"
-    )
-
-
-def _words(barred: tuple[BarredRange, ...]) -> str:
-    return " and ".join(f"{in_rpm(one.lower)} to {in_rpm(one.upper)}" for one in barred)
+def _words(ranges: tuple[BarredRange, ...]) -> str:
+    return " and ".join(f"{in_rpm(barred.lower)} to {in_rpm(barred.upper)}" for barred in ranges)
 
 
 def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> Barring:
@@ -311,36 +271,36 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
     """
     share, none = curve.utilisation(), np.zeros(len(curve.speed), dtype=bool)
-    permitted, refused, passed, above = list[BarredRange](), list[BarredRange](), none.copy(), none
+    permitted, refused = list[BarredRange](), list[BarredRange]()
+    passed, above = none.copy(), none.copy()
     exceeds = np.isfinite(curve.limit) & (share > 1.0)
     edges = np.flatnonzero(np.diff(exceeds, prepend=False, append=False))
-    for first, end in edges.reshape(len(edges) // 2, 2).tolist():
+    for first, end in edges.reshape(-1, 2).tolist():
         critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
         formula = barred_range(critical, rated)
         lower = min(formula[0], _crossing(curve, first, first - 1)) * (1.0 - tolerance)
         upper = max(formula[1], _crossing(curve, end - 1, end)) * (1.0 + tolerance)
         is_permitted = bool(may_be_barred(upper / rated))
-        (permitted if is_permitted else refused).append(
-            BarredRange(lower, upper, critical, shaft, *formula)
-        )
+        ranges = permitted if is_permitted else refused
+        ranges.append(BarredRange(lower, upper, critical, shaft, *formula))
         above[first:end] |= not is_permitted
-    together = _apart(curve, permitted)
-    for one in together:
-        passed |= (curve.speed > one.lower) & (curve.speed < one.upper)
-    return Barring(together, _apart(curve, refused), passed & ~above)
+    merged = _merged(curve, permitted)
+    for barred in merged:
+        passed |= (curve.speed > barred.lower) & (curve.speed < barred.upper)
+    return Barring(merged, _merged(curve, refused), passed & ~above)
 
 
-def _apart(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
-    """Ascending ranges, those that overlap as one about the worst of their critical speeds."""
+def _merged(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
+    """Return ascending ranges, those that overlap as one about the worst of their critical speeds."""
     merged: list[BarredRange] = []
-    for later in ranges:
-        if not merged or later.lower > merged[-1].upper:
-            merged.append(later)
+    for barred in ranges:
+        if not merged or barred.lower > merged[-1].upper:
+            merged.append(barred)
             continue
-        pair = merged.pop(), later
-        at = [int(np.flatnonzero(curve.speed == one.critical)[0]) for one in pair]
-        worse = pair[worst_of(curve.utilisation()[at], curve.value[at])]
-        lower, upper = min(one.lower for one in pair), max(one.upper for one in pair)
+        pair = merged.pop(), barred
+        rows = [int(np.flatnonzero(curve.speed == band.critical)[0]) for band in pair]
+        worse = pair[worst_of(curve.utilisation()[rows], curve.value[rows])]
+        lower, upper = min(band.lower for band in pair), max(band.upper for band in pair)
         merged.append(replace(worse, lower=lower, upper=upper))
     return tuple(merged)
 

@@ -14,7 +14,7 @@ from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import MOSTLY, RATED, Clause, RuleOverSpeed, curve_of
+from torsion.rules.judgement import Clause, RuleOverSpeed
 from torsion.rules.reached_speeds import restricted
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
@@ -47,11 +47,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
                 "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
             )
             return [Fault(self.path(study), f"{self.name} finds no hub with a `pressure`", hint)]
-        found = self.vibration_faults(study)
-        if not study.has_mean_torque:
-            message = f"the mean torque is not known, and {self.name} compares it"
-            found.append(Fault(("operation", "rated", "power"), message, RATED))
-        return found
+        return self.vibration_faults(study) + self.mean_torque_faults(study, "it")
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the checks with what a pass stands on."""
@@ -72,29 +68,24 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         )
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Mean torque and vibration, true to phase, of the shaft at every speed, over all of its length."""
+        """Yield mean torque and vibration, true to phase, of the shaft at every speed, over all of its length."""
         response, peak = evidence.need(Response), evidence.need(Synthesis).peak
         safety = self.settings.safety or USUAL_SAFETY
         for bar, hub, capacity in fits(evidence.study.train):
             spans = judgement.spans_of(evidence.system, bar.part)
-            torque = np.max(peak[:, spans], axis=1)
-            reach = 1e3 * hub.length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
-            notes = (
-                f"slips at {capacity:.5g} N m, safety {safety:g}",
-                f"slip reaches over at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm of the seat",
-                MOSTLY,
-            )
-            standing = TO_BE_VERIFIED if self.settings.safety is None else "setting"
-            yield Clause(
-                "slip",
-                bar.name,
-                IN_FIT.format(hub.end),
-                standing,
-                curve_of(response, torque, capacity / safety),
-                np.ones(len(torque), dtype=bool),
-                "N m",
-                notes,
-                spans,
+            torque, length = np.max(peak[:, spans], axis=1), 1e3 * hub.length
+            reach = length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
+            yield self.compare(
+                response,
+                ("slip", bar.name, IN_FIT.format(hub.end)),
+                TO_BE_VERIFIED if self.settings.safety is None else "setting",
+                torque,
+                capacity / safety,
+                spans=spans,
+                notes=(
+                    f"slips at {capacity:.5g} N m, safety {safety:g}",
+                    f"slip reaches over at most {min(reach, length):.3g} of {length:g} mm of the seat",
+                ),
             )
 
 

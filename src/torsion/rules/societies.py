@@ -23,7 +23,7 @@ from torsion.results import listed
 from torsion.rules import judgement, society_limits
 from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
+from torsion.rules.judgement import Clause, rated_speed
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.reached_speeds import coverage
@@ -36,7 +36,7 @@ from torsion.rules.shaft_limits import (
     diameters,
     with_role,
 )
-from torsion.rules.society_limits import Duty, Society
+from torsion.rules.society_limits import Duty
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
@@ -98,14 +98,9 @@ class SocietyRule(M68):
 
     def __init__(self, settings: M68Settings, name: str) -> None:
         super().__init__(settings, name)
-        self.society = society_limits.SOCIETIES[name]
-        self.title, self.mark, self.scope = (
-            self.society.title,
-            self.society.mark,
-            self.society.scope,
-        )
-        self.is_pointwise = not self.society.has_majors
-        if self.society.crank == "ccs":
+        self.society = society = society_limits.SOCIETIES[name]
+        self.title, self.mark, self.scope = society.title, society.mark, society.scope
+        if society.crank == "ccs":
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
     def edition_of(self, check: Check, study: Study) -> str:
@@ -115,15 +110,18 @@ class SocietyRule(M68):
         return (is_other and self.society.crank_edition) or self.society.edition
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
-        """Yield line shafts by the formulas of M68, others by the society's own table."""
-        drive = _drive(study, self.settings)
+        """Yield line shafts by the formulas of M68 under the society's names, others by the society's own table."""
+        society, drive = self.society, _drive(study, self.settings)
         agreed = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
         for shaft in super().shafts(study):
-            standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
+            passing, pieces = shaft.curve.passing, shaft.curve.pieces
             yield replace(
                 shaft,
-                curve=_in_letters(shaft.curve, self.society),
-                standing=standing,
+                curve=LimitCurve(
+                    tuple(replace(piece, clause=society.letters[0]) for piece in pieces),
+                    passing and replace(passing, clause=society.letters[1]),
+                ),
+                standing=shaft.standing if society.mark == "rule text" else society.mark,
                 restrictions=(*shaft.restrictions, *agreed),
             )
         for number, part, record in with_role(study.train, *OTHER_ROLES):
@@ -149,11 +147,15 @@ class SocietyRule(M68):
         reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))
         for mesh in meshes(evidence):
             if mesh.rated > 0:
-                curve = curve_of(response, mesh.vibratory, share * mesh.rated)
-                within = np.ones(len(curve.speed), dtype=bool)
-                notes = f"{share:.4g} x {mesh.rated:.5g} N m", reach, MOSTLY
-                about = "gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, within
-                yield Clause(*about, notes=notes, spans=mesh.spans)
+                yield self.compare(
+                    response,
+                    ("gears", mesh.name, VIBRATORY),
+                    TO_BE_VERIFIED,
+                    mesh.vibratory,
+                    share * mesh.rated,
+                    spans=mesh.spans,
+                    notes=(f"{share:.4g} x {mesh.rated:.5g} N m", reach),
+                )
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what was not judged, and why; nothing is skipped silently."""
@@ -178,11 +180,14 @@ class SocietyRule(M68):
         """Yield a row for each engine without the diameter of its journals, where the society limits crankshafts."""
         if not self.society.crank or any(with_role(study.train, "crank")):
             return
+        what, note = (
+            "Torsional stress amplitude of the crankshaft",
+            "`journal` of the engine is not given",
+        )
         for part in study.train.parts:
             if part.engine is not None:
-                what = "Torsional stress amplitude of the crankshaft"
-                note, mark = "`journal` of the engine is not given", self.society.crank_mark
-                yield unjudged(self.name, "crankshaft", part.name, what, note, mark)
+                about = self.name, "crankshaft", part.name, what, note
+                yield unjudged(*about, self.society.crank_mark)
 
 
 class LloydsRule(SocietyRule):
@@ -203,33 +208,29 @@ class EngineSocietyRule(SocietyRule):
         self, study: Study, number: int, part: Part, record: ShaftRecord
     ) -> LimitedShaft:
         """Return a crankshaft or generator shaft with the limits of KR for its engine, material and duty."""
-        material = study.train.materials[record.material]
-        tensile, yielding = (
-            None if strength is None else strength * PA
-            for strength in (material.tensile_strength, material.yield_strength)
-        )
-        is_alloy = not {part.name, part.whole}.isdisjoint(self.settings.alloy)
-        strength = society_limits.strength_factor(tensile, alloy=is_alloy)
-        yields = society_limits.yield_factor(yielding)
+        material, settings = study.train.materials[record.material], self.settings
+        tensile, yielding = material.tensile_strength or 0.0, material.yield_strength or 0.0
+        is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
+        strength = society_limits.strength_factor(tensile * PA, alloy=is_alloy)
+        yields = society_limits.yield_factor(yielding * PA)
         cap = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
         agreed = tuple[str, ...]()
-        if (tensile or 0.0) > cap * (1 + ROUNDING):
+        if tensile * PA > cap * (1 + ROUNDING):
             agreed = (f"strength above {cap:g} N/mm2 by agreement with {self.society.title}",)
 
-        engine, is_better = self.settings.engine
-        if record.role == "crank" and self.settings.duty == "propulsion":
+        engine, is_better = settings.engine
+        factor = min(strength, yields)
+        notes: tuple[str, ...] = "generator shaft", f"f_m {factor:.4g}"
+        curve = society_limits.set_curve(society_limits.KR_SET_SHAFT, factor)
+        if record.role == "crank" and settings.duty == "propulsion":
             table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
-            curve = society_limits.crank_curve(table, self.society.letters, 0.0, strength, yields)
+            letters = self.society.letters
+            curve = society_limits.crank_curve(table, letters, 0.0, strength, yields)
             factors = f"f_m {strength:.4g}, of tau_2 {yields:.4g}"
-            notes: tuple[str, ...] = engine, factors, "without a calculation by IACS UR M53"
-        else:
-            factor = min(strength, yields)
-            limits, words = society_limits.KR_SET_SHAFT, "generator shaft"
-            if record.role == "crank":
-                limits = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
-                words = engine
-            curve = society_limits.set_curve(limits, factor)
-            notes = words, f"f_m {factor:.4g}"
+            notes = engine, factors, "without a calculation by IACS UR M53"
+        elif record.role == "crank":
+            limits = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
+            curve, notes = society_limits.set_curve(limits, factor), (engine, notes[1])
         mark = self.society.crank_mark
         return LimitedShaft(number, part.name, curve, mark, notes, restrictions=agreed)
 
@@ -299,18 +300,17 @@ class EngineSocietyRule(SocietyRule):
         for mode in np.flatnonzero(modes.nodes == 1).tolist():
             for order in sorted(orders, reverse=True):
                 speed = 2.0 * math.pi * float(modes.frequency[mode]) / float(order)
-                is_above = speed / rated > (first + MAJORS_TO) / 2.0
-                limit = MAJORS_TO if is_above else first
-                is_met = speed / rated >= limit if is_above else speed / rated <= limit
+                ratio = speed / rated
+                is_above = ratio > (first + MAJORS_TO) / 2.0
                 yield Check(
                     self.name,
                     MAJOR,
                     f"mode {mode + 1}",
                     f"Major critical speed of order {order} / rated speed",
-                    speed / rated,
-                    limit,
+                    ratio,
+                    MAJORS_TO if is_above else first,
                     "1",
-                    verdict_of(is_met, mark),
+                    verdict_of(ratio >= MAJORS_TO if is_above else ratio <= first, mark),
                     mark,
                     speed,
                     order,
@@ -335,9 +335,3 @@ def _drive(study: Study, settings: M68Settings) -> str:
     if settings.drive != "other" or has_engine:
         return settings.drive
     return next((word for kind, word in DRIVES.items() if kind in kinds), settings.drive)
-
-
-def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:
-    """The limits of M68 under the names that a society gives them."""
-    pieces = tuple(replace(piece, clause=society.letters[0]) for piece in curve.pieces)
-    return LimitCurve(pieces, curve.passing and replace(curve.passing, clause=society.letters[1]))

@@ -307,12 +307,12 @@ def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
     grows = np.where(within(operation.speeds, speed), found.growth, -np.inf)
     at = int(np.argmax(grows))
     growth, where = float(grows[at]), float(speed[at])
-    unstable = [zone for zone in found.zones if zone.lower < last and zone.upper > first]
+    unstable = [zone for zone in found.zones if zone.meets(first, last)]
     if not unstable:
         growth = min(growth, 0.0)
     elif growth <= 0:  # it lies between the speeds, or its worst beyond the operation
-        worst = max(unstable, key=attrgetter("rate"))
-        growth, where = worst.rate, min(max(worst.worst, first), last)
+        worst = max(unstable, key=attrgetter("growth"))
+        growth, where = worst.growth, min(max(worst.at, first), last)
     notes = [] if found.is_damped else ["its supports do not damp it in both directions"]
     notes += [] if is_whole else [PART]
     kept = is_whole and not unstable and bool(np.isfinite(growth))

@@ -49,6 +49,14 @@ KINDS: Mapping[Standing, Kind] = {
     "setting": "user",
     "by definition": "definition",
 }
+BASIS_WORDS: Mapping[Kind, str] = {
+    "text": "rule text",
+    "confirmed": "confirmed by {by}",
+    "unconfirmed": "edition not confirmed",
+    "maker": "manufacturer",
+    "user": "stated by user",
+    "definition": "by definition",
+}
 TO_BE_VERIFIED: Standing = "to be verified"
 
 
@@ -166,19 +174,9 @@ class Basis:
 
     @property
     def words(self) -> str:
-        """The column Basis of the table of checks."""
-        match self.kind:
-            case "maker" | "definition":
-                return {"maker": "maker", "definition": "by definition"}[self.kind]
-            case "user":
-                return "stated by user"
-            case "unconfirmed":
-                return f"{self.edition}, edition not confirmed"
-            case "confirmed":
-                who = ", ".join(word for word in (self.by, self.on) if word)
-                return f"{self.edition}, {self.clause}: confirmed by {who}"
-            case "text":
-                return f"{self.edition}, {self.clause}"
+        """What the limit is based on, for a reader."""
+        by = ", ".join(filter(None, (self.by, self.on)))
+        return BASIS_WORDS[self.kind].format(by=by)
 
 
 @reported
@@ -342,9 +340,6 @@ class Rule(Generic[Settings]):
     edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
     scope: float = 1.0  # speed ratio up to which it is to be judged
-    is_pointwise = (
-        False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
-    )
 
     def __init__(self, settings: Settings, name: str = "") -> None:
         """name: the name in the file, of a class that serves several rules."""

@@ -26,12 +26,13 @@ STIFFNESSES = (  # of a coupling
     ("prony", "stiffness"),
     ("fractional", "stiffness"),
     ("fractional", "k1"),
+    ("flexibility",),
 )
-LISTED = (
+LISTED = (  # lists of them, and where in an entry
     (("stages",), ("stiffness",)),
     (("table", "stiffness"), ()),
     (("prony", "terms"), (0,)),
-)  # lists, and where
+)
 Read = Callable[[Source], Study]
 Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 
@@ -65,7 +66,7 @@ class _Requested:
 
 
 def with_cases(source: Source, read: Read) -> Study:
-    """The study of a file, with that of every case; raises InputError with the faults of all of them."""
+    """Return the study of a file, with that of every case; raises InputError with the faults of all of them."""
     faults: list[Fault] = []
     requested = list(_requested(source, faults))
     try:
@@ -74,65 +75,58 @@ def with_cases(source: Source, read: Read) -> Study:
         if not faults:
             raise
         raise input_error([*error.faults, *faults], source) from None
-    found: dict[str, Study | None] = {}
-    for one in sorted(requested, key=lambda one: one.keys.based_on is not None):
-        base = (
-            study if one.keys.based_on is None else found.get(one.keys.based_on)
-        )  # None of one that is at fault
-        found[one.name] = None if base is None else _case(one, base, study, source, read, faults)
-    if faults:
-        raise input_error(_each_once(faults), source)
-    made = {one.name: case for one in requested if (case := found[one.name]) is not None}
-    return replace(study, cases=made) if made else study
+    cases = _read_cases(requested, study, source, read, faults)
+    return replace(study, cases=cases) if cases else study
 
 
 def case_of(name: str, source: Source, read: Read) -> Study:
-    """The study of one case of a file whose values are others than when it was read; raises InputError."""
-    faults: list[Fault] = []
-    requested = {one.name: one for one in _requested(source, faults)}
-    own, study = requested[name], read(source)
-    based_on = own.keys.based_on
-    base = (
-        study
-        if based_on is None
-        else _case(requested[based_on], study, study, source, read, faults)
-    )
-    found = None if base is None else _case(own, base, study, source, read, faults)
-    if found is None:
-        raise input_error(_each_once(faults), source)
-    return found
+    """Return one case of a file whose values are others than when it was read; raises InputError."""
+    requested = {case.name: case for case in _requested(source, [])}
+    chain = [
+        case for case in requested.values() if case.name in (name, requested[name].keys.based_on)
+    ]
+    return _read_cases(chain, read(source), source, read, [])[name]
+
+
+def _read_cases(
+    requested: list[_Requested], study: Study, source: Source, read: Read, faults: list[Fault]
+) -> dict[str, Study]:
+    """Return the study of every case, in their order; raises InputError with all faults, each once."""
+    studies: dict[str, Study | None] = {}
+    for case in sorted(requested, key=lambda case: case.keys.based_on is not None):
+        base = study if case.keys.based_on is None else studies.get(case.keys.based_on)
+        # A case is left out if the case that it is based on is at fault.
+        studies[case.name] = base and _case(case, base, study, source, read, faults)
+    if faults:
+        # Several cases may have a fault at one place: the first stands.
+        kept: dict[Any, Fault] = {}
+        for fault in faults:
+            words = fault.message.partition(": ")[2] if fault.line is not None else fault.message
+            path = fault.path if fault.line is None else ()
+            kept.setdefault((fault.line, fault.column, words, path), fault)
+        raise input_error(list(kept.values()), source)
+    return {case.name: read_case for case in requested if (read_case := studies[case.name])}
 
 
 def located_in_case(error: InputError, case: Case) -> InputError:
-    """The same faults in the values of the file as the case changes them."""
+    """Return the same faults in the values of the file as the case changes them."""
     return input_error(
         in_case(case.name, input_error(error.faults, case.source).faults), case.source
     )
 
 
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:
-    """The faults, each with the case that has it."""
+    """Return the faults, each with the case that has it."""
     return [replace(fault, message=f"case '{name}': {fault.message}") for fault in faults]
 
 
-def _each_once(faults: list[Fault]) -> list[Fault]:
-    """The faults without those that several cases have at one place, of which the first stands."""
-    kept: dict[Any, Fault] = {}
-    for fault in faults:
-        words = fault.message.partition(": ")[2] if fault.line is not None else fault.message
-        kept.setdefault(
-            (fault.line, fault.column, words, fault.path if fault.line is None else ()), fault
-        )
-    return list(kept.values())
-
-
 def _requested(source: Source, faults: list[Fault]) -> Iterator[_Requested]:
-    """The cases that the file states soundly; the faults of the others are noted."""
+    """Yield the cases that the file states soundly; the faults of the others are noted."""
     body = source.data.get("cases") if isinstance(source.data, dict) else None
     if body is None:
         return
-    example = "for example `{warm: {set: {coupling-1.stiffness: 150 kN*m/rad}}}`"
     if not isinstance(body, dict) or not body:
+        example = "for example `{warm: {set: {coupling-1.stiffness: 150 kN*m/rad}}}`"
         faults.append(Fault(("cases",), f"{shown(body)} is not a mapping of cases", example))
         return
     corners = CORNERS if body.get(FROM) == TOLERANCES else {}
@@ -142,25 +136,23 @@ def _requested(source: Source, faults: list[Fault]) -> Iterator[_Requested]:
         if name == FROM:
             if keys != TOLERANCES:
                 message = f"{in_words(keys)} is none of '{TOLERANCES}'"
-                faults.append(
-                    Fault(path, message, "`from: tolerances` makes the cases soft and stiff")
-                )
-            yield from (
-                _Requested(name, path, CaseKeys(), corner) for name, corner in corners.items()
-            )
+                hint = "`from: tolerances` makes the cases soft and stiff"
+                faults.append(Fault(path, message, hint))
+            for corner_name, corner in corners.items():
+                yield _Requested(corner_name, path, CaseKeys(), corner)
         elif why := _why_not(name, corners, names):
             faults.append(Fault(path, why, "give another name", at_key=True))
         else:
             before = len(faults)
-            read = declared(CaseKeys, {} if keys is None else keys, path, faults)
-            if read is not None:
-                faults += _faults_of(name, read, body, names, path)
-            if read is not None and len(faults) == before:
-                yield _Requested(name, path, read)
+            case = declared(CaseKeys, {} if keys is None else keys, path, faults)
+            if case is not None:
+                faults += _faults_of(name, case, body, names, path)
+                if len(faults) == before:
+                    yield _Requested(name, path, case)
 
 
 def _why_not(name: str, corners: Iterable[str], names: list[str]) -> str:
-    """Why a case cannot have a name; empty where it can."""
+    """Return why a case cannot have a name; empty where it can."""
     if not name.strip():
         return "a case needs a name"
     if name == NORMAL:
@@ -168,162 +160,153 @@ def _why_not(name: str, corners: Iterable[str], names: list[str]) -> str:
     if name in corners:
         return f"'{name}' is a case of `from: tolerances`"
     folder = case_folder(name).casefold()
-    like = next((one for one in (NORMAL, *names) if case_folder(one).casefold() == folder), name)
+    like = next(like for like in (NORMAL, *names) if case_folder(like).casefold() == folder)
     return "" if like == name else f"'{name}' and '{like}' would have one folder, `{folder}`"
 
 
 def _faults_of(
     name: str, keys: CaseKeys, body: dict[str, Any], names: list[str], path: Path
 ) -> Iterator[Fault]:
-    """Faults of a case by itself: that it changes nothing, and those of the case that it is based on."""
+    """Yield the faults of a case by itself: that it changes nothing, and those of the case that it is based on."""
     if not (keys.set or keys.scale or keys.remove or keys.rules is not None or keys.speeds):
         hint = "`set`, `scale`, `remove`, `speeds` or `rules`; the case without changes is called normal"
         yield Fault(path, f"the case '{name}' changes nothing", hint, at_key=True)
     base, place = keys.based_on, (*path, "based_on")
     if base is None:
         return
+    base_keys = body.get(base)
     if base not in names:
         near = nearest(base, names)
-        hint = "leave it out: every case is based on it" if base == NORMAL else ""
-        hint = hint or (
-            f"did you mean '{near}'?" if near and near != name else f"cases: {', '.join(names)}"
-        )
+        hint = f"cases: {', '.join(names)}"
+        if base == NORMAL:
+            hint = "leave it out: every case is based on it"
+        elif near and near != name:
+            hint = f"did you mean '{near}'?"
         yield Fault(place, f"no case is called '{printable(base)}'", hint)
-        return
-    other = body.get(base)
-    if base == name:
+    elif base == name:
         yield Fault(place, "a case is not based on itself", "leave it out")
-    elif isinstance(other, dict) and other.get("based_on") is not None:
-        yield Fault(
-            place,
-            f"'{base}' is itself based on '{other['based_on']}'",
-            "one level: repeat its changes here",
-        )
+    elif isinstance(base_keys, dict) and base_keys.get("based_on") is not None:
+        message = f"'{base}' is itself based on '{base_keys['based_on']}'"
+        yield Fault(place, message, "one level: repeat its changes here")
 
 
 def _case(
-    one: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]
+    case: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]
 ) -> Study | None:
-    """The study of a case; None with its faults noted."""
-    before = source if base.case is None else base.case.source
-    overlay = Overlay(before, base.train.parts, base.operation.at or base.train.parts[0].name)
-    if one.corner:
-        _tolerances(one, overlay)
+    """Return the study of a case; None with its faults noted."""
+    reference = base.operation.at or base.train.parts[0].name
+    overlay = Overlay(base.case.source if base.case else source, base.train.parts, reference)
+    if case.corner:
+        _tolerances(case, overlay)
     else:
-        change_overlay(
-            one.keys, one.path, node_at(source.root, one.path) or Node({}, 1, 1), overlay
-        )
+        node = node_at(source.root, case.path) or Node({}, 1, 1)
+        change_overlay(case.keys, case.path, node, overlay)
     overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
         try:
-            found = read(changed)
+            changed_study = read(changed)
         except InputError as error:
             overlay.faults += error.faults
         else:
-            changes = merge_changes((*(base.case.changes if base.case else ()), *overlay.changes))
-            is_corner = bool(one.corner) or (base.case is not None and base.case.is_corner)
-            case = Case(one.name, changes, one.keys.judged, is_corner, changed)
-            if _effect(found) != _effect(base):
-                return replace(found, name=f"{study.name}, case {one.name}", case=case)
+            if _effect(changed_study) != _effect(base):
+                changes = (*(base.case.changes if base.case else ()), *overlay.changes)
+                is_corner = bool(case.corner or (base.case and base.case.is_corner))
+                merged, is_judged = merge_changes(changes), case.keys.judged
+                record = Case(case.name, merged, is_judged, is_corner, changed)
+                name = f"{study.name}, case {case.name}"
+                return replace(changed_study, name=name, case=record)
+            message = "it changes no result that is requested"
             hint = "names, notes, sources and figures that nothing reads have no effect"
-            overlay.faults.append(
-                Fault(one.path, "it changes no result that is requested", hint, at_key=True)
-            )
-    faults += in_case(one.name, input_error(overlay.faults, source).faults)
+            overlay.faults.append(Fault(case.path, message, hint, at_key=True))
+    faults += in_case(case.name, input_error(overlay.faults, source).faults)
     return None
 
 
 def merge_changes(changes: Iterable[Change]) -> tuple[Change, ...]:
-    """The changes, those of one thing as one."""
-    found: dict[str, Change] = {}
+    """Return the changes, those of one thing as one."""
+    merged: dict[str, Change] = {}
     for change in changes:
-        found[change.what] = replace(change, before=found.get(change.what, change).before)
-    return tuple(found.values())
+        merged[change.what] = replace(change, before=merged.get(change.what, change).before)
+    return tuple(merged.values())
 
 
 def change_overlay(keys: CaseKeys, path: Path, own: Node, overlay: Overlay) -> None:
     """Put everything into the overlay that the keys of a case state; `own` is their node, at `path`."""
     for key in ("set", "scale"):
-        body = own.parts.get(key)
-        for words, node in body.parts.items() if body is not None else ():
-            at, fault = (body or own).keys[str(words)], (*path, key, words)
+        body = own.parts.get(key) or Node({}, 1, 1)
+        for words, node in body.parts.items():
+            name, fault = str(words), (*path, key, words)
+            place = body.keys[name]
             if key == "set":
-                overlay.replace(str(words), node, at, fault)
+                overlay.replace(name, node, place, fault)
+                continue
+            factor = Fraction(repr(keys.scale[name]))
+            if factor == 1 and not overlay.permits_no_change:
+                message = f"{in_words(node.value)} of `{words}`: nothing changes"
+                overlay.faults.append(Fault(fault, message, "a factor other than 1", at_key=True))
             else:
-                factor = Fraction(repr(keys.scale[str(words)]))
-                if factor == 1 and not overlay.permits_no_change:
-                    message = f"{in_words(node.value)} of `{words}`: nothing changes"
-                    overlay.faults.append(
-                        Fault(fault, message, "a factor other than 1", at_key=True)
-                    )
-                else:
-                    overlay.multiply(str(words), factor, node, at, fault)
+                overlay.multiply(name, factor, node, place, fault)
     if keys.speeds is not None:
-        overlay.replace(
-            "operation.speeds", own.parts["speeds"], own.keys["speeds"], (*path, "speeds")
-        )
+        places = own.parts["speeds"], own.keys["speeds"]
+        overlay.replace("operation.speeds", *places, (*path, "speeds"))
     if keys.rules is not None:
         _rules(overlay, own, (*path, "rules"))
     remove_components(overlay, keys.remove, (*path, "remove"))
 
 
 def _rules(overlay: Overlay, own: Node, fault: Path) -> None:
-    """The rules of a case in place of the file's."""
-    there, value = node_at(overlay.source.root, ("rules",)), own.parts["rules"]
-    if there is not None and there.value == value.value:
-        overlay.faults.append(
-            Fault(fault, "these are the rules of the file: nothing changes", "leave it out", True)
-        )
+    """Put the rules of a case in place of the file's."""
+    stated, rules = node_at(overlay.source.root, ("rules",)), own.parts["rules"]
+    if stated is not None and stated.value == rules.value:
+        message = "these are the rules of the file: nothing changes"
+        overlay.faults.append(Fault(fault, message, "leave it out", True))
         return
-    before = "none" if there is None else in_words(there.value)
-    overlay.changes.append(Change("rules", before, in_words(value.value)))
-    overlay.put(("rules",), value, own.keys["rules"])
-    if (
-        not value.value
-    ):  # no limit that a design could keep; that of the file has this case among others
+    before = "none" if stated is None else in_words(stated.value)
+    overlay.changes.append(Change("rules", before, in_words(rules.value)))
+    overlay.put(("rules",), rules, own.keys["rules"])
+    # Without rules there is no limit that a design could keep; that of the file has this case among others.
+    if not rules.value:
         overlay.remove(("analyses", "design"))
 
 
-def _tolerances(one: _Requested, overlay: Overlay) -> None:
-    """All couplings with a tolerance together at one end of it."""
-    at = node_at(overlay.source.root, one.path) or Node(None, 1, 1)
+def _tolerances(case: _Requested, overlay: Overlay) -> None:
+    """Set all couplings with a tolerance together to one end of it."""
+    node = node_at(overlay.source.root, case.path) or Node(None, 1, 1)
     varied = [part for part in overlay.parts if part.stiffness_tolerance]
     if not varied:
         hint = "give a coupling its `tolerance`, or leave `from` out"
-        overlay.faults.append(Fault(one.path, "no coupling of the file has a tolerance", hint))
+        overlay.faults.append(Fault(case.path, "no coupling of the file has a tolerance", hint))
     for part in varied:
         tolerance = Fraction(repr(part.stiffness_tolerance))
-        factor = 1 + one.corner * tolerance
+        factor = 1 + case.corner * tolerance
         if factor <= 0:
-            message = (
-                f"a tolerance of {float(100 * tolerance):g} % leaves '{part.name}' no stiffness"
-            )
+            percent = f"{float(100 * tolerance):g} %"
+            message = f"a tolerance of {percent} leaves '{part.name}' no stiffness"
             overlay.faults.append(Fault((*part.path, "tolerance"), message, "less than 100 %"))
             continue
         for path in stiffness_paths(overlay, part):
-            node = node_at(overlay.source.root, path)
+            stated = node_at(overlay.source.root, path)
             by = 1 / factor if path[-1] == "flexibility" else factor
-            made = None if node is None else multiplied(node.value, by)
-            if node is not None and made is not None and made != node.value:
-                words = ".".join(
-                    [
-                        part.name,
-                        *(str(s + 1) if isinstance(s, int) else s for s in path[len(part.path) :]),
-                    ]
-                )
-                overlay.changes.append(Change(words, in_words(node.value), in_words(made)))
-                overlay.put(path, Node(made, at.line, at.column), (at.line, at.column))
+            value = None if stated is None else multiplied(stated.value, by)
+            if stated is not None and value is not None and value != stated.value:
+                steps = path[len(part.path) :]
+                keys = (str(step + 1) if isinstance(step, int) else step for step in steps)
+                words = ".".join((part.name, *keys))
+                overlay.changes.append(Change(words, in_words(stated.value), in_words(value)))
+                position = node.line, node.column
+                overlay.put(path, Node(value, *position), position)
 
 
 def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
-    """Where the file states the stiffnesses, or the flexibility, of a coupling."""
-    for keys in (*STIFFNESSES, ("flexibility",)):
-        if node_at(overlay.source.root, (*part.path, *keys)) is not None:
+    """Yield where the file states the stiffnesses, or the flexibility, of a coupling."""
+    root = overlay.source.root
+    for keys in STIFFNESSES:
+        if node_at(root, (*part.path, *keys)) is not None:
             yield (*part.path, *keys)
     for keys, own in LISTED:
-        listed = node_at(overlay.source.root, (*part.path, *keys))
-        for step, _ in entries_of(None if listed is None else listed.value):
+        rows = node_at(root, (*part.path, *keys))
+        for step, _ in entries_of(None if rows is None else rows.value):
             yield (*part.path, *keys, step, *own)
 
 
@@ -333,40 +316,26 @@ def _effect(study: Study) -> Any:
     Ratings have an effect where a rule or a motion over time reads them.
     """
     train = study.train
-    plain: dict[str, Any] = {
-        "name": "",
-        "note": None,
-        "source": None,
-        "is_named": False,
-        "path": (),
-    }
+    plain = dict[str, Any](name="", note=None, source=None, is_named=False, path=())
     if not study.rules and "transient" not in study.analyses:
         plain |= {"ratings": None, "application_factor": None, "max_torque": None}
     parts = [replace(part, **plain) for part in train.parts]
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
-    rest = (
-        train.stations,
-        train.inertias,
-        train.springs,
-        train.bars,
-        train.constraints,
-        train.dampers,
-    )
+    links = train.stations, train.inertias, train.springs, train.bars, train.constraints
     analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}
     settings = (study.operation, study.model, study.fem, analyses, study.rules, train.modal_damping)
-    return _content((parts, torques, rest, settings, dict(train.materials)))
+    return _content((parts, torques, links, train.dampers, settings, dict(train.materials)))
 
 
 def _content(value: Any) -> Any:
-    """The same in tuples, bytes and words that compare; of an array every digit, where its own words leave some out."""
+    """Return the same in tuples, bytes and words that compare; of an array every digit."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if is_dataclass(value) and not isinstance(value, type):
-        return type(value), *(
-            _content(getattr(value, one.name)) for one in fields(value) if one.repr
-        )
+        names = [field.name for field in fields(value) if field.repr]
+        return type(value), *(_content(getattr(value, name)) for name in names)
     if isinstance(value, BaseModel):
         return type(value), _content(dict(value))
     if isinstance(value, Mapping):
-        return tuple((_content(key), _content(one)) for key, one in value.items())
+        return tuple((_content(key), _content(entry)) for key, entry in value.items())
     return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)

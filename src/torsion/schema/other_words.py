@@ -29,6 +29,24 @@ def of_its_number(word: str, candidates: list[str]) -> list[str]:
     ]
 
 
+ANALYSIS_FOR = {
+    "short_circuit": "`transient: {duration: 1 s, events: [{at: ..., time: 0.1 s, short-circuit: {...}}]}`",
+    "start": "`transient: {duration: 5 s, initial: {speed: 0 rpm}, events: [...]}`",
+    "time": "`transient: {duration: 1 s, events: [...]}`",
+    "time_domain": "`transient: {duration: 1 s, events: [...]}`",
+    "natural_frequencies": "`modes`",
+    "eigenvalues": "`modes`",
+    "campbell": "`response`, whose critical speeds the report draws",
+    "critical_speeds": "`response`, whose critical speeds the report draws",
+    "forced_response": "`response`",
+    "harmonic": "`response`",
+    "steady_state": "`response`",
+    "misfire": "`cases: {misfire: {set: {engine.misfire: 1}}}`",
+    "monte_carlo": "`sweep: {samples: 128, vary: {...}}`",
+    "optimisation": "`design: {choose: {...}}`",
+    "floquet": "`stability`",
+    "bending": "`lateral`",
+}
 KEY_FOR = {  # words of the trade in small letters: keys that may be meant, the likeliest first, each with its meaning
     "moment_of_inertia": {"inertia": "polar mass moment of inertia"},
     "j": {"inertia": "polar mass moment of inertia"},
@@ -97,6 +115,15 @@ KEY_FOR = {  # words of the trade in small letters: keys that may be meant, the 
     "cylinder_number": {"cylinders": "number"},
     "firing_sequence": {"firing_order": "cylinders as they fire"},
     "bank_angle": {"firing_angles": "include it"},
+    "v_angle": {"firing_angles": "include the bank angle"},
+    "vee_angle": {"firing_angles": "include the bank angle"},
+    "torque_rating": {"rated_torque": "T_KN"},
+    "continuous_torque": {"rated_torque": "T_KN"},
+    "initial_speed": {"initial": "{speed: 1500 rpm}"},
+    "start_speed": {"initial": "{speed: 1500 rpm}"},
+    "rise_time": {"length": "duration of the rise"},
+    "ramp_time": {"length": "duration of the ramp"},
+    "short_circuit": {"short-circuit": "{coefficients, decay}"},
     "ignition_order": {"firing_order": "cylinders as they fire"},
     "conrod": {"rod_length": "length of the rod"},
     "connecting_rod": {"rod_length": "length of the rod"},
@@ -135,7 +162,16 @@ KEY_FOR = {  # words of the trade in small letters: keys that may be meant, the 
 
 
 def key_for(word: str, keys: list[str]) -> str:
-    """Return what to write for a word of the trade among these keys; empty for a word that means none of them."""
-    meant = KEY_FOR.get(word.casefold().replace("-", "_").replace(" ", "_"), {})
+    """Return what to write for a word of the trade among these keys; empty for a word that means none of them.
+
+    A word without an entry means the last key that is a part of it.
+
+    >>> key_for("gear_teeth", ["teeth", "ratio"])
+    'write `teeth`'
+    """
+    spelled = word.casefold().replace("-", "_").replace(" ", "_")
+    meant = KEY_FOR.get(spelled, {})
     possible = [f"`{key}` ({meaning})" for key, meaning in meant.items() if key in keys]
+    if not possible:
+        possible = [f"`{part}`" for part in spelled.split("_") if part in keys][-1:]
     return f"write {' or '.join(possible)}" if possible else ""

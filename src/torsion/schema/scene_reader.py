@@ -23,7 +23,7 @@ from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.other_words import of_its_number
+from torsion.schema.other_words import ANALYSIS_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
@@ -137,7 +137,7 @@ def _study(source: Source) -> Study:
         if not faults and any(name in study.analyses for name in VARYING):
             from torsion.schema.variation import with_variations
 
-            study = with_variations(study, source, _study, faults)
+            study = with_variations(study, source, _study, declarations, faults)
     if faults or study is None:
         raise input_error(faults, source)
     if study.train.follows_speed:
@@ -296,7 +296,11 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             faults.append(unbuilt(path, f"`{name}`"))
         elif name not in ANALYSES or not ANALYSES[name].settings:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
-            faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
+            fault = unknown(path, "analysis", name, [*ShaftModel.model_fields, *known])
+            meant = ANALYSIS_FOR.get(
+                name.casefold().replace("-", "_").replace(" ", "_"), fault.hint
+            )
+            faults.append(replace(fault, hint=meant))
         elif isinstance(body, list) and ANALYSES[name].is_listed:
             each = [
                 declared(ANALYSES[name].settings_class(), one, (*path, k), faults)
@@ -348,6 +352,32 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
     return read
 
 
+def declarations(source: Source) -> dict[str, Any]:
+    """Return what `lowered` takes of a file without faults: components, links, excitations and materials."""
+    faults = list(source.faults)
+    links, excitations = _links_and_excitations(source.data, faults)
+    declared_train = {
+        "components": components(source.data["train"], ("train",), faults),
+        "links": tuple(links),
+        "excitations": tuple(excitations),
+        "materials": _materials(source.data, faults),
+    }
+    if faults:
+        raise input_error(faults, source)
+    return declared_train
+
+
+def _links_and_excitations(
+    data: dict[str, Any], faults: list[Fault]
+) -> tuple[list[Link | None], list[Excitation | None]]:
+    excitations = [
+        declared(Excitation, body, path, faults)
+        for path, body in _entries(data, "excitations", faults)
+    ]
+    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
+    return links, excitations
+
+
 def _train(
     data: dict[str, Any],
     materials: dict[str, Material],
@@ -356,11 +386,7 @@ def _train(
     folder: str,
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    excitations = [
-        declared(Excitation, body, path, faults)
-        for path, body in _entries(data, "excitations", faults)
-    ]
-    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
+    links, excitations = _links_and_excitations(data, faults)
     before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
     reference = None if operation is None else operation.at

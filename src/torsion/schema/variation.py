@@ -1,23 +1,26 @@
 """Figures of a file that vary in a sweep, a design or a fit: where they stand, and the study of any values of them."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from torsion.analyses import VARYING
 from torsion.arrays import FloatArray, IntArray
+from torsion.columns import NotInColumns, picker
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
 from torsion.schema.component_reader import one_component
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
-from torsion.schema.numbered_figures import Numbered
 from torsion.schema.overlay import in_words, node_at
+from torsion.schema.study_faults import study_faults
+from torsion.schema.train_in_columns import Pieces, train_in_columns
 from torsion.schema.varied_figure import Figure
-from torsion.study import Group, Study
+from torsion.study import Study
+from torsion.train import Train
 from torsion.what_if.variants.laws import Choice
 
 FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
@@ -49,6 +52,7 @@ class Variation:
     source: Source
     read: Callable[[Source], Study]
     base: Study
+    declare: Callable[[Source], Mapping[str, Any]] | None = None  # None: each value is read alone
 
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
@@ -108,69 +112,59 @@ class Variation:
         from torsion.schema.cases import case_of
 
         name = "" if case.case is None else case.case.name
-        return replace(self, read=lambda source: case_of(name, source, self.read), base=case)
-
-    def groups(self, values: FloatArray, apart: Collection[int] = ()) -> Iterator[Group]:
-        """Variants (variants, figures) in groups of which lists and catalogues vary in numbers alone.
-
-        apart: places of figures of which every value makes a group of its own. None where a list varies behind what
-        another variation puts in the file.
-        """
-        listed = [
-            place for place, one in enumerate(self.figures) if one.rows and place not in apart
-        ]
-        if any(self.figures[place].layer > 0 for place in (*listed, *apart)):
-            return
-        which = np.array(
-            [
-                self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
-                for place, column in enumerate(values.T)
-                if place in listed or place in apart
-            ]
-        ).reshape(-1, len(values))
-        kinds, place_of = np.unique(which, axis=1, return_inverse=True)
-        for number, kind in enumerate(kinds.T):
-            places = np.flatnonzero(place_of.ravel() == number)
-            yield self._group(places, tuple(kind.tolist()), values[places], listed, apart)
+        read = lambda source: case_of(name, source, self.read)  # noqa: E731
+        return replace(self, read=read, base=case, declare=None)
 
     @cached_property
-    def _numbered(self) -> dict[int, Numbered]:
-        return {place: Numbered(one) for place, one in enumerate(self.figures) if one.rows}
+    def _declarations(self) -> Mapping[str, Any]:
+        if self.declare is None:
+            raise NotInColumns("the declarations of the file are not known")
+        return self.declare(self.source)
 
-    def _group(
-        self,
-        places: IntArray,
-        key: tuple[float, ...],
-        values: FloatArray,
-        listed: Collection[int],
-        apart: Collection[int],
-    ) -> Group:
-        """The group of variants with these values; keys that do not vary are as in the first of them."""
-        own, columns = list[Figure](), [np.empty((len(values), 0))]
-        for place, one in enumerate(self.figures):
-            column = values[:, place]
-            if place in listed:
-                numbered, rows = self._numbered[place], column.astype(np.intp)
-                figures, numbers = numbered.numbers(int(numbered.kinds[rows[0]]))
-                own += figures
-                columns.append(numbers[rows])
-            elif place not in apart:
-                own.append(one)
-                columns.append(column[:, None])
-        numbers, row = (
-            np.hstack(columns),
-            {place: float(values[0, place]) for place in (*listed, *apart)},
+    def in_columns(self, values: FloatArray) -> Train:
+        """Return the train with columns for the values (variants, figures); raises NotInColumns."""
+        declared = self._declarations
+        return train_in_columns(
+            self.base, self.source, declared, self._pieces, self.figures, values
         )
-        own = [
-            replace(one, nominal=_middle(one, value))
-            for one, value in zip(own, numbers[0], strict=True)
-        ]
 
-        def made() -> Variation:
-            return replace(self.fixed(row) if row else self, figures=tuple(own))
+    @cached_property
+    def _pieces(self) -> dict[str, Pieces]:
+        return {}
 
-        ends = np.array([one.ends for one in own]).reshape(-1, 2).T
-        return Group(key, places, made, numbers, np.array([ends.min(axis=0), ends.max(axis=0)]))
+    def studies(self, train: Train) -> Callable[[int], Study]:
+        """Return the function from the number of a variant of a train in columns to its study.
+
+        The study is what the file with these values would be read as; it raises InputError as the reading does.
+        """
+        analyses = {name: one for name, one in self.base.analyses.items() if name not in VARYING}
+        plain = replace(self.base, analyses=analyses, variations={}, cases={}, case=None)
+        pick = picker(train) or (lambda _: train)
+
+        def study_of(variant: int) -> Study:
+            study = replace(plain, train=pick(variant))
+            if faults := study_faults(study):
+                raise InputError(faults)
+            return study
+
+        return study_of
+
+    def by_rows(
+        self, values: FloatArray
+    ) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
+        """Yield the variants (variants, figures) with the same rows of lists and catalogues.
+
+        Their places, the rows by the places of their figures as `fixed` takes them, and the values of all other
+        figures. Nothing without lists, or with a list behind what another variation puts into the file.
+        """
+        listed = [place for place, figure in enumerate(self.figures) if figure.rows]
+        if not listed or any(self.figures[place].layer > 0 for place in listed):
+            return
+        combinations, group = np.unique(values[:, listed], axis=0, return_inverse=True)
+        others = [place for place in range(len(self.figures)) if place not in listed]
+        for number, rows in enumerate(combinations.tolist()):
+            places = np.flatnonzero(group.ravel() == number)
+            yield places, dict(zip(listed, rows, strict=True)), values[places][:, others]
 
     def behind(self, other: "Variation") -> "Variation":
         """Both as one: the figures of the other first, and these about what those put in the file."""
@@ -184,14 +178,20 @@ class Variation:
 
 
 def with_variations(
-    study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]
+    study: Study,
+    source: Source,
+    read: Callable[[Source], Study],
+    declare: Callable[[Source], Mapping[str, Any]],
+    faults: list[Fault],
 ) -> Study:
     """The study with the figures that its sweep, design and fit vary; those that cannot vary are noted."""
     found = {}
     for name in VARYING:
         settings: object = study.analyses.get(name)
         if isinstance(settings, Varying):
-            found[name] = _variation(study, source, read, faults, name, settings)
+            found[name] = replace(
+                _variation(study, source, read, faults, name, settings), declare=declare
+            )
     return replace(study, variations=found)
 
 
@@ -237,14 +237,6 @@ def _variation(
     if len(faults) == before:
         faults += _faults_at_ends(variation, (*place, key))
     return variation
-
-
-def _middle(figure: Figure, value: float) -> float:
-    """What the file gives where that is a value of the figure and not 0, else that value, else the middle."""
-    low, high = sorted(figure.ends.tolist())
-    return next(
-        (one for one in (figure.nominal, value) if low <= one <= high and one), 0.5 * (low + high)
-    )
 
 
 def _in_columns(
@@ -301,31 +293,24 @@ def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
 
 
 def _to_be_read(figure: Figure, source: Source) -> list[float]:
-    """Rows with which the whole file is read as a trial: all of a few.
+    """Return the rows with which the whole file is read as a trial: all of a few.
 
-    Of many the first of each kind, those with the least and the greatest of each number, and any whose component is at
-    fault by itself. What those leave out is read as a variant, and is one without an answer where it is at fault.
+    Of many `FEW` spread over all, the least and the greatest number, and those whose component alone is at fault.
+    Others are read as variants, and are variants without an answer if they are at fault.
     """
-    if len(figure.rows) <= FEW:
-        return [float(place) for place in range(len(figure.rows))]
-    numbered, chosen = Numbered(figure), set[int]()
-    for kind in np.unique(numbered.kinds).tolist():
-        of_kind = np.flatnonzero(numbered.kinds == kind)
-        values = numbered.numbers(kind)[1][of_kind]
-        chosen |= {
-            int(of_kind[0]),
-            *of_kind[values.argmin(axis=0)].tolist(),
-            *of_kind[values.argmax(axis=0)].tolist(),
-        }
+    count = len(figure.rows)
+    if count <= FEW:
+        return [float(row) for row in range(count)]
+    chosen = {int(row) for row in np.linspace(0, count - 1, FEW)}
+    numbers, _ = figure.numbers
+    chosen |= {int(numbers.argmin()), int(numbers.argmax())}
     for place, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
-        if path[-1] not in KINDS:
-            continue
-        there = node_at(source.root, path)
-        own = {str(key[-1]): node.value for key, node in row.puts}
-        one_component(
-            str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults
-        )
+        if path[-1] in KINDS:
+            node = node_at(source.root, path)
+            body = {} if node is None else dict(node.value or {})
+            body |= {str(key[-1]): node.value for key, node in row.puts}
+            one_component(str(path[-1]), body, path, faults)
         if faults:
             chosen.add(place)
-    return [float(place) for place in sorted(chosen)[:MOST_TRIALS]]
+    return [float(row) for row in sorted(chosen)[:MOST_TRIALS]]

@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import torsion
-from torsion.analyses.compressor.compressor_results import CompressorFound, Compressors
+from torsion.analyses.compressor.compressors import CompressorFound, Compressors
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
@@ -438,7 +438,7 @@ def test_a_file_over_the_angle_needs_its_dead_centre(tmp_path: Path) -> None:
     ("old", "new", "words"),
     [
         ("absolute: true", "", "`absolute` is missing"),
-        ("inertia: 4", "", "give `inertia`, or `crank_inertia`"),
+        ("inertia: 4", "", "`inertia` or `crank_inertia` is missing"),
         ("inertia: 4", "inertia: [4, 4]", "`inertia` has 2 values"),
         ("rod_length: 430 mm", "rod_length: 80 mm", "not longer than half the stroke"),
         (

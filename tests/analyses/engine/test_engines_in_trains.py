@@ -20,7 +20,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings, Unanswered, Work
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.rules.verdict_line import BarredRange, Check, Checks
-from torsion.runner import _worst
+from torsion.runner import _select_worst
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source
 
@@ -622,7 +622,7 @@ def test_no_barred_range_and_no_missing_answer_of_a_case_is_dropped() -> None:
     second = found.having(
         checks=Checks((replace(line, value=40.0, verdict="pass", barred=(bands[1],)),))
     )
-    whole = _worst(
+    whole = _select_worst(
         {"one": first, "two": replace(second, plan=replace(second.plan, unanswered=(lost,)))}
     )
     (check,) = whole.need(Checks).lines

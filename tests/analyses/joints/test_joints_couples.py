@@ -21,7 +21,7 @@ from torsion.study import Operation
 from torsion.train import train
 
 ORACLES = json.loads(
-    (Path(__file__).parents[2] / "kinematics" / "oracles.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[2] / "kernels" / "joints" / "oracles.json").read_text(encoding="utf-8")
 )
 TRIPOD = {"kind": "tripod", "radius": 0.03, "arm": 0.6}
 

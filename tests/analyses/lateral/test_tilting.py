@@ -67,12 +67,12 @@ def test_file_gives_the_zone_of_zhu_and_wang_and_fails_the_verdict() -> None:
     tilting = found.need(Lateral).shafts[0].tilting
     (zone,) = tilting.zones
     assert zone.kind == "sum of 1 and 2"
-    inside = (tilting.speed >= zone.lower) & (tilting.speed <= zone.upper)
+    inside = (tilting.speed >= zone.first) & (tilting.speed <= zone.last)
     assert (tilting.growth[inside] > -1e-9).all()
     assert (tilting.growth[~inside] < 1e-9).all()
     (check,) = [one for one in found.need(Checks).lines if one.clause == "tilting"]
     assert (check.verdict, check.where) == ("fail", "rod")
-    assert check.value == pytest.approx(zone.rate, rel=1e-6)
+    assert check.value == pytest.approx(zone.growth, rel=1e-6)
     assert found.failed
 
 
@@ -91,7 +91,7 @@ def test_file_gives_every_published_boundary_of_zhu_and_wang() -> None:
         (32.4240786602, 32.9273342758),
     ]
     np.testing.assert_allclose(
-        [(zone.lower, zone.upper) for zone in found], expected, rtol=0.0, atol=1e-9
+        [(zone.first, zone.last) for zone in found], expected, rtol=0.0, atol=1e-9
     )
 
 

@@ -2,7 +2,6 @@
 
 import re
 from fractions import Fraction
-from math import gcd, lcm
 
 import numpy as np
 import pytest
@@ -154,40 +153,6 @@ train:
   - coupling: {{stiffness: 1e4}}
   - disc: {{inertia: 1}}
 """
-
-
-def harmonics(first: Fraction, second: Fraction, rank: int) -> int:
-    """Of joints of order 2 at two speeds, written out: the larger order in units of the greatest common one."""
-    low = lcm(first.denominator, second.denominator)
-    common = Fraction(2 * gcd(int(first * low), int(second * low)), low)
-    return int(rank * 2 * max(first, second) / common)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_teeth_that_are_offered_are_near_and_enough(seed):
-    pick = np.random.default_rng(seed)
-    teeth = [int(one) for one in pick.integers(100, 300, 4)]
-    text = TWO_GEARS.format(*teeth)
-    train, rank, most = torsion.parse(text).train, 5, 400
-    ratio = {"near": Fraction(teeth[0], teeth[1]), "far": Fraction(teeth[2], teeth[3])}
-    whole = ratio["near"] * ratio["far"]
-    assert harmonics(Fraction(1), whole, rank) > most
-    error = too_long(train, rank, most, vibratory=True)
-    gear = re.search(r"'(near|far)'", error.message).group(1)
-    assert f"name: {gear}" in text.splitlines()[3 + error.path[1]]
-    offered = re.search(r"teeth: \[(\d+), (\d+)\]", error.hint)
-    if offered is None:
-        every = [
-            (own, Fraction(round(own * teeth), teeth))
-            for own in ratio.values()
-            for teeth in range(1, most)
-        ]
-        near = [new / own for own, new in every if abs(new / own - 1) <= 0.02]
-        assert all(harmonics(Fraction(1), whole * one, rank) > most for one in near)
-        return
-    new = Fraction(int(offered[1]), int(offered[2]))
-    assert abs(new / ratio[gear] - 1) <= 0.02
-    assert harmonics(Fraction(1), whole * new / ratio[gear], rank) <= most
 
 
 def test_orders_of_one_shaft_that_rarely_repeat_are_named_without_a_gear():

@@ -1,4 +1,4 @@
-"""Maps of the growth rate: reduced and side by side, against the whole train point by point."""
+"""Maps of the growth rate, reduced to few modes, against the whole train point by point."""
 
 import numpy as np
 import pytest
@@ -55,8 +55,9 @@ def test_map_over_joint_angle_is_that_of_the_whole_trains():
     degrees = [10.0, 20.0, 30.0]
     found = stability_map(*long_train(), SPEEDS, "angle", np.radians(degrees))
     apart = worst(found.growth, [long_train(angle) for angle in degrees])
-    assert apart < 1e-3
-    assert 0.1 * apart <= found.error < 1e-3
+    assert apart < 1e-5  # dampers stand for the loss factors of the modes that are kept
+    assert found.error < 1e-5
+    assert (found.checked, found.elsewhere) == (6, 0)
     assert found.modes < found.of_modes
 
 
@@ -70,16 +71,6 @@ def test_map_over_mean_torque_is_that_of_the_whole_trains():
     factors = [0.0, 2.0]
     found = stability_map(*long_train(), SPEEDS, "torque", np.array(factors))
     assert worst(found.growth, [long_train(torque=300.0 * factor) for factor in factors]) < 1e-3
-
-
-def test_error_of_the_map_falls_with_the_modes_kept():
-    angles = np.radians([20.0, 30.0])
-    line = long_train(loss=0.0)
-    errors = [
-        stability_map(*line, SPEEDS, "angle", angles, modes=modes).error for modes in (2, 4, 8)
-    ]
-    assert errors[1] < 0.5 * errors[0]
-    assert errors[2] < 0.1 * errors[1]
 
 
 def test_map_of_a_train_with_massless_joints_is_that_of_the_whole_trains():

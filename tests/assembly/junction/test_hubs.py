@@ -7,8 +7,7 @@ import pytest
 from scipy.special import jn_zeros
 
 import torsion
-from torsion.analyses.modes.hub_moves import HubMoves
-from torsion.analyses.modes.sharp_steps import SharpSteps
+from torsion.analyses.modes.steps_and_hubs import HubMoves, SharpSteps
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.analyses.undamped_modes import Modes, modes

@@ -8,7 +8,7 @@ from tests.assembly.junction.test_stepped_shafts import frequencies, scene
 from tests.contracts.frozen import solved
 
 import torsion
-from torsion.analyses.modes.sharp_steps import SharpSteps
+from torsion.analyses.modes.steps_and_hubs import SharpSteps
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.analyses.undamped_modes import modes

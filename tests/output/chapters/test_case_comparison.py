@@ -78,20 +78,20 @@ def test_every_check_of_every_case_stands_in_its_row_and_column(
     listed = [
         row for place, row in enumerate(side_by_side(ferry.each)) if is_listed(row.check, place)
     ]
-    assert every == sum(len(row.each) for row in listed) > 20
+    assert every == sum(len(row.checks) for row in listed) > 20
 
 
 def test_the_worst_case_of_a_row_is_the_worst_that_is_judged(ferry: Findings) -> None:
     rows = side_by_side(ferry.each)
     for row in rows:
         assert ferry.each[row.worst].is_judged
-        for name, check in row.each.items():
-            worst = row.each[row.worst]
+        for name, check in row.checks.items():
+            worst = row.checks[row.worst]
             if ferry.each[name].is_judged:
                 assert WORST[check.verdict] <= WORST[worst.verdict]
                 if check.verdict == worst.verdict and check.utilisation is not None:
                     assert check.utilisation <= worst.utilisation
-    used = [row.each[row.worst].utilisation or 0.0 for row in rows]
+    used = [row.checks[row.worst].utilisation or 0.0 for row in rows]
     assert used == sorted(used, reverse=True)
 
 

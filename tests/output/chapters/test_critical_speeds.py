@@ -40,6 +40,7 @@ def crossing(
         speed=speed,
         frequency=50.0 - speed,
         is_inside=inside,
+        margin=speed / 12.0 - 1.0,
         sources=("x", "far"),
         own_orders=(Fraction(order),) * 2,
     )

@@ -300,7 +300,7 @@ def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(
     )
     rows = table(list(chapter(answered(train, lines=fixed))), "First order against").rows
     assert "all" not in {row[1] for row in rows}
-    assert {row[2] for row in rows if row[:2] == ("tube", "2")} == {"0.010000"}
+    assert {row[2] for row in rows if row[:2] == ("tube", "2")} == {"10.000"}
     nothing = {name: np.array(sizes) * 0.0 for name, sizes in FIRST.items()}
     rows = compared(answered(train, first=nothing))
     assert {math.isnan(row.excess) for row in rows if row.order == 2} == {True}
@@ -412,7 +412,7 @@ def test_of_many_elements_sixty_rows_are_listed_and_the_six_largest_drawn() -> N
     }
     blocks = list(chapter(answered(made, first={}, torque=sizes)))
     found = table(blocks, "First order against")
-    assert (len(found.rows), found.caption.endswith("of the total (all); 60 of 64 rows")) == (
+    assert (len(found.rows), found.caption.endswith("of the total (all); the first 60 of 64")) == (
         60,
         True,
     )

@@ -2,7 +2,6 @@
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -169,30 +168,6 @@ def test_joints_that_fail_are_marked_and_the_worst_of_their_line_is_pointed_at()
     assert drawn.worst[0] == middle(drawn, "second")
     fine = sketch(run(JOINTS, rules.replace("1e-6", "1")))
     assert {(link.label, link.use) for link in fine.links if link.kind == "joint"} == {("", None)}
-
-
-def comb(number: int) -> Iterator[str]:
-    yield "\n- motor: {inertia: 5}"
-    for k in range(number):
-        branch = (
-            f"[coupling: {{name: bc {k}, stiffness: 1e6}}, disc: {{name: bd {k}, inertia: 0.2}}]"
-        )
-        yield f"- shaft: {{name: ls {k}, length: 0.1 m, diameter: 200 mm}}"
-        yield f"- disc: {{name: fl {k}, inertia: 0.1}}\n- branch: {{train: {branch}}}"
-    yield ""
-
-
-def test_what_fails_on_a_branch_that_is_not_drawn_is_said_in_the_sketch_and_its_caption() -> None:
-    bad = check("fail", where="bc 77", value=1e8), check("not kept", where="bc 5", value=60.0)
-    made = judged(run("\n".join(comb(130))), *bad, check(where="bc 8"))
-    figures = figure(made, "utilisation")
-    assert "only the main line" in figures.caption
-    words = "✗ FAIL 2.00·10⁸ %: bc 77, on a branch that is not drawn"
-    assert words in figures.caption
-    found = dict(texts(svg(figures)))
-    assert found[words] == BAD
-    assert found["✗ FAIL 120 %: bc 5, on a branch that is not drawn"] == BAD
-    assert not any("bc 8" in text for text in found)
 
 
 def test_the_clause_of_a_long_name_is_whole_in_the_shares() -> None:

@@ -327,7 +327,6 @@ def test_blocks_of_the_chapter_in_their_order(bare: Findings) -> None:
         "joint-motion-2",
         "joint-couples-1",
         "joint-couples-3",
-        "joint-index-2",
     ]
     assert made[-1] == Points(("said",), brief=True)
     assert all(block.short for block in made if isinstance(block, Table))
@@ -349,10 +348,6 @@ def test_what_is_not_known_has_no_heading(bare: Findings) -> None:
     assert blocks(bare, together(())) == []
     still = joint("a", couples=(couple("driving", order=0), couple("driven", order=0)))
     assert "joint-couples-1" not in figures(blocks(bare, together((still,), (line(0),))))
-    bare_range = optimum(over=np.empty(0), index_over=np.empty(0))
-    assert "joint-index-1" not in figures(
-        blocks(bare, together((FIRST,), (line(0, optimum=bare_range),)))
-    )
 
 
 def test_motion_with_and_without_a_speed(bare: Findings) -> None:
@@ -406,48 +401,6 @@ def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) ->
         wanted = sizes[name] * (np.abs(WAVE) if name == "resultant" else WAVE)
         np.testing.assert_allclose(line.y, wanted, rtol=1e-14)
     assert list(named(driving)) == list(sizes)[:3]
-
-
-@pytest.mark.parametrize(
-    ("variable", "before", "best", "points"),
-    [
-        ("phase", 30.0, 300.0, (30.0, -60.0)),
-        ("plane", 190.0, -190.0, (190.0, 170.0)),
-        ("angle", 200.0, -185.0, (200.0, -185.0)),
-        ("plane", -170.0, 191.0, (-170.0, -169.0)),
-    ],
-)
-def test_points_of_the_index_stand_in_the_range_that_is_drawn(
-    bare: Findings, variable: str, before: float, best: float, points: tuple[float, float]
-) -> None:
-    sought = optimum(variable=variable, before=(before * DEG,), best=(best * DEG,))
-    made = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=sought),))))[
-        "joint-index-1"
-    ]
-    present, best_ = plot(made).marks
-    assert (present.x[0], present.y[0]) == pytest.approx((points[0], 25.0), rel=1e-12)
-    assert (best_.x[0], best_.y[0]) == pytest.approx((points[1], 5.0), rel=1e-12)
-    line_ = made.lines["index of fluctuation"]
-    assert line_.x == pytest.approx([-170.0, 0.0, 45.0, 190.0])
-    assert line_.y == pytest.approx([40.0, 20.0, 30.0, 10.0])
-    assert plot(made).x.title == f"{variable} of outer, deg"
-    assert made.caption == f"Degree of non-uniformity of inner, cv over the {variable} of outer"
-
-
-def test_the_index_of_three_joints_and_of_two_that_are_free(bare: Findings) -> None:
-    even = optimum(index_best=1e-13, index_before=ROUNDING)
-    three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))[
-        "joint-index-1"
-    ]
-    assert three.caption.endswith("of outer, the other joints unchanged")
-    assert [marks.y[0] for marks in plot(three).marks] == [0.0, 0.0]
-    free = optimum(
-        names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2)
-    )
-    two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))[
-        "joint-index-1"
-    ]
-    assert two.caption.endswith("of outer; the optimum moves all free joints")
 
 
 def test_the_summary_has_the_verdict_where_a_rule_judges(bare: Findings, train: Findings) -> None:

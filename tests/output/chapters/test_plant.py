@@ -56,7 +56,7 @@ def found() -> Findings:
 
 def sketch(findings: Findings) -> tuple[dict[str, Disc], tuple[Link, ...]]:
     """Points by the name of their component, and links."""
-    drawn, _ = plant.sketch(findings)
+    drawn = plant.sketch(findings)
     parts = [part.name for part in findings.study.train.parts]
     return {parts[int(disc.label.split()[0]) - 1]: disc for disc in drawn.discs}, drawn.links
 

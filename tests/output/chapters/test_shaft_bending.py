@@ -19,7 +19,7 @@ from torsion.analyses.lateral.shaft_bending import (
     LateralSettings,
     ShaftFound,
 )
-from torsion.analyses.lateral.tilt_stability import Tilting, Zone
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Critical, Whirl
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -227,7 +227,7 @@ SHAFT = MisalignedShaft(4.0, 0.25, 1.0, (3.0, 5.0), (24.0, 56.0), 1.0, 0.1)
         (STABLE, None, "tube"),
         (None, None, "tube"),
         (STABLE, (), "tube"),
-        (None, (Zone(1.0, 2.0, (False, False), "several", 1.5, 0.1),), "tube (UNSTABLE)"),
+        (None, (TiltRange(1.0, 2.0, (False, False), "several", 1.5, 0.1),), "tube (UNSTABLE)"),
     ],
 )
 def test_a_shaft_that_whirls_or_tilts_by_itself_is_named_unstable(
@@ -352,9 +352,9 @@ def test_largest_force_of_every_order_on_every_joint_and_support(operated: Findi
     bad = answer(4, 7.0, 700.0, Status.OK, Status.SINGULAR, Status.OK)
     found = table(blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), bad))), "Forces")
     assert [row[4] for row in found.rows] == [
-        "0.010000",
+        "10.000",
         "no reliable value",
-        "0.016000",
+        "16.000",
         "no reliable value",
     ]
 

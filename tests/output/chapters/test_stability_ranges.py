@@ -14,13 +14,14 @@ from tests.output.drawn import levels, plot
 import torsion
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import InPlanes, ShaftFound
-from torsion.analyses.lateral.tilt_stability import Tilting, Zone
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.stability.stability_map import StabilityMap
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.stability_ranges import MODEL, chapter, restrictions, tilt_section
+from torsion.output.numbers import NONE
 from torsion.rules.verdict_line import Check, Checks
 
 RPM = 30.0 / math.pi
@@ -197,7 +198,6 @@ def test_verdict_in_words(
 def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(
     operated: Findings, bare: Findings
 ) -> None:
-    """A growth of 2 /s at 600 rpm, ten revolutions a second, is exp(0.2) in each."""
     ranges = (
         zone(599.999, 600.0, 610.0, 2.0),
         zone(590.0, 600.0, 600.001, 2.0),
@@ -206,54 +206,42 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(
         zone(870.0, 880.0, 890.0, 2.5, is_open=(False, True)),
         zone(820.0, 825.0, 830.0, 3.5, unknown=(810.0, None)),
     )
-    factors = [
-        "1.221",
-        "1.014·10³⁰⁴",
-        f"{math.exp(1.5 / 11.75):.3f}",
-        f"{math.exp(2.5 * 60 / 880):.3f}",
-        "1.290",
-    ]
-    assert factors[4] == f"{math.exp(3.5 * 60 / 825):.3f}"
     rows = (
-        ("599.999000", "610.000000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
-        ("590.000000", "600.001000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
+        ("599.999000", "610.000000", KIND, "2.0000", "600.0000", "UNSTABLE", NONE),
+        ("590.000000", "600.001000", KIND, "2.0000", "600.0000", "UNSTABLE", NONE),
         (
-            "910.000000+",
+            "910.000000",
             "930.000000",
             KIND,
             "300000",
-            "920.00",
-            factors[1],
+            "920.0000",
             "outside",
             "continues below 910 rpm (not requested)",
         ),
         (
             "700.000000",
-            "710.000000?",
+            "710.000000",
             KIND,
             "1.5000",
-            "705.00",
-            factors[2],
+            "705.0000",
             "UNSTABLE",
             "710 to 720 rpm not known",
         ),
         (
             "870.000000",
-            "890.000000+",
+            "890.000000",
             KIND,
             "2.5000",
-            "880.00",
-            factors[3],
+            "880.0000",
             "UNSTABLE",
             "continues above 890 rpm (not requested)",
         ),
         (
-            "820.000000?",
+            "820.000000",
             "830.000000",
             KIND,
             "3.5000",
-            "825.00",
-            factors[4],
+            "825.0000",
             "UNSTABLE",
             "810 to 820 rpm not known",
         ),
@@ -261,34 +249,25 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(
     found = tables(list(chapter(with_stability(operated, ranges=ranges))))[0]
     assert found.rows == rows
     assert found.marks == ("fail", "fail", "note", "fail", "fail", "fail")
-    assert (
-        found.caption
-        == found.short
-        == (
-            "Unstable ranges of speed (+ continues beyond the requested speeds; ? not computed beyond)"
-        )
-    )
+    assert found.caption == found.short == "Unstable ranges of speed"
     assert [column.title for column in found.columns][3:] == [
         "Maximum growth",
         "Speed",
-        "Factor per revolution",
         "In the operating range",
         "Beyond the range",
     ]
     assert {
-        row[6] for row in tables(list(chapter(with_stability(bare, ranges=ranges))))[0].rows
+        row[5] for row in tables(list(chapter(with_stability(bare, ranges=ranges))))[0].rows
     } == {"UNSTABLE"}
     plain = tables(list(chapter(with_stability(operated))))[0]
-    assert plain.rows == (
-        ("420.000000", "480.000000", KIND, "1.5000", "450.00", "1.221", "UNSTABLE"),
-    )
+    assert plain.rows == (("420.000000", "480.000000", KIND, "1.5000", "450.0000", "UNSTABLE"),)
     assert plain.caption == "Unstable ranges of speed"
 
 
 def test_of_more_than_thirty_ranges_thirty_are_listed_and_all_counted(operated: Findings) -> None:
     ranges = tuple(zone(300.0 + k, 300.2 + k, 300.4 + k, 1.0) for k in range(31))
     found = tables(list(chapter(with_stability(operated, ranges=ranges))))[0]
-    assert (len(found.rows), found.caption) == (30, "Unstable ranges of speed; 30 of 31")
+    assert (len(found.rows), found.caption) == (30, "Unstable ranges of speed; the first 30 of 31")
     found = tables(list(chapter(with_stability(operated, ranges=ranges[1:]))))[0]
     assert (len(found.rows), found.caption) == (30, "Unstable ranges of speed")
 
@@ -298,7 +277,7 @@ def test_speeds_without_an_answer_and_the_curve_of_growth(operated: Findings) ->
     blocks = list(chapter(with_stability(operated, ranges=(), unsolved=speed)))
     assert [type(block) for block in blocks] == [Heading, Paragraph, Paragraph, Table, Figure]
     (found,) = tables(blocks)
-    assert found.caption == "Speeds without a solution; 30 of 31"
+    assert found.caption == "Speeds without a solution; the first 30 of 31"
     assert [row[0] for row in found.rows] == [f"{n}.00" for n in range(301, 331)]
     assert found.marks == ("fail",) * 30
     (found,) = tables(list(chapter(with_stability(operated, ranges=(), unsolved=speed[:2]))))
@@ -370,7 +349,7 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     assert found.rows == (
         ("10.00", "−1.000", "500.00", "0", "0", "stable at the 3 speeds of the map"),
         ("20.00", "0.5000", "500.00", "100", "33.3", "UNSTABLE, partly unknown"),
-        ("30.000", "–", "–", "–", "100", "no periodic motion"),
+        ("30.00", "–", "–", "–", "100", "no periodic motion"),
         ("40.00", "5.000·10⁻⁶", "300.00", "0", "0", "stable at the 3 speeds of the map"),
     )
     assert found.marks == ("", "fail", "fail", "")
@@ -445,14 +424,14 @@ def test_thirteen_values_spread_over_a_map_are_listed(operated: Findings) -> Non
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ((zone(320, 330, 480, 1),), " the unstable range above that lies between them."),
+        ((zone(320, 330, 480, 1),), " 1 of the 1 unstable range above, between its speeds."),
         (
             (zone(320, 330, 480, 1), zone(300, 310, 320, 1), zone(510, 530, 550, 1)),
-            " 2 of the 3 unstable ranges above that lie between them.",
+            " 2 of the 3 unstable ranges above, between its speeds.",
         ),
         (
             (zone(320, 330, 480, 1), zone(450, 460, 500, 1), zone(490, 500, 600, 1)),
-            " 1 of the 3 unstable ranges above that lies between them.",
+            " 1 of the 3 unstable ranges above, between its speeds.",
         ),
         ((zone(290, 295, 310, 1), zone(690, 700, 710, 1)), ""),
     ],
@@ -471,7 +450,7 @@ SHAFT = MisalignedShaft(
 )  # decays 56/4/2 and 24/4/2 1/s
 
 
-def tilting(name: str, *zones: Zone) -> ShaftFound:
+def tilting(name: str, *zones: TiltRange) -> ShaftFound:
     """A shaft that tilts."""
     over = Tilting(
         f"joint of {name}",
@@ -485,9 +464,9 @@ def tilting(name: str, *zones: Zone) -> ShaftFound:
     return ShaftFound(name, (0,), 1, 1.0, none, (), InPlanes(none, none), (), None, (), 3, over)  # type: ignore[arg-type]
 
 
-def tilt_zone(lower: float, worst: float, upper: float, kind: str, **ends: Any) -> Zone:
+def tilt_zone(lower: float, worst: float, upper: float, kind: str, **ends: Any) -> TiltRange:
     """An unstable range of the tilt, speeds in rpm."""
-    return Zone(
+    return TiltRange(
         lower / RPM, upper / RPM, ends.get("is_open", (False, False)), kind, worst / RPM, 0.125
     )
 
@@ -555,34 +534,46 @@ def test_ranges_of_the_tilt_within_and_outside_the_operation(
             "299.000000",
             "several resonances together",
             "0.12500",
-            "260.00",
+            "260.0000",
             "outside",
+            NONE,
         ),
         (
             "tail",
-            "310.000000 (open)",
+            "310.000000",
             "340.000000",
             "excited by the mean couple",
             "0.12500",
-            "320.00",
+            "320.0000",
             "UNSTABLE",
+            "continues below 310 rpm (not requested)",
         ),
         (
             "tail",
             "890.000000",
-            "910.000000 (open)",
+            "910.000000",
             "sum of 1 and 2",
             "0.12500",
-            "895.00",
+            "895.0000",
             "UNSTABLE",
+            "continues above 910 rpm (not requested)",
         ),
-        ("tail", "901.000000", "910.000000", "principal of 2", "0.12500", "905.00", "outside"),
+        (
+            "tail",
+            "901.000000",
+            "910.000000",
+            "principal of 2",
+            "0.12500",
+            "905.0000",
+            "outside",
+            NONE,
+        ),
     )
     assert found.marks == ("note", "fail", "fail", "note")
     assert grown(blocks[-1])["unstable"][0] == (
         pytest.approx(250.0),
         pytest.approx(299.0),
-        "several",
+        "several resonances together",
     )
     blocks = list(tilt_section(bare.having(checks=Checks(())), shafts))
-    assert {row[-1] for row in tables(blocks)[1].rows} == {"UNSTABLE"}
+    assert {row[6] for row in tables(blocks)[1].rows} == {"UNSTABLE"}

@@ -121,15 +121,6 @@ KINDS: dict[str, Figure] = {
     "joint": joint_curves.joint_turn(
         "j", "c", angle=TURN, quantity="angle before <j>", panels=PANELS
     ),
-    "joint index": joint_curves.joint_index(
-        "i",
-        "c",
-        values=TURN,
-        index=5 + 4 * np.cos(2 * RAD * TURN),
-        quantity="phase of <a> & $b$",
-        present=(10.0, 9.0),
-        best=(90.0, 1.0),
-    ),
     "check modes": error_curves.modes("m", "c", frequency=ERRORS, shape=ERRORS, tolerance=1e-3),
     "check torques": error_curves.torques(
         "t",

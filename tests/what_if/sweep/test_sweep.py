@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.columns import NotInColumns
 from torsion.commands import plan
 from torsion.errors import InputError, SolveError
 from torsion.findings import Plan, Unanswered
@@ -18,7 +19,7 @@ from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 from torsion.what_if.sweep.sweep_results import Sweep
 from torsion.what_if.sweep.sweep_summary import _decides
-from torsion.what_if.variants import one_by_one, side_by_side
+from torsion.what_if.variants import frequencies, one_by_one
 from torsion.what_if.variants.sampling import probability
 
 SCENES = Path(__file__).parents[3] / "shafting_specs"
@@ -54,6 +55,10 @@ def drive(figures=BASE, sweep: str = "") -> Study:
 
 def written(factor: np.ndarray) -> tuple[float, ...]:
     return tuple(own * one for own, one in zip(BASE, factor.tolist(), strict=True))
+
+
+def refused(*_: object) -> None:
+    raise NotInColumns("every variant separately")
 
 
 def swept(study: Study) -> Sweep:
@@ -152,7 +157,7 @@ def test_loops_and_distributed_shafts_are_side_by_side(
     with monkeypatch.context() as patch:
         patch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
         found = swept(study)
-    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
+    monkeypatch.setattr(frequencies, "certified", refused)
     alone = swept(study)
     assert (found.factor == alone.factor).all()
     assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
@@ -192,7 +197,7 @@ def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
         )
         found = swept(study)
     assert sum(counted) < 64
-    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
+    monkeypatch.setattr(frequencies, "certified", refused)
     alone = swept(study)
     assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
 
@@ -233,6 +238,7 @@ def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.Monke
             raise SolveError("no answer here")
         return made(factor)
 
+    object.__setattr__(study.variations["sweep"], "in_columns", refused)
     object.__setattr__(study.variations["sweep"], "study", one_in_four)
     found = solve(study).need(Sweep)
     assert found.unsolved == (found.factor[:, 0] > 1.005).sum() == 32

@@ -61,7 +61,7 @@ def ready(
     return system
 
 
-def lumped(train: Train, most: int, curve: str, named: Named) -> list[Candidate]:
+def lumped(train: Train, highest: int, curve: str, named: Named) -> list[Candidate]:
     """One curve: lumped shafts of 1, 2, 4 .. segments."""
     return [
         named(
@@ -70,7 +70,7 @@ def lumped(train: Train, most: int, curve: str, named: Named) -> list[Candidate]
             number,
             partial(ready, divided(train, number), "lumped"),
         )
-        for number in doubled(most)
+        for number in doubled(highest)
     ]
 
 
@@ -106,13 +106,13 @@ def candidates(
 
 
 def counted(number: int, what: str) -> str:
-    """A number with its noun."""
+    """Return a number with its noun in the right form."""
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def doubled(most: int) -> list[int]:
+def doubled(highest: int) -> list[int]:
     """1, 2, 4 .. up to a largest."""
-    return [2**k for k in range(most.bit_length())]
+    return [2**k for k in range(highest.bit_length())]
 
 
 def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, Modes]:
@@ -124,8 +124,9 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
             from torsion.analyses.modes.bars import reach
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
-    found = modes(system, count)
+    modes_found = modes(system, count)
     finer = ready(
-        divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact"
+        divided(study.train, {name: 2 * n for name, n in modes_found.system.segments.items()}),
+        "exact",
     )
-    return found, modes_as_discretised(finer, count)
+    return modes_found, modes_as_discretised(finer, count)

@@ -15,15 +15,15 @@ NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay belo
 
 
 def relative_errors(
-    found: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray
+    values: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray
 ) -> FloatArray:
     """(values,) signed error of each value over its reference; infinite for values that are missing at the end.
 
     The difference is taken in the numbers of the reference, which may have more digits than double precision.
     """
     exact, error = np.asarray(reference), np.full(len(reference), np.inf)
-    known = min(len(exact), len(found))
-    error[:known] = (np.asarray(found, dtype=float)[:known] - exact[:known]) / exact[:known]
+    count = min(len(exact), len(values))
+    error[:count] = (np.asarray(values, dtype=float)[:count] - exact[:count]) / exact[:count]
     return error
 
 
@@ -32,13 +32,13 @@ def shape_weights(system: System) -> FloatArray:
 
     The same for every model of a train: the stations between the pieces of shafts are left out.
     """
-    own = len(system.train.stations)
-    weight = np.zeros(own)
+    own_stations = len(system.train.stations)
+    weight = np.zeros(own_stations)
     for lump in system.train.inertias:
         weight[lump.station] += lump.inertia
     for bar in system.train.bars:
         weight[[bar.driving, bar.driven]] += bar_segments(bar, 1)[1]
-    weight[system.held[:own]] = 0.0
+    weight[system.held[:own_stations]] = 0.0
     return weight
 
 
@@ -57,13 +57,13 @@ def shape_errors(
     ours, theirs = shape * root, exact * root
     errors = np.full(shape.shape[1], np.nan)
     for mode in range(shape.shape[1]):
-        beside = np.abs(frequency - frequency[mode]) <= TOGETHER * frequency[mode]
-        size, space = float(np.linalg.norm(ours[:, mode])), _space(theirs[:, beside])
+        close = np.abs(frequency - frequency[mode]) <= TOGETHER * frequency[mode]
+        size, space = float(np.linalg.norm(ours[:, mode])), _space(theirs[:, close])
         if size == 0 or space.shape[1] == 0:
             continue
         vector = ours[:, mode] / size
-        rest = vector - space @ (space.T @ vector)
-        errors[mode] = min(float(rest @ rest), 1.0)
+        remainder = vector - space @ (space.T @ vector)
+        errors[mode] = min(float(remainder @ remainder), 1.0)
     return errors
 
 
@@ -77,29 +77,32 @@ def _space(columns: FloatArray) -> FloatArray:
     return np.asarray(u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]])
 
 
-def over_largest(found: ComplexArray, exact: ComplexArray) -> FloatArray:
+def over_largest(torque: ComplexArray, exact: ComplexArray) -> FloatArray:
     """(speeds,) largest error of any torque (speeds, ends), over the largest exact torque at the same speed.
 
     NaN where there is no torque.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         size = np.abs(exact).max(axis=1, initial=0.0)
-        return np.where(size > 0, np.abs(found - exact).max(axis=1, initial=0.0) / size, np.nan)
+        return np.where(size > 0, np.abs(torque - exact).max(axis=1, initial=0.0) / size, np.nan)
 
 
-def over_peaks(exact: Sequence[ComplexArray], found: Sequence[ComplexArray]) -> tuple[float, ...]:
+def over_peaks(exact: Sequence[ComplexArray], torques: Sequence[ComplexArray]) -> tuple[float, ...]:
     """Of every harmonic the largest error of a torque (speeds, ends), over that torque's peak of all speeds.
 
     NaN in what was found makes it infinite.
     """
-    return tuple(_over_peak(there, here) for there, here in zip(exact, found, strict=True))
+    return tuple(
+        _over_peak(exact_torque, torque)
+        for exact_torque, torque in zip(exact, torques, strict=True)
+    )
 
 
-def _over_peak(exact: ComplexArray, found: ComplexArray) -> float:
+def _over_peak(exact: ComplexArray, torque: ComplexArray) -> float:
     peak = np.abs(exact).max(axis=0)
     compared = peak > NEGLIGIBLE * peak.max()
     if not compared.any():
         return 0.0
-    if not np.isfinite(found[:, compared]).all():
+    if not np.isfinite(torque[:, compared]).all():
         return float("inf")
-    return float((np.abs(found - exact)[:, compared].max(axis=0) / peak[compared]).max())
+    return float((np.abs(torque - exact)[:, compared].max(axis=0) / peak[compared]).max())

@@ -138,17 +138,17 @@ def timed_frequencies(
         float(half.max()), float(np.abs(relative_errors(coarse.frequency, wanted)).max()), EPS
     )
 
-    def errors(found: Modes) -> tuple[float, ...]:
-        return tuple(np.abs(relative_errors(found.frequency, wanted)).tolist())
+    def errors(modes_found: Modes) -> tuple[float, ...]:
+        return tuple(np.abs(relative_errors(modes_found.frequency, wanted)).tolist())
 
     named = partial(Candidate, solve=partial(modes, count=len(wanted)), errors=errors)
     top = max(highest, float(wanted[-1]))
     curves = candidates(study.train, top, effort, effort.degrees, named)
     rows, remarks = timed(curves, effort, "natural frequencies", progress)
     number = len(wanted)
-    whole = "the first elastic mode" if number == 1 else f"the first {number} elastic modes"
+    which_modes = "the first elastic mode" if number == 1 else f"the first {number} elastic modes"
     meaning = (
-        f"The error is the largest relative error of {whole}; the time includes shapes and torques. A discretisation "
+        f"The error is the largest relative error of {which_modes}; the time includes shapes and torques. A discretisation "
         "with fewer modes has no error and is not drawn."
     )
     columns = tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist()))
@@ -215,7 +215,7 @@ def timed_torques(
     if speeds is None:
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
     if study.train.has_shafts:  # as they are divided by themselves and twice as finely
-        coarse, fine = (found.system for found in reference(study, highest, 1))
+        coarse, fine = (answers.system for answers in reference(study, highest, 1))
     else:
         coarse = fine = ready(study.train, "lumped")
     harmonics, lost = _sound(
@@ -226,13 +226,13 @@ def timed_torques(
         raise SolveError(
             "no elastic coupling, mesh or shaft carries a torque that could be compared"
         )
-    found = elimination(given)
-    wanted = [one.torque for one in found]
+    answers = elimination(given)
+    wanted = [answer.torque for answer in answers]
     lines = tuple(load.line.words for load in given.loads)
     has_joints = any(load.sources.twist is not None for load in given.loads)
     case = _Case(study, harmonics, wanted, max(given.highest, highest), has_joints)
     differences = over_peaks(wanted, eliminated(loaded(coarse, harmonics)))
-    bound = max(*differences, *(float(one.residual.max()) for one in found))
+    bound = max(*differences, *(float(answer.residual.max()) for answer in answers))
     rows, remarks = timed(_curves(case, effort), effort, "response", progress)
     rpm, number = (
         harmonics.speed * 30.0 / pi,
@@ -258,11 +258,11 @@ def timed_torques(
 def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, ...]]:
     """The harmonics with the largest torques, at the speeds at which all of them have an answer to be trusted."""
     given = loaded(system, harmonics)
-    found = elimination(given)
-    good: list[BoolArray] = [one.status == Status.OK for one in found]
+    answers = elimination(given)
+    good: list[BoolArray] = [answer.status == Status.OK for answer in answers]
     size = [
-        float(np.abs(one.torque[here]).max(initial=0.0))
-        for one, here in zip(found, good, strict=True)
+        float(np.abs(answer.torque[is_good]).max(initial=0.0))
+        for answer, is_good in zip(answers, good, strict=True)
     ]
     kept = sorted(sorted(range(len(size)), key=lambda k: -size[k])[:LINES])
     sound: BoolArray = np.all([good[k] for k in kept], axis=0)
@@ -303,15 +303,15 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
     curves: list[list[Candidate]] = [[], []]
     system = ready(case.study.train, case.study.model, frequency=case.top)
     for count in doubled(effort.modes):
-        found = modes(system, count)
-        system = found.system
-        if len(found.frequency) < count:
+        modes_found = modes(system, count)
+        system = modes_found.system
+        if len(modes_found.frequency) < count:
             break
         made = partial(
             ready,
             case.study.train,
             case.study.model,
-            frequency=max(case.top, float(found.frequency[-1])),
+            frequency=max(case.top, float(modes_found.frequency[-1])),
         )
         for curve, name, is_corrected in zip(
             curves, (MODAL, CORRECTED), (False, True), strict=True

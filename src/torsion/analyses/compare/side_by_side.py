@@ -116,17 +116,17 @@ class ModelCompared:
 
     @derived("1", (), "magnitude; null if a mode is missing")
     def largest_frequency_error(self) -> float:
-        """NaN where there is none."""
+        """The largest error of a natural frequency; NaN if there is none."""
         return float(np.fmax.reduce(np.abs(self.frequency_error), initial=math.nan))
 
     @derived("1", (), "null if a mode is missing or no shape could be compared")
     def largest_shape_error(self) -> float:
-        """NaN where there is none."""
+        """The largest error of a mode shape, 1 - MAC; NaN if there is none."""
         return float(np.fmax.reduce(self.shape_error, initial=math.nan))
 
     @derived("1", (), "null if no torque was compared")
     def largest_torque_error(self) -> float:
-        """NaN where there is none."""
+        """The largest error of the response torques; NaN if there is none."""
         return math.nan if self.torques is None else self.torques.largest
 
     @property
@@ -136,7 +136,7 @@ class ModelCompared:
 
     @derived("", (), "no error exceeds the tolerance")
     def passes(self) -> bool:
-        """As its verdict says."""
+        """Whether frequencies, shapes and torques are within their tolerances."""
         return not any(
             error > limit for error, limit in zip(self.largest, self.tolerances, strict=True)
         )
@@ -168,8 +168,8 @@ class Compared:
 
     @derived("", (), "models with an error above the tolerance")
     def failed(self) -> tuple[str, ...]:
-        """Their names."""
-        return tuple(found.model for found in self.models if not found.passes)
+        """The names of the models that exceed the tolerance."""
+        return tuple(model.model for model in self.models if not model.passes)
 
     @derived(
         "",
@@ -178,7 +178,7 @@ class Compared:
         key="models",
     )
     def all_models(self) -> tuple[ModelCompared, ...]:
-        """The exact one first."""
+        """Every model, the exact one first."""
         return () if self.exact is None else (self.exact, *self.models)
 
     @property
@@ -209,12 +209,14 @@ def check(
     progress("check: exact", 0.0)
     exact = _solved(replace(study, model="exact"), count, top, harmonics)
     excited = _frequencies(exact.modes, _count_below(exact.modes, top))
-    found = [exact]
-    for place, name in enumerate(names, start=1):
-        progress(f"check: {name}", place / (len(names) + 1))
-        found.append(_solved(replace(study, model=name), count, top, harmonics, excited))
+    solutions = [exact]
+    for position, name in enumerate(names, start=1):
+        progress(f"check: {name}", position / (len(names) + 1))
+        solutions.append(_solved(replace(study, model=name), count, top, harmonics, excited))
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
-    compared = [_compared(one, exact, count, highest, settings.limits) for one in found]
+    compared = [
+        _compared(solution, exact, count, highest, settings.limits) for solution in solutions
+    ]
     speed = None if harmonics is None else harmonics.speed
     return Compared(*settings.limits, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
 
@@ -263,26 +265,30 @@ def _solved(
     def assemble(highest: float, number: int) -> Modes:
         return modes(assembled(study, highest), number)
 
-    def solve(found: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
-        given = None if harmonics is None else loaded(found.system, harmonics)
+    def solve(modes_found: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
+        given = None if harmonics is None else loaded(modes_found.system, harmonics)
         if given is not None and exact is not None:
-            given = _as_far_from_resonance(given, _frequencies(found, exact.size), exact)
-        return found, given, [] if given is None else elimination(given)
+            given = _as_far_from_resonance(given, _frequencies(modes_found, exact.size), exact)
+        return modes_found, given, [] if given is None else elimination(given)
 
     assemble(0.0, 1)  # imports what the model needs, which is no time of its own
     candidate = Candidate(
-        study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ()
+        study.model, "", 0, partial(assemble, top, count + 1), solve, lambda solved_modes: ()
     )
-    (found, given, torques), modes_seconds, torques_seconds = run(candidate)
+    (solved_modes, given, torques), modes_seconds, torques_seconds = run(candidate)
     return _Solved(
-        found, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds
+        solved_modes, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds
     )
 
 
-def _frequencies(found: Modes, number: int) -> FloatArray:
+def _frequencies(modes_found: Modes, number: int) -> FloatArray:
     """The natural frequencies (modes,) Hz of a model, so many at least where it has them."""
-    enough = number <= found.frequency.size
-    return found.frequency if enough else modes_as_discretised(found.system, number).frequency
+    enough = number <= modes_found.frequency.size
+    return (
+        modes_found.frequency
+        if enough
+        else modes_as_discretised(modes_found.system, number).frequency
+    )
 
 
 def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArray) -> Loaded:
@@ -302,54 +308,60 @@ def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArr
 
 
 def _compared(
-    one: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]
+    model: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]
 ) -> ModelCompared:
-    system, train = one.modes.system, exact.modes.system.train
-    known, own = min(count, one.modes.frequency.size), len(train.stations)
+    system, train = model.modes.system, exact.modes.system.train
+    known_modes, own_stations = min(count, model.modes.frequency.size), len(train.stations)
     frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
-    frequency[:known] = one.modes.frequency[:known]
+    frequency[:known_modes] = model.modes.frequency[:known_modes]
     weights = shape_weights(exact.modes.system)
-    shape[:known] = shape_errors(
-        one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights
+    shape[:known_modes] = shape_errors(
+        model.modes.shape[:own_stations, :known_modes],
+        exact.modes.shape[:own_stations],
+        exact.modes.frequency,
+        weights,
     )
     torques = (
-        None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
+        None
+        if model.loaded is None or exact.loaded is None
+        else _torques(model, exact, exact.loaded)
     )
     return ModelCompared(
         system.model,
         discretisation_words(system),
-        one.modes.certified,
+        model.modes.certified,
         frequency,
-        relative_errors(frequency[:known], exact.modes.frequency[:count]),
+        relative_errors(frequency[:known_modes], exact.modes.frequency[:count]),
         shape,
-        _count_below(one.modes, highest),
+        _count_below(model.modes, highest),
         torques,
-        one.modes_seconds,
-        one.torques_seconds,
+        model.modes_seconds,
+        model.torques_seconds,
         (limits[0], *limits),
     )
 
 
-def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
+def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
     """The relative difference at every speed and order, where both answers can be trusted."""
     # referred to the reference speed, so that the torques of all ends are of one size
     ratio = given.system.span_ratio[given.ends.span]
-    found, wanted = (
-        np.array([line.torque * ratio for line in model.torques]) for model in (one, exact)
+    torques, wanted = (
+        np.array([line.torque * ratio for line in model.torques]) for model in (compared, exact)
     )
-    unknown = np.any(
-        [[line.status != Status.OK for line in model.torques] for model in (one, exact)], axis=0
+    uncertain = np.any(
+        [[line.status != Status.OK for line in model.torques] for model in (compared, exact)],
+        axis=0,
     ).T
     error = np.array(
-        [over_largest(*pair) for pair in zip(found, wanted, strict=True)]
+        [over_largest(*pair) for pair in zip(torques, wanted, strict=True)]
     ).T  # (speeds, lines)
-    error[unknown] = np.nan
-    over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(unknown))
+    error[uncertain] = np.nan
+    over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(uncertain))
     if np.isnan(error).all():
         return TorquesCompared(over_lines, math.nan, None, None, None, "", left_out)
-    speed, row = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
+    speed, row = (int(position) for position in np.unravel_index(np.nanargmax(error), error.shape))
     end, line = (
-        int(np.argmax(np.abs(found[row, speed] - wanted[row, speed]))),
+        int(np.argmax(np.abs(torques[row, speed] - wanted[row, speed]))),
         given.loads[row].line,
     )
     largest = float(error[speed, row])
@@ -358,27 +370,33 @@ def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
     )
 
 
-def _count_below(found: Modes, highest: float) -> int:
+def _count_below(modes_found: Modes, highest: float) -> int:
     """Elastic modes below a frequency (Hz), by counts where these reach so far."""
-    tree, w = undamped_tree(found.system), 2.0 * math.pi * highest
+    tree, w = undamped_tree(modes_found.system), 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 
-        return int(count_below(tree, w)[0]) - found.rigid
+        return int(count_below(tree, w)[0]) - modes_found.rigid
     from torsion.analyses.modes.bars import reach
 
-    known = reach(tree, w)
-    return known.count if known.frequency >= w else int(np.count_nonzero(found.frequency < highest))
+    reached = reach(tree, w)
+    return (
+        reached.count
+        if reached.frequency >= w
+        else int(np.count_nonzero(modes_found.frequency < highest))
+    )
 
 
 def run_check(work: Work) -> None:
     """The models of the shafts side by side."""
     with work.log.step("comparison of the models", "requested") as step:
-        found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
-        step.method = (
-            ", ".join(model.model for model in found.all_models) or "all models are the same"
+        comparison = check(
+            work.study, work.settings("check", CheckSettings), progress=work.progress
         )
-        step.size = "; ".join(f"{model.model}: {model.division}" for model in found.all_models)
-    if found.no_torques:
-        work.log.without("comparison of response torques", found.no_torques)
-    work.put(check=found)
+        step.method = (
+            ", ".join(model.model for model in comparison.all_models) or "all models are the same"
+        )
+        step.size = "; ".join(f"{model.model}: {model.division}" for model in comparison.all_models)
+    if comparison.no_torques:
+        work.log.without("comparison of response torques", comparison.no_torques)
+    work.put(check=comparison)

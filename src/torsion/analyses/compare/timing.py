@@ -33,7 +33,7 @@ class Spread:
 
     @classmethod
     def of(cls, samples: Sequence[float]) -> "Spread":
-        """Of at least one run."""
+        """Summarise the seconds of at least one run."""
         low, middle, high = (float(value) for value in np.quantile(samples, [0.25, 0.5, 0.75]))
         return cls(min(samples), low, middle, high, len(samples))
 
@@ -53,7 +53,7 @@ class TimedRow:
 
     @property
     def error(self) -> float:
-        """The worst of its errors."""
+        """The largest error over all columns of the quantity."""
         return max(self.errors)
 
     @property
@@ -63,12 +63,12 @@ class TimedRow:
 
     @property
     def assembly_spread(self) -> Spread:
-        """Of the runs' assemblies."""
+        """The seconds of assembly over all runs."""
         return Spread.of(self.assembly)
 
     @property
     def solve_spread(self) -> Spread:
-        """Of the runs' solves."""
+        """The seconds of solution over all runs."""
         return Spread.of(self.solve)
 
 
@@ -122,13 +122,13 @@ def unbeaten(rows: Sequence[TimedRow], bound: float = 0.0) -> tuple[TimedRow, ..
 
     Errors below the `bound` of the reference are equal, and so are those that differ by less than NOTICEABLE.
     """
-    found, least = [], math.inf
+    rows_kept, lowest = [], math.inf
     for row in sorted(rows, key=lambda row: (row.total.median, row.error)):
         error = max(row.error, bound)
-        if error < least * (1.0 - NOTICEABLE):
-            found.append(row)
-            least = error
-    return tuple(found)
+        if error < lowest * (1.0 - NOTICEABLE):
+            rows_kept.append(row)
+            lowest = error
+    return tuple(rows_kept)
 
 
 @dataclass(frozen=True)
@@ -201,9 +201,11 @@ class _Tried:
 
     def row(self) -> TimedRow:
         """Of every run; of the first alone where there is no other."""
-        one, first = self.candidate, [(time,) for time in self.first]
+        candidate, first = self.candidate, [(time,) for time in self.first]
         assembly, solve = (tuple(self.assembly), tuple(self.solve)) if self.solve else first
-        return TimedRow(one.curve, one.division, one.size, self.errors, assembly, solve)
+        return TimedRow(
+            candidate.curve, candidate.division, candidate.size, self.errors, assembly, solve
+        )
 
 
 def timed(
@@ -217,10 +219,10 @@ def timed(
     tried, remarks, ended = list[_Tried](), list[str](), list[str]()
     for number, curve in enumerate(curves):
         progress(f"{what}: errors", 0.3 * number / len(curves))
-        found, remark = _tried(curve, pace)
-        tried += found
+        trials, remark = _tried(curve, pace)
+        tried += trials
         remarks += [remark] if remark else []
-        if not remark and len(found) < len(curve):
+        if not remark and len(trials) < len(curve):
             ended.append(curve[0].curve)
     if ended:
         remarks.append(
@@ -228,17 +230,19 @@ def timed(
         )
     start, turn = pace.clock(), 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
-        turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]
+        turning = [
+            trial for trial in tried if turn < pace.slow_rounds or sum(trial.first) <= pace.slow
+        ]
         if not turning:
             break
         gc.collect()
-        for number, one in enumerate(turning):
+        for number, trial in enumerate(turning):
             progress(
                 f"{what}: times", min(0.3 + 0.7 * (turn + number / len(turning)) / pace.rounds, 1.0)
             )
-            _turn(one, pace)
+            _turn(trial, pace)
         turn += 1
-    return tuple(one.row() for one in tried), tuple(remarks)
+    return tuple(trial.row() for trial in tried), tuple(remarks)
 
 
 def run(
@@ -260,27 +264,34 @@ def run(
 
 def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
     """What was run of a curve, and why it ends before its end, unless rounding alone is left."""
-    found = list[_Tried]()
-    for number, one in enumerate(curve):
+    trials = list[_Tried]()
+    for number, candidate in enumerate(curve):
         try:
-            answer, *first = run(one, pace.clock)
+            answer, *first = run(candidate, pace.clock)
             if sum(first) > pace.longest:  # the first run of all loads what a method needs
-                answer, *first = run(one, pace.clock)
+                answer, *first = run(candidate, pace.clock)
         except (SolveError, np.linalg.LinAlgError) as error:
-            return found, f"{one.curve}, {one.division}: {error}"
-        found.append(_Tried(one, one.errors(answer), (first[0], first[1])))
+            return trials, f"{candidate.curve}, {candidate.division}: {error}"
+        trials.append(_Tried(candidate, candidate.errors(answer), (first[0], first[1])))
         left = len(curve) - number - 1
         if left and sum(first) > pace.longest:
-            took = f"one run of {one.division} takes {sum(first):.2g} s"
-            return found, f"{one.curve}: finer discretisations are not run ({left}), as {took}."
-        if left and len(found) > 1 and all(max(before.errors) < ROUNDING for before in found[-2:]):
+            took = f"one run of {candidate.division} takes {sum(first):.2g} s"
+            return (
+                trials,
+                f"{candidate.curve}: finer discretisations are not run ({left}), as {took}.",
+            )
+        if (
+            left
+            and len(trials) > 1
+            and all(max(before.errors) < ROUNDING for before in trials[-2:])
+        ):
             break
-    return found, ""
+    return trials, ""
 
 
-def _turn(one: _Tried, pace: Pace) -> None:
+def _turn(trial: _Tried, pace: Pace) -> None:
     """A run, or as many as fit into `pace.turn` where they are fast."""
-    for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(one.first), 1e-9))))):
-        _, assembly, solve = run(one.candidate, pace.clock)
-        one.assembly.append(assembly)
-        one.solve.append(solve)
+    for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(trial.first), 1e-9))))):
+        _, assembly, solve = run(trial.candidate, pace.clock)
+        trial.assembly.append(assembly)
+        trial.solve.append(solve)

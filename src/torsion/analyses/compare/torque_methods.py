@@ -54,8 +54,8 @@ class Ends:
 
         w: (frequencies,) rad/s.
         """
-        own = (w * w)[:, None] * self.lump * angle[:, self.station]
-        return np.asarray(torque[:, self.span] + own)
+        inertia_torque = (w * w)[:, None] * self.lump * angle[:, self.station]
+        return np.asarray(torque[:, self.span] + inertia_torque)
 
 
 def elastic_ends(system: System) -> Ends:
@@ -82,13 +82,13 @@ def _links(system: System) -> int:
 
 def _ends(system: System, links: Iterable[int], shafts: Iterable[_End]) -> Ends:
     """Both sorts of ends in the order of the components."""
-    found = list(shafts)
+    ends = list(shafts)
     for k in links:
         span, delay = system.spans[k], float(system.viscous[k] * system.flexibility[k])
-        found.append(
+        ends.append(
             (span.part, span.name, k, span.driving, 0.0, float(system.loss_factor[k]), delay)
         )
-    _, names, *columns = zip(*sorted(found, key=itemgetter(0)), strict=True) if found else ((),) * 7
+    _, names, *columns = zip(*sorted(ends, key=itemgetter(0)), strict=True) if ends else ((),) * 7
     places = [np.array(column, dtype=np.int64) for column in columns[:2]]
     return Ends(
         names, places[0], places[1], *(np.array(column, dtype=np.float64) for column in columns[2:])
@@ -97,8 +97,8 @@ def _ends(system: System, links: Iterable[int], shafts: Iterable[_End]) -> Ends:
 
 def _of_shaft(system: System, bar: Bar) -> list[_End]:
     """A shaft's driving end, and its driven end unless it has no inertia and so one torque all along."""
-    own = [k for k, span in enumerate(system.spans) if span.part == bar.part]
-    first = next(k for k in own if system.spans[k].driving == bar.driving)
+    spans = [k for k, span in enumerate(system.spans) if span.part == bar.part]
+    first = next(k for k in spans if system.spans[k].driving == bar.driving)
     half = (0.0, 0.0)
     if system.bars is None and bar.density > 0:
         lumps = bar_segments(bar, system.segments[bar.name])[1]
@@ -106,7 +106,7 @@ def _of_shaft(system: System, bar: Bar) -> list[_End]:
     driving = (bar.part, bar.name, first, bar.driving, -half[0], bar.loss_factor, 0.0)
     if bar.density == 0:
         return [driving]
-    last = next(k for k in reversed(own) if system.spans[k].driven == bar.driven)
+    last = next(k for k in reversed(spans) if system.spans[k].driven == bar.driven)
     return [
         driving,
         (bar.part, f"{bar.name}{DRIVEN}", last, bar.driven, half[1], bar.loss_factor, 0.0),
@@ -167,12 +167,15 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
     speed, loads = harmonics.speed, list[Load]()
     mean = steady_if_known(harmonics.study, system, speed)
     ground = ground_damping(system, speed, mean)
-    for one in excitations(system, harmonics.orders):
-        line = one.line
+    for excitation in excitations(system, harmonics.orders):
+        line = excitation.line
         if harmonics.keys is None or (line.order, line.frequency) in harmonics.keys:
             loads.append(
                 Load(
-                    line, line.circular_frequency(speed), sources(system, one, speed, mean), ground
+                    line,
+                    line.circular_frequency(speed),
+                    sources(system, excitation, speed, mean),
+                    ground,
                 )
             )
     return Loaded(system, harmonics.ends(system), tuple(loads))
@@ -180,18 +183,22 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
 
 def elimination(given: Loaded) -> list[Torques]:
     """The torques of every harmonic by two-sided elimination, and how far they can be trusted."""
-    found = (
+    answers = (
         (load, answer(given.system, load.w, load.sources, load.ground)) for load in given.loads
     )
     return [
-        Torques(given.ends.torque(load.w, one.angle, one.torque), one.residual, one.status)
-        for load, one in found
+        Torques(
+            given.ends.torque(load.w, solution.angle, solution.torque),
+            solution.residual,
+            solution.status,
+        )
+        for load, solution in answers
     ]
 
 
 def eliminated(given: Loaded) -> list[ComplexArray]:
     """Torques (speeds, ends) N m of every harmonic by two-sided elimination."""
-    return [one.torque for one in elimination(given)]
+    return [torques.torque for torques in elimination(given)]
 
 
 def statically(given: Loaded, low: float) -> list[ComplexArray]:
@@ -254,11 +261,11 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
             + 1j * w * (view.damping + (view.basis.T * ground) @ view.basis)
         )
         spring = full.stiffness + 1j * w * system.viscous
-        own = turned[:, k] * system.speed_ratio
+        imposed = turned[:, k] * system.speed_ratio
         twist = system.twist(turned[:, k, None])[:, 0]
-        acting = force[:, k] + view.basis.T @ ((w * w * inertia - 1j * w * ground) * own)
+        acting = force[:, k] + view.basis.T @ ((w * w * inertia - 1j * w * ground) * imposed)
         free = np.linalg.solve(stiffness, acting - full.across.T @ (spring * twist))
-        angle[k] = view.basis @ free + own
+        angle[k] = view.basis @ free + imposed
         torque[k] = spring * (full.across @ free + twist)
     return full.given.ends.torque(load.w, angle, torque)
 
@@ -282,28 +289,33 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
     system are exact: their torques at both ends are those of spans.
     """
-    found = modes_as_discretised(given.system, count)
+    modes_found = modes_as_discretised(given.system, count)
     still = (
-        statically(given, SLOW * 2.0 * np.pi * found.frequency[0])
+        statically(given, SLOW * 2.0 * np.pi * modes_found.frequency[0])
         if corrected
         else [None] * len(given.loads)
     )
     return [
-        _superposed(given, found, load, torque)
+        _superposed(given, modes_found, load, torque)
         for load, torque in zip(given.loads, still, strict=True)
     ]
 
 
 def _superposed(
-    given: Loaded, found: Modes, load: Load, still: ComplexArray | None
+    given: Loaded, modes_found: Modes, load: Load, still: ComplexArray | None
 ) -> ComplexArray:
     """Of one harmonic component, from modes each damped by itself; what couples them is left out."""
-    system, w, n, twist = given.system, load.w, 2.0 * np.pi * found.frequency, load.sources.twist
-    referred = found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
+    system, w, n, twist = (
+        given.system,
+        load.w,
+        2.0 * np.pi * modes_found.frequency,
+        load.sources.twist,
+    )
+    referred = modes_found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
     node = np.zeros((system.condensed.tree.size, referred.shape[1]))
     node[system.condensed.node] = referred
     loss_factor, of_spans = (
-        system.loss_factor @ found.elastic,
+        system.loss_factor @ modes_found.elastic,
         system.viscous @ system.twist(referred) ** 2,
     )
     force = load.sources.force.T @ node
@@ -311,7 +323,9 @@ def _superposed(
     if twist is not None:
         in_tree = np.flatnonzero(system.condensed.span >= 0)
         factor = (system.condensed.sign * system.span_ratio)[in_tree, None]
-        turned = turned - twist[system.condensed.span[in_tree]].T @ (factor * found.torque[in_tree])
+        turned = turned - twist[system.condensed.span[in_tree]].T @ (
+            factor * modes_found.torque[in_tree]
+        )
     angle = (node[system.condensed.node] * system.speed_ratio[:, None]).T
     viscous = of_spans + load.ground.T @ (angle.T**2)
     lossy = n**2 * (1.0 + 1j * loss_factor)
@@ -319,13 +333,13 @@ def _superposed(
     amplitude = (force + spring * turned / n**2) / (
         lossy - (w * w)[:, None] + 1j * w[:, None] * viscous
     )
-    at = given.ends
+    ends = given.ends
     share = 1.0 + 1j * (
-        at.loss_factor + np.outer(w, at.delay)
+        ends.loss_factor + np.outer(w, ends.delay)
     )  # elastic and damping torque / elastic torque
     if still is not None:
         moved = amplitude - force / spring - turned / n**2
-        return np.asarray(still[:, at.span] + share * (moved @ found.torque[at.span].T))
+        return np.asarray(still[:, ends.span] + share * (moved @ modes_found.torque[ends.span].T))
     if twist is not None:
-        return np.full((len(w), len(at.name)), np.nan, dtype=np.complex128)
-    return np.asarray(share * (amplitude @ found.torque[at.span].T))
+        return np.full((len(w), len(ends.name)), np.nan, dtype=np.complex128)
+    return np.asarray(share * (amplitude @ modes_found.torque[ends.span].T))

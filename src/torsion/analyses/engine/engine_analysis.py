@@ -1,8 +1,7 @@
 """Engines of the train: harmonics at the rated speed, sums of phasors by mode, varying inertia, misfires; faults."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 
@@ -31,67 +30,75 @@ from torsion.model.lowering import Part
 from torsion.study import Study
 
 MOST_MODES = 3  # of the sums of phasors: the lowest
-VARYING = 4  # harmonics of the inertia that are looked at
-
-
-@dataclass(frozen=True)
-class Running:
-    """An engine at one speed; N m, None where the load is not known."""
-
-    speed: float  # rad/s, own
-    applied: float | None  # mean torque of the station that says the load
-    mean: float | None  # of the whole engine as it runs
+VARYING = 4  # harmonics of the inertia that are considered
 
 
 def run(work: Work) -> None:
-    """Every engine."""
+    """Put the results of every engine."""
     with work.log.step("engines", "the train has one") as step:
-        found = tuple(
+        engines = tuple(
             _engine(work, part, part.engine)
             for part in work.study.train.parts
             if part.engine is not None
         )
         step.method = "harmonics by quadrature, sums of phasors, misfires by superposition"
-        step.size = f"{len(found)} with {sum(len(one.cylinders) for one in found)} cylinders"
-        work.put(engines=Engines(found))
+        count = sum(len(engine.cylinders) for engine in engines)
+        step.size = f"{len(engines)} with {count} cylinders"
+        work.put(engines=Engines(engines))
+
+
+def running_point(
+    work: Work, part: Part, stations: Iterable[int]
+) -> tuple[float | None, float | None]:
+    """Return own speed (rad/s) at the rated, else at the highest speed, and mean torque (N m) that enters there.
+
+    None for what the file does not say.
+    """
+    reference = work.study.operation.speed
+    if reference is None:
+        return None, None
+    steady = steady_if_known(work.study, work.system, np.array([reference]))
+    torque = None
+    if steady is not None:
+        torque = float(sum(steady.applied[station, 0] for station in stations))
+    return reference * abs(float(part.ratio)), torque
 
 
 def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
-    running = _running(work, part, engine)
-    share = sum(own for _, own in engine.drives)
-    balanced = (
-        None if running is None or running.mean is None or not share else running.mean / share
-    )
-    gas_mean = None if balanced is None else balanced / len(engine.cylinders) / engine.efficiency
-    size, law = engine.cylinder, engine.gas
-    at_one = law is not None and law.goes_on  # load
-    stated = (
-        None
-        if size is None or law is None or law.stated is None or not at_one
-        else size.imep(law.stated)
-    )
+    speed, mean = running_point(work, part, dict(engine.drives))
+    share = sum(share for _, share in engine.drives)
+    balanced = gas_mean = None
+    if mean is not None and share:
+        balanced = mean / share
+        gas_mean = balanced / len(engine.cylinders) / engine.efficiency
+    size, law, imep, stated = engine.cylinder, engine.gas, None, None
+    if size is not None:
+        imep = None if gas_mean is None else size.imep(gas_mean)
+        # Only a gas torque of one load goes on at every load.
+        if law is not None and law.stated is not None and law.goes_on:
+            stated = size.imep(law.stated)
     return EngineFound(
         name=part.name,
         gas_words=engine.gas_words,
-        speed=None if running is None else running.speed,
-        mean_torque=None if running is None else running.mean,
+        speed=speed,
+        mean_torque=mean,
         balanced_torque=balanced,
         gas_mean=gas_mean,
-        imep=None if size is None or gas_mean is None else size.imep(gas_mean),
+        imep=imep,
         stated=stated,
         efficiency=engine.efficiency,
         keeps_power=engine.keeps_power,
         cylinders=tuple(
             CylinderFound(
-                one.number,
-                work.system.stations[one.station].name,
-                one.firing,
-                one.state,
-                one.share if one.state == "firing" else 0.0,
+                cylinder.number,
+                work.system.stations[cylinder.station].name,
+                cylinder.firing,
+                cylinder.state,
+                cylinder.share if cylinder.state == "firing" else 0.0,
             )
-            for one in engine.cylinders
+            for cylinder in engine.cylinders
         ),
-        harmonics=tuple(_harmonics(work, engine, running, gas_mean)),
+        harmonics=tuple(_harmonics(work, engine, speed or 0.0, gas_mean)),
         curves=tuple(_curves(engine)),
         inertia=float(engine.inertia_over_angle[0].real),
         inertia_harmonics=tuple(engine.inertia_over_angle[1 : VARYING + 1].tolist()),
@@ -103,209 +110,155 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
     )
 
 
-def _running(work: Work, part: Part, engine: EngineRecord) -> Running | None:
-    """At the rated speed, else the highest; None where no speed is given."""
-    speed = work.study.operation.speed
-    if speed is None:
-        return None
-    own = speed * abs(float(part.ratio))
-    steady = steady_if_known(work.study, work.system, np.array([speed]))
-    if steady is None:
-        return Running(own, None, None)
-    applied = steady.applied[:, 0]
-    return Running(own, None, float(sum(applied[station] for station in dict(engine.drives))))
-
-
 def _harmonics(
-    work: Work, engine: EngineRecord, running: Running | None, gas_mean: float | None
+    work: Work, engine: EngineRecord, speed: float, gas_mean: float | None
 ) -> Iterator[HarmonicFound]:
-    """Those that are there, of a firing cylinder in balance."""
-    speed = np.array([0.0 if running is None else running.speed])
-    load = None if gas_mean is None else np.array([gas_mean])
+    """Yield the harmonics of a firing cylinder of the balanced engine, those that exist."""
     law, size = engine.gas, engine.cylinder
-    numbers = [k for k in range(1, len(engine.inertia)) if _is_there(engine, k)]
-    phasors = np.array([[one.phasor(number) for one in engine.cylinders] for number in numbers])
+    load = None if gas_mean is None else np.array([gas_mean])
+    numbers = [
+        number
+        for number in range(1, len(engine.inertia))
+        if engine.inertia[number] or (law is not None and law.firing[:, number].any())
+    ]
+    phasors = np.array(
+        [[cylinder.phasor(number) for cylinder in engine.cylinders] for number in numbers]
+    )
     rigid = np.abs(phasors.sum(axis=1))
-    modes = [np.abs(phasors @ shape) for shape in _shapes(work, engine)]
-    for place, number in enumerate(numbers):
-        gas = 0j if law is None else complex(law.harmonic(number, load, speed)[0])
-        known = law is not None and law.motored is not None
-        motored = (
-            complex(law.harmonic(number, load, speed, state="motored")[0])
-            if law is not None and known
-            else None
-        )
-        masses = complex(engine.inertia[number]) * float(speed[0]) ** 2
-        tangential = None if size is None else abs(gas + masses) / size.tangential
+    by_mode = [np.abs(phasors @ shape) for shape in _throw_shapes(work, engine)]
+    for row, number in enumerate(numbers):
+        gas, motored, speeds = 0j, None, np.array([speed])
+        if law is not None:
+            gas = complex(law.harmonic(number, load, speeds)[0])
+            if law.motored is not None:
+                motored = complex(law.harmonic(number, load, speeds, state="motored")[0])
+        masses = complex(engine.inertia[number]) * speed**2
         yield HarmonicFound(
             Fraction(number, engine.revolutions),
             gas,
             masses,
             motored,
-            tangential,
-            float(rigid[place]),
-            tuple(float(mode[place]) for mode in modes),
+            None if size is None else abs(gas + masses) / size.tangential,
+            float(rigid[row]),
+            tuple(float(sums[row]) for sums in by_mode),
         )
 
 
-def _is_there(engine: EngineRecord, number: int) -> bool:
-    return bool(
-        engine.inertia[number] or (engine.gas is not None and engine.gas.firing[:, number].any())
-    )
-
-
-def _shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
-    """Of the lowest modes the angle at the throw of every cylinder, relative to the largest of these."""
-    modes = work.get(Modes)
-    if modes is None:
-        return []
-    stations = [one.station for one in engine.cylinders]
-    angle = modes.shape[stations, :MOST_MODES]
-    largest = np.abs(angle).max(axis=0)
-    return [angle[:, k] / largest[k] for k in range(angle.shape[1]) if largest[k] > 0]
+def _throw_shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
+    """Return the angles (cylinders,) of each of the lowest modes at the throws, relative to the largest of these."""
+    modes, stations = work.get(Modes), [cylinder.station for cylinder in engine.cylinders]
+    angles = [] if modes is None else [*modes.shape[stations, :MOST_MODES].T]
+    return [angle / np.abs(angle).max() for angle in angles if angle.any()]
 
 
 def _curves(engine: EngineRecord) -> Iterator[CurveFound]:
     for curve in engine.curves:
-        size = engine.cylinder
-        lever = (
-            np.zeros(len(curve.angle))
-            if size is None
-            else size.lever(curve.angle) / size.tangential
-        )
-        tangential = (curve.pressure - curve.around) * lever
-        yield CurveFound(
-            curve.name,
-            curve.angle,
-            curve.pressure,
-            curve.motored,
-            tangential,
-            curve.imep,
-            curve.stated,
-        )
+        tangential = np.zeros(len(curve.angle))
+        if (size := engine.cylinder) is not None:
+            lever = size.lever(curve.angle) / size.tangential
+            tangential = (curve.pressure - curve.around) * lever
+        pressures = curve.pressure, curve.motored, tangential
+        yield CurveFound(curve.name, curve.angle, *pressures, curve.imep, curve.stated)
 
 
 def _varying(work: Work, engine: EngineRecord) -> Iterator[VaryingInertia]:
-    """Of all cylinders alike."""
-    numbers = range(1, min(VARYING, len(engine.inertia_over_angle) - 1) + 1)
-    over = engine.inertia_over_angle[1 : len(numbers) + 1]
-    return varying_inertia(
-        work,
-        [
-            (one.station, over * np.array([one.phasor(k * engine.revolutions) for k in numbers]))
-            for one in engine.cylinders
-        ],
-    )
+    """Yield the varying inertia of all cylinders alike."""
+    inertia = engine.inertia_over_angle[1 : VARYING + 1]
+    orders = np.arange(1, len(inertia) + 1) * engine.revolutions
+    cylinders = [
+        (cylinder.station, inertia * [cylinder.phasor(order) for order in orders.tolist()])
+        for cylinder in engine.cylinders
+    ]
+    return varying_inertia(work, cylinders)
 
 
 def varying_inertia(
     work: Work, cylinders: Sequence[tuple[int, ComplexArray]]
 ) -> Iterator[VaryingInertia]:
-    """Of cylinders with their stations and (harmonics,) kg m2 of their inertia over a revolution, phasors included.
+    """Yield every mode with the largest harmonic of its inertia over a revolution.
 
-    Of every mode with its largest harmonic: J_0 (1 + e cos k angle) is unstable about 2 w/k +- e/4 of that.
-
-    With the damping ratio z of the mode it is stable for e < 4 z (first order in e; an estimate).
+    cylinders: stations and (harmonics,) kg m2 of their inertia, phasors included. J_0 (1 + e cos k angle) is unstable
+    about 2 w/k +- e/4 of that; with the damping ratio z of the mode it is stable for e < 4 z (first order in e).
     """
     modes, damped = work.get(Modes), work.get(DampedModes)
-    over = np.array([own for _, own in cylinders]).T
-    if modes is None or not over.any():
+    inertia = np.array([harmonics for _, harmonics in cylinders]).T
+    if modes is None or not inertia.any():
         return
-    square = (
-        modes.shape[[station for station, _ in cylinders]] ** 2
-    )  # of 1 kg m2 of the mode: mass-normalised
-    found = np.abs(over @ square)
+    # The inertia of a mode is 1 kg m2: shapes are mass-normalised.
+    square = modes.shape[[station for station, _ in cylinders]] ** 2
+    ratios = () if damped is None else damped.damping_ratio.tolist()
+    shares = np.abs(inertia @ square)
     for mode in range(min(modes.shape.shape[1], 2 * MOST_MODES)):
-        best = int(found[:, mode].argmax())
-        share = float(found[best, mode])
-        middle = 2.0 * 2.0 * math.pi * float(modes.frequency[mode]) / (best + 1)
-        same = damped is not None and len(damped.damping_ratio) > mode
-        ratio = float(damped.damping_ratio[mode]) if damped is not None and same else None
-        yield VaryingInertia(
-            mode + 1, best + 1, share, middle * (1 - share / 4), middle * (1 + share / 4), ratio
-        )
+        harmonic = int(shares[:, mode].argmax()) + 1
+        share = float(shares[harmonic - 1, mode])
+        middle = 2.0 * 2.0 * math.pi * float(modes.frequency[mode]) / harmonic
+        ends = middle * (1 - share / 4), middle * (1 + share / 4)
+        ratio = ratios[mode] if len(ratios) > mode else None
+        yield VaryingInertia(mode + 1, harmonic, share, *ends, ratio)
 
 
 def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[MisfireFound]]:
-    """What finds every cylinder in turn.
+    """Return the function that computes the misfire of every cylinder in turn.
 
-    It finds nothing without a response, and in all but the first of the runs of `misfire: worst`.
+    It gives nothing without a response, and in all but the first of the runs of `misfire: worst`.
     """
-    response = work.get(Response)
-    if engine.tries_all and next(
-        one.number for one in engine.cylinders if one.state != "cut out"
-    ) not in (one.number for one in engine.cylinders if one.state == "motored"):
-        return tuple
-    if response is None or len(engine.cylinders) == 1:
+    response, name = work.get(Response), work.study.train.parts[engine.part].name
+    first = next(cylinder for cylinder in engine.cylinders if cylinder.state != "cut out")
+    is_later_run = engine.tries_all and first.state != "motored"
+    if response is None or len(engine.cylinders) == 1 or is_later_run:
         return tuple
     if work.study.case is not None and not engine.tries_all:
-        what = f"misfire of each cylinder of {work.study.train.parts[engine.part].name} in addition to this case"
         work.log.without(
-            what, f"the nominal case contains it; {STATED}, in a case `based_on` this one"
+            f"misfire of each cylinder of {name} in addition to this case",
+            f"the nominal case contains it; {STATED}, in a case `based_on` this one",
         )
         return tuple
     if why := without_answer(response):
-        work.log.without(
-            f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why
-        )
+        work.log.without(f"misfire of each cylinder of {name}", why)
     return partial(misfires, work.study, response, engine)
 
 
 def engine_faults(study: Study) -> Iterator[Fault]:
-    """Engines without a phase between them, and tables that do not cover the loads or speeds of the response."""
-    parts = [part for part in study.train.parts if part.engine is not None]
-    lacking = [part for part in parts if part.engine is not None and not part.engine.has_phase]
+    """Yield engines without a phase between them, and tables that do not cover the loads or speeds of the response."""
+    engines = [(part, part.engine) for part in study.train.parts if part.engine is not None]
+    lacking = [part for part, engine in engines if not engine.has_phase]
     for part in lacking[1:]:
         message = f"'{part.name}' and '{lacking[0].name}' have no `phase` between them"
-        yield Fault(
-            part.path,
-            message,
-            "give the crank angle at which its first cylinder fires: `phase: 60 deg`",
-        )
-    chance = [part for part in parts if part.engine is not None and part.engine.by_chance]
-    if chance and (study.train.has_nonlinear_couplings or "transient" in study.analyses):
-        what = (
-            "a motion over time"
-            if "transient" in study.analyses
-            else "backlash, friction, stages or a clutch"
-        )
+        hint = "give the crank angle at which its first cylinder fires: `phase: 60 deg`"
+        yield Fault(part.path, message, hint)
+    by_chance = [part for part, engine in engines if engine.by_chance]
+    is_transient = "transient" in study.analyses
+    if by_chance and (is_transient or study.train.has_nonlinear_couplings):
+        what = "a motion over time" if is_transient else "backlash, friction, stages or a clutch"
         message = f"`phase: worst` adds magnitudes, and {what} does not follow so"
-        yield Fault((*chance[0].path, "phase"), message, "give the angle, in several cases")
-    for part in parts:
-        if part.engine is not None:
-            yield from _uncovered(study, part, part.engine)
+        yield Fault((*by_chance[0].path, "phase"), message, "give the angle, in several cases")
+    for part, engine in engines:
+        yield from _uncovered(study, part, engine)
 
 
 def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault]:
-    """The gas torque is not known at some load or speed."""
+    """Yield the fault of a gas torque that is not known at some load or speed of the response."""
     law, operation = engine.gas, study.operation
     if law is None or operation.speeds is None:
         return
     rated = [] if operation.rated is None else [operation.rated.speed]
     speed = np.append(operation.speeds.values(), rated)
-    if law.over == "speed":
-        own = speed * abs(float(part.ratio))
-        if not law.covers(own):
-            yield _beyond(part, own * 30.0 / math.pi, law.at * 30.0 / math.pi, "rpm")
-    elif law.over == "load" and study.has_mean_torque:
+    factor, unit, needed = 30.0 / math.pi, "rpm", speed * abs(float(part.ratio))
+    if law.over == "load" and study.has_mean_torque:
         station, of_mean = engine.load_says
         try:
             entering = power_balance(study.train, operation).applied(station, speed)
-            each = entering / float(study.train.stations[station].ratio) * of_mean
         except InputError:
             return  # the mean torque is at fault, and reported as that
-        if not law.covers(each):
-            unit = 1.0 if engine.cylinder is None else engine.cylinder.imep(1.0) * 1e-5
-            yield _beyond(
-                part,
-                unit * each,
-                unit * law.at,
-                "N m of a cylinder" if engine.cylinder is None else "`bar` imep",
-            )
-
-
-def _beyond(part: Part, wanted: FloatArray, known: FloatArray, unit: str) -> Fault:
-    covers = f"cover {known[0]:.5g} to {known[-1]:.5g} {unit}"
-    message = f"the tables of '{part.name}' {covers}, the operation needs {wanted.min():.5g} to {wanted.max():.5g}"
-    hint = "add a table (`motored` rows are one of no load), or narrow the speeds; nothing is extrapolated"
-    return Fault((*part.path, "gas"), message, hint)
+        needed = entering / float(study.train.stations[station].ratio) * of_mean
+        factor, unit = 1.0, "N m of a cylinder"
+        if engine.cylinder is not None:
+            factor, unit = engine.cylinder.imep(1.0) * 1e-5, "`bar` imep"
+    elif law.over != "speed":
+        return
+    if not law.covers(needed):
+        first, last = law.at[0] * factor, law.at[-1] * factor
+        needs = f"the operation needs {needed.min() * factor:.5g} to {needed.max() * factor:.5g}"
+        message = f"the tables of '{part.name}' cover {first:.5g} to {last:.5g} {unit}, {needs}"
+        hint = "add a table (`motored` rows are one of no load), or narrow the speeds; nothing is extrapolated"
+        yield Fault((*part.path, "gas"), message, hint)

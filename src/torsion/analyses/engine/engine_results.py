@@ -11,7 +11,7 @@ from torsion.results import derived, reported, result
 
 @reported
 class CylinderFound:
-    """One cylinder."""
+    """One cylinder of an engine, and how it runs."""
 
     number: int = result("", (), "as the file counts, from 1")
     station: str = result("", (), "its throw")
@@ -50,7 +50,7 @@ class HarmonicFound:
 
     @derived("N*m", (), "of gas and masses together")
     def total(self) -> complex:
-        """Their sum."""
+        """Phasor of the whole torque of the order."""
         return self.gas + self.masses
 
 
@@ -106,7 +106,7 @@ class MisfireFound:
 
 @reported
 class EngineFound:
-    """One engine."""
+    """An engine at the rated speed, else at the highest."""
 
     name: str = result("", (), "the engine")
     gas_words: str = result("", (), "how the gas torque is given", key="gas")

@@ -1,7 +1,7 @@
-"""Every cylinder of an engine without heat in turn: the half ranges of all elements, by superposition.
+"""Every cylinder of an engine motored in turn: the torque amplitudes of all elements, by superposition.
 
-The train is linear: to the response that is known comes that to what the torques of the cylinders change by. Of every
-throw and order the response to 1 N m is computed once.
+The train is linear: to the known response comes that to what the torques of the cylinders change by. The response to
+1 N m is computed once for every throw and order.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,7 +15,7 @@ from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answers, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.engine.gas_law import CylinderOrder, State
 from torsion.model.engine.record import EngineRecord
 from torsion.primitives import Torque
@@ -23,120 +23,115 @@ from torsion.study import Study
 
 MOST_SPEEDS = 101  # of those requested; to them come the peaks of every order in every element
 STATED = "`misfire: worst` solves the train for every cylinder"
-APART = 3e-3  # relative: nearer peaks stand for each other
+SAME_PEAK = 3e-3  # relative: nearer peaks stand for each other
 
 
-def misfires(study: Study, found: Response, engine: EngineRecord) -> list[MisfireFound]:
-    """With no cylinder motored, then each alone; empty where the motored torque is unknown or nothing excites."""
-    if engine.gas is None or engine.gas.motored is None or not found.lines or without_answer(found):
+def misfires(study: Study, response: Response, engine: EngineRecord) -> list[MisfireFound]:
+    """Return the engine with no cylinder motored, then each alone.
+
+    Empty where the motored torque is unknown or nothing excites.
+    """
+    is_known = engine.gas is not None and engine.gas.motored is not None
+    if not is_known or not response.lines or without_answer(response):
         return []
-    at = _speeds(found)
-    each = _half_ranges(study, found, engine, at)
-    more = _beside_largest(found, at, each)
-    each = np.concatenate([each, _half_ranges(study, found, engine, more)], axis=1)
-    at = np.concatenate([at, more])
-    order = np.argsort(at)
+    speeds = _chosen_speeds(response)
+    half_range = _half_ranges(study, response, engine, speeds)
+    added = _near_largest(speeds, half_range)
+    more = _half_ranges(study, response, engine, added)
+    half_range, speeds = np.concatenate([half_range, more], axis=1), np.append(speeds, added)
+    order = np.argsort(speeds)
     return [
-        MisfireFound(number, found.speed[at[order]], own[order]) for number, own in enumerate(each)
+        MisfireFound(number, response.speed[speeds[order]], values[order])
+        for number, values in enumerate(half_range)
     ]
 
 
-def _half_ranges(study: Study, found: Response, engine: EngineRecord, at: IntArray) -> FloatArray:
-    """(cases, speeds, spans) N m at the positions `at` of the speeds."""
-    system, speed = found.system, found.speed[at]
-    steady = steady_if_known(study, system, speed)
-    own = _torques(found, engine)
-    unit = _answers(study, found, at, own)
-    made = []
-    for number in range(len(engine.cylinders) + 1):
-        torque = found.torque[at]
-        for line, cylinder, one in own:
-            state: State = "motored" if cylinder == number else "firing"
-            order = one.cylinder
-            if order is None or (
-                order.state == state and (order.share == 1.0 or state == "motored")
-            ):
-                continue
-            ratio = float(system.speed_ratio[one.station])
-            mean = None if steady is None else steady.applied[order.station]
-            wanted = replace(order, state=state, share=1.0)
-            change = wanted.amplitude(speed * ratio, mean) - order.amplitude(speed * ratio, mean)
-            torque[:, line] += change[:, None] * unit[line, one.station]
-        case = replace(found, torque=torque, mean=found.mean[at], status=found.status[at])
-        made.append(synthesis(case).half_range)
-    return np.array(made)
-
-
-def without_answer(found: Response) -> str:
-    """Why nothing can be superposed; empty where it can."""
-    if found.balanced is not None or found.following is not None:
+def without_answer(response: Response) -> str:
+    """Return why nothing can be superposed; empty where it can."""
+    if response.balanced is not None or response.following is not None:
         return f"the train is not linear; {STATED}"
-    if found.by_magnitude:
+    if response.by_magnitude:
         return f"phases of engines to each other are any; {STATED}"
-    if found.system.tables_over("mean torque"):
+    if response.system.tables_over("mean torque"):
         return f"a misfire takes mean torque, and with it the stiffness of a coupling changes; {STATED}"
     return ""
 
 
-def _torques(found: Response, engine: EngineRecord) -> list[tuple[int, int, Torque]]:
-    """Line, number of the cylinder and torque of every harmonic of the engine that the response has."""
-    system = found.system
-    lines = {line.order: place for place, line in enumerate(found.lines)}
-    return [
-        (lines[order], number, torque)
+def _half_ranges(
+    study: Study, response: Response, engine: EngineRecord, speeds: IntArray
+) -> FloatArray:
+    """Return the amplitudes (cases, speeds, spans) N m at some positions of speeds, the first with all firing."""
+    system, speed = response.system, response.speed[speeds]
+    steady = steady_if_known(study, system, speed)
+    line_of = {line.order: k for k, line in enumerate(response.lines)}
+    harmonics = [
+        (line_of[order], number, torque)
         for number, torque in by_cylinder(system.train.torques, engine)
         if torque.order is not None
-        and (order := torque.order * system.stations[torque.station].ratio) in lines
+        and (order := torque.order * system.stations[torque.station].ratio) in line_of
     ]
 
-
-def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tuple[int, Torque]]:
-    """The torques of an engine, each with the number of its cylinder: they follow one another as these do."""
-    mine = [
-        one
-        for one in torques
-        if isinstance(one.cylinder, CylinderOrder) and one.cylinder.engine == engine.part
-    ]
-    each = len(mine) // max(len(engine.cylinders), 1)
-    return ((engine.cylinders[place // each].number, one) for place, one in enumerate(mine))
-
-
-def _speeds(found: Response) -> IntArray:
-    """Positions of some of the speeds of a response: those requested, thinned, the peaks, and that of the synthesis."""
-    requested = np.flatnonzero(found.requested)
-    thinned = requested[
-        np.linspace(0, len(requested) - 1, min(len(requested), MOST_SPEEDS)).round().astype(int)
-    ]
-    size = np.nan_to_num(np.abs(found.torque))
-    kept = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
-    for peak in np.unique(size.argmax(axis=0)).tolist():
-        if np.abs(found.speed[kept] / found.speed[peak] - 1.0).min() > APART:
-            kept.append(peak)
-    return np.sort(np.array(kept, dtype=np.int64))
-
-
-def _beside_largest(found: Response, at: IntArray, each: FloatArray) -> IntArray:
-    """Positions of all speeds between the neighbours of that with the largest half range of a case and span."""
-    largest = np.unique(np.nan_to_num(each, posinf=0.0).argmax(axis=1))
-    first, last = (at[np.clip(largest + step, 0, len(at) - 1)] for step in (-1, 1))
-    near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
-    return np.setdiff1d(np.concatenate(near), at)
-
-
-def _answers(
-    study: Study, found: Response, at: IntArray, own: list[tuple[int, int, Torque]]
-) -> dict[tuple[int, int], ComplexArray]:
-    """(speeds, spans) N m to 1 N m at every throw, by line and station."""
-    system, speed = found.system, found.speed[at]
-    ground = ground_damping(system, speed, steady_if_known(study, system, speed))
+    # The response to 1 N m at every throw, by line and station.
+    ground = ground_damping(system, speed, steady)
     size, node = system.condensed.tree.size, system.condensed.node
-    pairs = sorted({(torque.station, line) for line, _, torque in own})
+    pairs = sorted({(torque.station, line) for line, _, torque in harmonics})
     sources = []
     for station, _ in pairs:
         force = np.zeros((size, 1), dtype=np.complex128)
         force[node[station]] = system.speed_ratio[station]
         sources.append(Sources(np.broadcast_to(force, (size, len(speed))), None))
-    w = [found.lines[line].circular_frequency(speed) for _, line in pairs]
-    mean = found.mean[at].T
-    every = zip(pairs, answers(system, w, sources, ground, mean=mean, speed=speed), strict=True)
-    return {(line, station): one.torque for (station, line), one in every}
+    w = [response.lines[line].circular_frequency(speed) for _, line in pairs]
+    units = answers(system, w, sources, ground, mean=response.mean[speeds].T, speed=speed)
+    unit_torque = {pair: unit.torque for pair, unit in zip(pairs, units, strict=True)}
+
+    half_ranges = []
+    for case in range(len(engine.cylinders) + 1):
+        torque = response.torque[speeds]
+        for line, number, source in harmonics:
+            law = source.cylinder
+            state: State = "motored" if number == case else "firing"
+            if law is None or (law.state == state and (law.share == 1.0 or state == "motored")):
+                continue
+            own = speed * float(system.speed_ratio[source.station])
+            mean = None if steady is None else steady.applied[law.station]
+            changed = replace(law, state=state, share=1.0)
+            change = changed.amplitude(own, mean) - law.amplitude(own, mean)
+            torque[:, line] += change[:, None] * unit_torque[source.station, line]
+        mean_torque, status = response.mean[speeds], response.status[speeds]
+        changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
+        half_ranges.append(synthesis(changed_response).half_range)
+    return np.array(half_ranges)
+
+
+def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tuple[int, Torque]]:
+    """Return the torques of an engine, each with the number of its cylinder: they stand in the same order."""
+    of_engine = [
+        torque
+        for torque in torques
+        if isinstance(torque.cylinder, CylinderOrder) and torque.cylinder.engine == engine.part
+    ]
+    count = len(of_engine) // max(len(engine.cylinders), 1)
+    return (
+        (engine.cylinders[place // count].number, torque) for place, torque in enumerate(of_engine)
+    )
+
+
+def _chosen_speeds(response: Response) -> IntArray:
+    """Return positions of the requested speeds, thinned, of the peaks, and of the speeds with the largest sums."""
+    requested = np.flatnonzero(response.requested)
+    count = min(len(requested), MOST_SPEEDS)
+    thinned = requested[np.linspace(0, len(requested) - 1, count).round().astype(int)]
+    size = np.nan_to_num(np.abs(response.torque))
+    chosen = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
+    for peak in np.unique(size.argmax(axis=0)).tolist():
+        if np.abs(response.speed[chosen] / response.speed[peak] - 1.0).min() > SAME_PEAK:
+            chosen.append(peak)
+    return np.sort(np.array(chosen, dtype=np.int64))
+
+
+def _near_largest(speeds: IntArray, half_range: FloatArray) -> IntArray:
+    """Return positions of all speeds between the neighbours of that with the largest value of a case and span."""
+    largest = np.unique(np.nan_to_num(half_range, posinf=0.0).argmax(axis=1))
+    first, last = (speeds[np.clip(largest + step, 0, len(speeds) - 1)] for step in (-1, 1))
+    near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
+    return np.setdiff1d(np.concatenate(near), speeds)

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from scipy.optimize import brentq
 
 from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
 from torsion.arrays import FloatArray
+from torsion.kernels.bracketed_search import find_root
 from torsion.kernels.joints.cross import Transfer, behind, greatest_curvature, transfer
 from torsion.kernels.joints.line import (
     Line,
@@ -173,7 +173,7 @@ def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> E
     turned = np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)
     near = float(turned[int(np.argmax(sense * _end(joints, path, turned).ratio))])
     if acceleration(near - step) * acceleration(near + step) < 0.0:
-        near = float(brentq(acceleration, near - step, near + step, xtol=1e-15))
+        near = float(find_root(acceleration, near - step, near + step, tolerance=1e-15))
     greatest = float(_end(joints, path, np.array([near])).ratio[0])
     return Extreme(greatest, math.fmod(near + 2.0 * math.pi, 2.0 * math.pi))
 

@@ -7,6 +7,7 @@ supports. Where it bends about as easily as it tilts, that is said and nothing i
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import accumulate
+from typing import ClassVar
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     small_angle_part,
 )
 from torsion.arrays import FloatArray
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.results import derived, reported, result
 
 Torques = Callable[
@@ -40,25 +42,35 @@ PERIODS = 3  # whole multiples of twice the speed that are looked at for a zone'
 EVEN = 1e-6  # imaginary / real part: a multiplier that is real
 EXACTLY = 1e-15  # relative, of a boundary
 MEAN = "mean couple"
+KIND_NAMES = {MEAN: "excited by the mean couple", "several": "several resonances together"}
 OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0.0, constant=1.0))
 
 
 @reported
-class Zone:
-    """An unstable range."""
+class TiltRange:
+    """Speeds between which a small tilting motion grows."""
 
-    lower: float = result(
+    first: float = result(
         "rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s"
     )
-    upper: float = result("rad/s", (), "and ends", key="to_rad_per_s")
+    last: float = result("rad/s", (), "and ends", key="to_rad_per_s")
     is_open: tuple[bool, bool] = result(
         "", (), "[from, to] the range continues beyond the computed speeds"
     )
-    kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
-        "", (), "principal, sum, difference, several, or mean couple", key="type"
-    )
-    worst: float = result("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
-    rate: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
+    # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
+    kind: str = result("", (), "principal, sum, difference, several, or mean couple", key="type")
+    at: float = result("rad/s", (), "reference speed of the fastest growth", key="at_rad_per_s")
+    growth: float = result("1/s", (), "fastest growth in the range", key="growth_per_s")
+    unknown: ClassVar = (None, None)  # there is a motion at every speed
+
+    @property
+    def name(self) -> str:
+        """The kind as the report prints it."""
+        return KIND_NAMES.get(self.kind, self.kind)
+
+    def meets(self, first: float, last: float) -> bool:
+        """Some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
+        return self.first < last and self.last > first
 
 
 @reported
@@ -74,7 +86,7 @@ class Tilting:
     growth: FloatArray = result(
         "1/s", ("speed",), "of the fastest small motion; positive: unstable"
     )
-    zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
+    zones: tuple[TiltRange, ...] = result("", (), "unstable ranges", key="unstable")
 
     @derived("kg*m**2", (), "about the centre of the joint")
     def transverse_inertia(self) -> float:
@@ -129,18 +141,18 @@ def tilting(
     unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
     beside = [*resonances(rigid).values()]
     for zone in unstable:  # speeds in it, as far again on both sides, and its own
-        wide = zone.upper - zone.lower
+        wide = zone.last - zone.first
         beside += [
-            zone.lower,
-            zone.worst,
-            zone.upper,
-            *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist(),
+            zone.first,
+            zone.at,
+            zone.last,
+            *np.linspace(zone.first - wide, zone.last + wide, 37).tolist(),
         ]
     grid = np.union1d(
         np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last]
     )
     of_train = tuple(
-        replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio)
+        replace(zone, first=zone.first / ratio, last=zone.last / ratio, at=zone.at / ratio)
         for zone in unstable
     )
     return Tilting(
@@ -194,15 +206,15 @@ def _rigid(
     )
 
 
-def _named(shaft: MisalignedShaft, zone: Zone) -> Zone:
+def _named(shaft: MisalignedShaft, zone: TiltRange) -> TiltRange:
     """A zone that the mean part of the couple alone makes as strongly has its name."""
-    alone = float(growth(shaft, np.array([zone.worst]), OF_MEAN).rate[0])
-    return replace(zone, kind=MEAN) if alone > 0.5 * zone.rate else zone
+    alone = float(growth(shaft, np.array([zone.at]), OF_MEAN).rate[0])
+    return replace(zone, kind=MEAN) if alone > 0.5 * zone.growth else zone
 
 
 def zones(
     shaft: MisalignedShaft, first: float, last: float, model: Model = EXACT, points: int = LOOKED_AT
-) -> tuple[Zone, ...]:
+) -> tuple[TiltRange, ...]:
     """Every unstable range between two positive speeds, ascending.
 
     Growth is sampled evenly and more densely where the frequencies meet; each local greatest value is sought out, so
@@ -222,7 +234,7 @@ def zones(
         )
         kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
         out.append(
-            Zone(
+            TiltRange(
                 low,
                 up,
                 (low == first and bool(high[0]), up == last and bool(high[-1])),
@@ -276,28 +288,25 @@ def _greatest(
     shaft: MisalignedShaft, model: Model, start: float, low: float, up: float
 ) -> tuple[float, float]:
     """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
-    from scipy.optimize import minimize_scalar
 
     def down(at: float) -> float:
         return -float(growth(shaft, np.array([at]), model).rate[0])
 
-    found = minimize_scalar(
-        down, bounds=(low, up), method="bounded", options={"xatol": 1e-9 * up, "maxiter": 40}
-    )
-    best = max((-down(start), float(start)), (-float(found.fun), float(found.x)))
+    fastest, least = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
+    best = max((-down(start), float(start)), (-float(least), float(fastest)))
     return best[1], best[0]
 
 
 def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:
     """Speed of no growth between two speeds; beside a range without growth or decay, of growth beyond rounding."""
-    from scipy.optimize import brentq
-
     level = 0.0 if rate.min() < -NEUTRAL * speed.max() else NEUTRAL
 
     def above(at: float) -> float:
         return float(growth(shaft, np.array([at]), model).rate[0] - level * at)
 
-    return float(brentq(above, speed[0], speed[1], xtol=EXACTLY * speed[1], rtol=4 * EXACTLY))
+    return float(
+        find_root(above, speed[0], speed[1], tolerance=EXACTLY * speed[1], relative=4 * EXACTLY)
+    )
 
 
 def _kind(shaft: MisalignedShaft, at: Growth, low: float, up: float) -> str:

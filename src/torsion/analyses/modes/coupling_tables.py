@@ -77,56 +77,41 @@ class CouplingTables:
     )
 
 
-def loss_factors(system: System, span: int, w: FloatArray) -> FloatArray:
-    """(modes,) eta + w c/k of a span at circular frequencies w (rad/s); 0 of a rigid one."""
-    if not 0.0 < system.flexibility[span] < math.inf:
-        return np.zeros(len(w))
-    k, loss = system.elastic(span, w)
-    return np.asarray(loss / k)
-
-
 def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
-    """Of the modes found, each at its own stiffness; speed: rad/s at which mean torque was taken."""
+    """Return the tables at the modes, each at its own stiffness; speed: rad/s at which mean torque was taken."""
     system, w = modes.system, 2.0 * math.pi * modes.frequency
-    lossy = np.flatnonzero((system.loss_factor > 0) | (system.viscous > 0)).tolist()
-    total = np.zeros(len(w))
-    for span in {*lossy, *system.tables}:
-        total += modes.elastic[span] * loss_factors(system, span, w)
-    tables, rows = [], []
+
+    def stiffness_and_loss(span: int) -> tuple[FloatArray, FloatArray]:
+        """Return stiffness and loss factor eta + w c/k (modes,) of an elastic span."""
+        stiffness, loss = (np.broadcast_to(values, w.shape) for values in system.elastic(span, w))
+        return stiffness, np.asarray(loss / stiffness)
+
+    is_lossy = (system.loss_factor > 0) | (system.viscous > 0)
+    is_lossy[list(system.tables)] = True
+    is_elastic = np.isfinite(system.flexibility) & (system.flexibility > 0.0)
+    modal = np.zeros(len(w))
+    for span in np.flatnonzero(is_lossy & is_elastic).tolist():
+        modal += modes.elastic[span] * stiffness_and_loss(span)[1]
+
+    tables, at_modes = list[Table](), list[AtMode]()
     for span, table in sorted(system.tables.items()):
         if table.over == "speed":
             continue  # of a pendulum, which has results of its own
-        name, at = system.spans[span].name, np.array(table.points)
-        printed = at / WORDS[table.over][1], *table.values(at)
+        name, points = system.spans[span].name, np.array(table.points)
+        values = points / WORDS[table.over][1], *table.values(points)
+        law = table.words or None
         tables.append(
-            Table(
-                name,
-                table.over,
-                *printed,
-                table.holds,
-                table.words or None,
-                table.steepest,
-                table.is_complex,
-            )
+            Table(name, table.over, *values, table.holds, law, table.steepest, table.is_complex)
         )
-        k, lost = (
-            np.broadcast_to(system.elastic(span, w)[0], w.shape),
-            loss_factors(system, span, w),
-        )
-        each = zip(
-            modes.frequency.tolist(),
-            k.tolist(),
-            lost.tolist(),
-            modes.elastic[span].tolist(),
-            strict=True,
-        )
-        rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
+        columns = modes.frequency, *stiffness_and_loss(span), modes.elastic[span]
+        rows = np.transpose(columns).tolist()
+        at_modes += [AtMode(name, mode, *row) for mode, row in enumerate(rows, 1)]
     by_torque = any(table.over == "mean torque" for table in system.tables.values())
-    return CouplingTables(tuple(tables), speed if by_torque else None, tuple(rows), total)
+    return CouplingTables(tuple(tables), speed if by_torque else None, tuple(at_modes), modal)
 
 
 def run(work: Work) -> None:
-    """Where modes were found."""
+    """Put the couplings by table where modes were computed."""
     modes = work.get(Modes)
     if modes is None:
         work.log.without("couplings by table at the modes", "no modes")
@@ -149,7 +134,7 @@ def refuse_loops(system: System) -> None:
 
 
 def table_faults(study: Study) -> list[Fault]:
-    """What a train with tables has no answer for, at the first table of its kind; and what it lacks."""
+    """Return what a train with tables has no answer for, at the first table of its kind; and what it lacks."""
     train, operation = study.train, study.operation
     tabled = [
         (spring, spring.table) for spring in reversed(train.springs) if spring.table is not None
@@ -161,64 +146,73 @@ def table_faults(study: Study) -> list[Fault]:
         for spring, table in tabled
     }
     path, what = min(paths.values(), key=len), WHAT.get(tabled[-1][1].key, "table")
-    every = [Fault(path, why, HINT) for why in _without_table(study, what)]
-    if "frequency" in paths and "transient" in study.analyses:
-        message = "the transient response does not support a stiffness that follows the frequency"
-        every.append(Fault(paths["frequency"], message, HINT))
-    if "speed" in paths and "transient" in study.analyses:
-        message = "the transient response does not support a pendulum, which is linear only about one speed"
-        every.append(
-            Fault(paths["speed"], message, "leave the pendulum out of the case with `transient`")
-        )
-    if "speed" in paths and operation.speed is None:
-        hint = "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`"
-        every.append(
-            Fault(
-                paths["speed"], "the frequencies of a train with a pendulum follow the speed", hint
-            )
-        )
-    if "vibratory torque" in paths:
-        path = paths["vibratory torque"]
-        for what, is_there in (
-            ("motion over time", "transient" in study.analyses),
-            ("joints", study.has_joints),
-        ):
-            if is_there:
-                message = f"{what}: only a response over speed supports a stiffness that follows the vibratory torque"
-                every.append(Fault(path, message, HINT))
-    if "mean torque" in paths:
-        path = paths["mean torque"]
-        if not study.has_mean_torque or operation.speed is None:
-            hint = "for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
-            every.append(
-                Fault(
-                    path,
-                    "a stiffness over mean torque needs the mean torque, which is not known",
-                    hint,
-                )
-            )
-        if study.has_joints:
-            message = "joints are placed by the mean twist of the train, which a stiffness over mean torque changes"
-            every.append(Fault(path, message, HINT))
-    return every
+    faults = [Fault(path, reason, HINT) for reason in _without_table(study, what)]
+    is_transient, by_vibration = "transient" in study.analyses, "vibratory torque"
+    supports = "only a response over speed supports a stiffness that follows the vibratory torque"
+    lacks_torque = not study.has_mean_torque or operation.speed is None
+    for over, is_fault, message, hint in (
+        (
+            "frequency",
+            is_transient,
+            "the transient response does not support a stiffness that follows the frequency",
+            HINT,
+        ),
+        (
+            "speed",
+            is_transient,
+            "the transient response does not support a pendulum, which is linear only about one speed",
+            "leave the pendulum out of the case with `transient`",
+        ),
+        (
+            "speed",
+            operation.speed is None,
+            "the frequencies of a train with a pendulum follow the speed",
+            "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`",
+        ),
+        (by_vibration, is_transient, f"motion over time: {supports}", HINT),
+        (by_vibration, study.has_joints, f"joints: {supports}", HINT),
+        (
+            "mean torque",
+            lacks_torque,
+            "a stiffness over mean torque needs the mean torque, which is not known",
+            "for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`",
+        ),
+        (
+            "mean torque",
+            study.has_joints,
+            "joints are placed by the mean twist of the train, which a stiffness over mean torque changes",
+            HINT,
+        ),
+    ):
+        if is_fault and over in paths:
+            faults.append(Fault(paths[over], message, hint))
+    return faults
 
 
 def _without_table(study: Study, what: str) -> Iterator[str]:
-    """Why a table of any kind does not go with the rest of the file."""
-    parts = study.train.parts
-    if study.train.has_loops and any(
-        not parts[one.part].is_point for one in study.train.springs if one.table
+    """Yield why a table of any kind does not go with the rest of the file."""
+    train = study.train
+    links = (spring for spring in train.springs if not train.parts[spring.part].is_point)
+    method = study.setting("analyses", "response", "method")
+    for is_fault, reason in (
+        (
+            train.has_loops and any(spring.table for spring in links),
+            f"a train with closed loops does not support a {what}",
+        ),
+        (
+            train.modal_damping,
+            f"damping by mode is a sum over modes of one stiffness, and a {what} has many",
+        ),
+        (
+            train.has_nonlinear_couplings,
+            f"the exact motion of couplings with backlash, friction or stages does not support a {what}",
+        ),
+        (
+            method == "harmonic-balance",
+            f"the exact periodic response does not support a {what}",
+        ),
+        ("stability" in study.analyses, f"stability takes no {what}"),
+        ("check" in study.analyses, f"the comparison of the models takes no {what}"),
     ):
-        yield f"a train with closed loops does not support a {what}"
-    if study.train.modal_damping:
-        yield f"damping by mode is a sum over modes of one stiffness, and a {what} has many"
-    if study.train.has_nonlinear_couplings:
-        yield f"the exact motion of couplings with backlash, friction or stages does not support a {what}"
-    if study.setting("analyses", "response", "method") == "harmonic-balance":
-        yield f"the exact periodic response does not support a {what}"
-    for name, takes in (
-        ("stability", "stability takes"),
-        ("check", "the comparison of the models takes"),
-    ):
-        if name in study.analyses:
-            yield f"{takes} no {what}"
+        if is_fault:
+            yield reason

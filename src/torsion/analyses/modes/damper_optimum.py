@@ -13,9 +13,7 @@ from torsion.primitives import Spring, tabled_spring
 from torsion.results import reported, result
 from torsion.train import Train
 
-LEAST = (
-    1e-2  # ring over inertia of the mode: below it no setting of the ring changes the mode by much
-)
+SMALLEST_RATIO = 1e-2  # ring over modal inertia: below it no ring changes the mode by much
 
 
 @reported
@@ -47,69 +45,62 @@ class Dampers:
 
 
 def run(work: Work) -> None:
-    """Where modes were found; the ring of each damper is left out alone, those of others stay."""
-    found, train = work.get(Modes), work.study.train
-    if found is None:
+    """Put the optima where modes were computed; each ring is left out alone, those of others stay."""
+    train_modes, train = work.get(Modes), work.study.train
+    if train_modes is None:
         work.log.without("optimum of the dampers", "no modes")
         return
+    system, count = train_modes.system, len(train_modes.frequency)
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
         rings = [
-            one
-            for one in train.springs
-            if train.parts[one.part].kind == "damper" and one.flexibility
+            spring
+            for spring in train.springs
+            if train.parts[spring.part].kind == "damper" and spring.flexibility
         ]
-        best = [
-            one for ring in rings for one in _at_modes(found.system, ring, len(found.frequency))
-        ]
-    work.put(dampers=Dampers(tuple(best)))
+        optima = [optimum for ring in rings for optimum in _optima(system, ring, count)]
+    work.put(dampers=Dampers(tuple(optima)))
 
 
-def _at_modes(system: System, ring: Spring, count: int) -> Iterator[DamperOptimum]:
-    """The optimum for each of the lowest modes of the train without that ring."""
+def _optima(system: System, ring: Spring, count: int) -> Iterator[DamperOptimum]:
+    """Yield the optimum for each of the lowest modes of the train without that ring."""
     train = system.train
-    inertia = sum(one.inertia for one in train.inertias if one.station == ring.driven)
+    inertia = sum(lump.inertia for lump in train.inertias if lump.station == ring.driven)
     if not inertia or not count:
         return
-    bare = of_train(system, without(train, ring))
-    found = modes(bare, count)
-    for mode, (frequency, angle) in enumerate(
-        zip(found.frequency, found.shape[ring.driving], strict=True), start=1
-    ):
-        ratio = float(inertia * angle**2)
-        if ratio < LEAST:
+    bare = modes(of_train(system, without(train, ring)), count)
+    angles = bare.shape[ring.driving].tolist()
+    for mode, (hertz, angle) in enumerate(zip(bare.frequency.tolist(), angles, strict=True), 1):
+        ratio, omega = inertia * angle**2, 2.0 * math.pi * hertz
+        if ratio < SMALLEST_RATIO:
             continue
-        omega, plain, best = 2.0 * math.pi * float(frequency), viscous(ratio), tuned(ratio)
-        given = (
-            ring if ring.table is None else tabled_spring(ring.name, 0, (0, 0), ring.table, omega)
-        )
+        plain, best = viscous(ratio), tuned(ratio)
+        given = ring
+        if ring.table is not None:
+            given = tabled_spring(ring.name, 0, (0, 0), ring.table, omega)
+        critical = 2.0 * inertia * omega
+        tuning = math.sqrt(1.0 / (given.flexibility * inertia)) / omega
         yield DamperOptimum(
             train.parts[ring.part].name,
             mode,
-            float(frequency),
-            float(1.0 / angle**2),
+            hertz,
+            1.0 / angle**2,
             ratio,
-            2.0 * inertia * omega * plain.damping,
+            critical * plain.damping,
             plain.magnification,
             inertia * (omega * best.tuning) ** 2,
-            2.0 * inertia * omega * best.damping,
+            critical * best.damping,
             best.magnification,
-            magnification(
-                ratio,
-                math.sqrt(1.0 / (given.flexibility * inertia)) / omega,
-                given.viscous / (2.0 * inertia * omega),
-                given.loss_factor,
-            ),
+            magnification(ratio, tuning, given.viscous / critical, given.loss_factor),
         )
 
 
 def without(train: Train, ring: Spring) -> Train:
-    """The train with a ring of no inertia, which then does nothing: its angle is that of the housing."""
-    held = replace(
-        ring, table=None, flexibility=ring.flexibility if math.isfinite(ring.flexibility) else 1.0
-    )
+    """Return the train with a ring of no inertia, which then does nothing: its angle is that of the housing."""
+    flexibility = ring.flexibility if math.isfinite(ring.flexibility) else 1.0
+    idle = replace(ring, table=None, flexibility=flexibility)
     return replace(
         train,
-        inertias=tuple(one for one in train.inertias if one.station != ring.driven),
-        springs=tuple(held if one is ring else one for one in train.springs),
+        inertias=tuple(lump for lump in train.inertias if lump.station != ring.driven),
+        springs=tuple(idle if spring is ring else spring for spring in train.springs),
     )

@@ -22,6 +22,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import refuse_beyond, taken_under
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.primitives import tabled_spring
 from torsion.results import reported, result
 from torsion.study import Study
@@ -30,6 +31,7 @@ SPEEDS = 61  # at least so many over the range, and the corners of the tables be
 COUNTED = 5  # speeds at which modes are counted
 FEW_SPEEDS = 31  # of smooth curves that each order meets once at most
 ROUNDING = 1e-13  # relative, of a speed at which an order meets a mode
+TAU = 2.0 * math.pi
 
 
 @reported
@@ -57,158 +59,132 @@ class FrequenciesOverSpeed:
     at: Callable[[float], FloatArray]  # rad/s of the reference station to (modes,) Hz
 
     def crossings(self, order: Fraction) -> Iterator[tuple[int, float, float]]:
-        """Mode (from 1), speed (rad/s) and frequency (Hz) of every root of order n/2 pi = f(n) in the range.
+        """Yield mode (from 1), speed (rad/s) and frequency (Hz) of every root of order n/2 pi = f(n) in the range.
 
         A mode may have none or several. They are sought between the speeds of the result, and where the distance has a
-        least value between two of them.
+        minimum between two of them.
         """
         for mode in range(len(self.frequency)):
 
-            def apart(speed: float, row: int = mode) -> float:
-                return float(order) * speed / (2.0 * math.pi) - float(self.at(speed)[row])
+            def distance(speed: float, row: int = mode) -> float:
+                return float(order) * speed / TAU - float(self.at(speed)[row])
 
-            for speed in _roots(apart, self.speed.tolist(), once=not self.couplings):
-                yield mode + 1, speed, float(order) * speed / (2.0 * math.pi)
+            for speed in _roots(distance, self.speed.tolist(), has_minima=bool(self.couplings)):
+                yield mode + 1, speed, float(order) * speed / TAU
 
 
 def _roots(
-    distance: Callable[[float], float], points: list[float], *, once: bool
+    distance: Callable[[float], float], points: list[float], *, has_minima: bool
 ) -> Iterator[float]:
-    """Every root that changes of sign between the points show, or between a point and a least value beside it.
-
-    once: there is one at most.
-    """
-    from scipy.optimize import brentq, minimize_scalar
-
-    values = [distance(point) for point in points]
-    marks = list(zip(points, values, strict=True))
-    for k in range(1, 0 if once else len(points) - 1):
-        before, here, after = values[k - 1 : k + 2]
-        same = min(before * here, here * after) > 0.0
-        if same and abs(here) <= abs(before) and abs(here) <= abs(after):
-            sign = math.copysign(1.0, here)
-            least = minimize_scalar(
-                lambda x, s=sign: s * distance(x),
-                bounds=(points[k - 1], points[k + 1]),
-                method="bounded",
-            )
-            marks.append((float(least.x), sign * float(least.fun)))
+    """Yield every root that changes of sign between the points show, or between a point and a minimum next to it."""
+    marks = [(point, distance(point)) for point in points]
+    triples = zip(marks, marks[1:], marks[2:], strict=False) if has_minima else ()
+    for (left, before), (_, middle), (right, after) in list(triples):
+        has_one_sign = min(before * middle, middle * after) > 0.0
+        if has_one_sign and abs(middle) <= min(abs(before), abs(after)):
+            sign = math.copysign(1.0, middle)
+            lowest, value = find_minimum(lambda x, s=sign: s * distance(x), left, right)
+            marks.append((float(lowest), sign * float(value)))
     marks.sort()
-    for (left, first), (right, second) in pairwise(marks):
-        if first == 0.0:
+    for (left, before), (right, after) in pairwise(marks):
+        if before == 0.0:
             yield left
-        elif first * second < 0.0:
-            yield float(
-                brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * np.finfo(float).eps)
-            )
+        elif before * after < 0.0:
+            yield float(find_root(distance, left, right, tolerance=ROUNDING * right))
     if marks[-1][1] == 0.0:
         yield marks[-1][0]
 
 
 def frequencies_over_speed(study: Study, system: System, count: int) -> FrequenciesOverSpeed:
-    """Over the speed range of the operation, of `count` modes; raises InputError where a table does not cover it."""
+    """Return `count` modes over the speed range; raises InputError where a table does not cover it."""
     speeds, tables = study.operation.speeds, system.tables_over("mean torque")
     if speeds is None:
+        message = "frequencies over the speed need the speeds"
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
-        raise InputError(
-            [Fault(("operation", "speeds"), "frequencies over the speed need the speeds", hint)]
-        )
-    number = SPEEDS if tables else FEW_SPEEDS
-    grid = np.union1d(
-        np.linspace(speeds.first, speeds.last, number), _corners(study, system, speeds.values())
-    )
+        raise InputError([Fault(("operation", "speeds"), message, hint)])
+    evenly = np.linspace(speeds.first, speeds.last, SPEEDS if tables else FEW_SPEEDS)
+    grid = np.union1d(evenly, _bends(study, system, speeds.values()))
     mean = _mean_torque(study, system, grid)
-    rows = []
+    couplings = []
     for span, table in tables.items():
         torque = np.abs(mean[span])
         refuse_beyond(system, span, torque)
-        rows.append(StiffnessOverSpeed(system.spans[span].name, torque, table.values(torque)[0]))
+        stiffness = table.values(torque)[0]
+        couplings.append(StiffnessOverSpeed(system.spans[span].name, torque, stiffness))
 
     @lru_cache(maxsize=4096)
-    def at(speed: float) -> FloatArray:
+    def frequencies_at(speed: float) -> FloatArray:
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
         return modes_as_discretised(taken_under(system, torque, speed), count).frequency
 
-    found = [at(speed) for speed in grid.tolist()]
-    number = min(map(len, found))  # a table over frequency may end below a mode
-    return FrequenciesOverSpeed(grid, np.array([one[:number] for one in found]).T, tuple(rows), at)
+    columns = [frequencies_at(speed) for speed in grid.tolist()]
+    number = min(map(len, columns))  # a table over frequency may end below a mode
+    rows = np.array([column[:number] for column in columns]).T
+    return FrequenciesOverSpeed(grid, rows, tuple(couplings), frequencies_at)
 
 
 def reaching(
     study: Study, system: System, known: FrequenciesOverSpeed | None, highest: float
 ) -> FrequenciesOverSpeed:
-    """The known frequencies where they reach a highest one (rad/s) at every speed; else of as many modes as do."""
-    speeds = study.operation.speeds
-    if (
-        known is not None
-        and known.frequency.size
-        and 2.0 * math.pi * known.frequency[-1].min() > highest
-    ):
+    """Return the known frequencies if they reach `highest` (rad/s) at every speed; else those of more modes."""
+    if known is not None and known.frequency.size and TAU * known.frequency[-1].min() > highest:
         return known
-    count = 1
+    count, speeds = 1, study.operation.speeds
     for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
-        mean = _mean_torque(study, system, np.array([speed]))[:, 0]
-        count = max(
-            count, len(resonances(taken_under(system, mean, speed), highest, None, None).frequency)
-        )
+        torque = _mean_torque(study, system, np.array([speed]))[:, 0]
+        modes = resonances(taken_under(system, torque, speed), highest, None, None)
+        count = max(count, len(modes.frequency))
     return frequencies_over_speed(study, system, count)
 
 
 def _mean_torque(study: Study, system: System, speed: FloatArray) -> FloatArray:
-    """(spans, speeds) N m; 0 where no stiffness follows it."""
+    """Return the mean torque (spans, speeds) N m; 0 where no stiffness follows it."""
     if not system.tables_over("mean torque"):
         return np.zeros((len(system.spans), len(speed)))
     return steady(study.train, system, study.operation, speed).torque
 
 
-def _corners(study: Study, system: System, fine: FloatArray) -> FloatArray:
-    """Speeds (rad/s) near which the mean torque of a coupling passes a point of its table: there curves bend."""
-    mean = np.abs(_mean_torque(study, system, fine))
-    found = [fine[:0]]
+def _bends(study: Study, system: System, speeds: FloatArray) -> FloatArray:
+    """Return the speeds (rad/s) near which the mean torque of a coupling passes a point of its table: curves bend."""
+    mean, bends = np.abs(_mean_torque(study, system, speeds)), [speeds[:0]]
     for span, table in system.tables_over("mean torque").items():
         piece = np.searchsorted(table.at, mean[span], side="right")
-        found.append(fine[1:][np.diff(piece) != 0])
-    return np.concatenate(found)
+        bends.append(speeds[1:][np.diff(piece) != 0])
+    return np.concatenate(bends)
 
 
 def at_operating_point(study: Study) -> Study:
-    """The study whose stiffnesses by speed or mean torque are those of the rated, else of the highest speed.
+    """Return the study whose stiffnesses by speed or mean torque are those of the rated, else of the highest speed.
 
     Raises InputError where a table does not cover the mean torque there.
     """
     if not study.train.follows_speed:
         return study
-    system, speed = assemble(study.train), study.operation.speed or 0.0
-    mean = _mean_torque(study, system, np.array([speed]))[:, 0]
+    system, speed = assemble(study.train), np.array(study.operation.speed or 0.0)
+    mean = _mean_torque(study, system, speed[None])[:, 0]
     springs = list(study.train.springs)
     for span, table in system.tables.items():
-        own, none = np.array(speed), np.zeros(())
-        x = (
-            None
-            if table.over == "frequency"
-            else system.followed(span, none, np.asarray(mean[span]), own)
-        )
-        if x is None:
+        if table.over == "frequency":
             continue
-        refuse_beyond(system, span, x)
-        one = springs[span]
-        springs[span] = tabled_spring(
-            one.name, one.part, (one.driving, one.driven), table, float(x)
-        )
+        value = system.followed(span, np.zeros(()), np.asarray(mean[span]), speed)
+        if value is not None:
+            refuse_beyond(system, span, value)
+            spring = springs[span]
+            ends = spring.driving, spring.driven
+            springs[span] = tabled_spring(spring.name, spring.part, ends, table, float(value))
     return replace(study, train=replace(study.train, springs=tuple(springs)))
 
 
 def run(work: Work) -> None:
-    """Where modes were found and speeds are given."""
-    modes = work.get(Modes)
-    if modes is None or work.study.operation.speeds is None or not modes.frequency.size:
-        work.log.without(
-            "frequencies over the speed",
-            "no modes" if modes is None else "`operation` has no speeds",
-        )
-        return
-    with work.log.step("frequencies over the speed", "a stiffness follows the speed") as step:
-        found = frequencies_over_speed(work.study, work.system, modes.frequency.size)
-        step.method = "modes at the stiffness of each speed"
-        step.size = f"{found.speed.size} speeds"
-    work.put(frequencies_over_speed=found)
+    """Put the frequencies over the speed where modes were computed and speeds are given."""
+    modes, step_name = work.get(Modes), "frequencies over the speed"
+    if modes is None:
+        work.log.without(step_name, "no modes")
+    elif work.study.operation.speeds is None or not modes.frequency.size:
+        work.log.without(step_name, "`operation` has no speeds")
+    else:
+        with work.log.step(step_name, "a stiffness follows the speed") as step:
+            curves = frequencies_over_speed(work.study, work.system, modes.frequency.size)
+            step.method = "modes at the stiffness of each speed"
+            step.size = f"{curves.speed.size} speeds"
+        work.put(frequencies_over_speed=curves)

@@ -12,6 +12,7 @@ along the train, as Holzer's own recurrence does, so no error grows along it.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -22,9 +23,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
 from torsion.model.shaft_details import STEP
 
-MOST_TIMES_FIRST = (
-    1e3  # an amplitude larger than so many times the first: then the largest of a table is 1
-)
+MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first is 1 in its place
 
 
 @dataclass(frozen=True)
@@ -62,12 +61,28 @@ class HolzerTable:
 
     @property
     def square(self) -> float:
-        """rad2/s2: omega^2."""
+        """Squared circular frequency omega^2, rad2/s2."""
         return (2.0 * math.pi * self.frequency) ** 2
 
     @property
+    def without_rounding(self) -> list[list[float]]:
+        """Angle, inertia torque, torque in and out, and twist of every row, 0 where they may be rounding.
+
+        A heavy station may hardly move and yet carry a torque: an angle and its torque are 0 together, likewise a
+        torque and its twist.
+        """
+        station = np.array([self.angle, self.inertia_torque])
+        link = np.array([self.torque_in, self.torque_out, self.twist])
+        angle, torque = np.abs(self.angle).max(), np.abs(link[:2]).max()
+        largest = np.array([[angle], [max(torque, np.abs(self.inertia_torque).max())]])
+        station[:, (np.abs(station) < TINY * largest).all(axis=0)] = 0.0
+        link[:, (np.abs(link) < TINY * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
+        rows: list[list[float]] = np.transpose([*station, *link]).tolist()
+        return rows
+
+    @property
     def residual(self) -> float:
-        """N m: the largest torque at any station that moves which nothing balances."""
+        """Largest torque (N m) at any station that moves which nothing balances."""
         left = self.torque_out + np.where(self.is_chord, 0.0, self.inertia_torque)
         total = np.zeros(int(self.station.max(initial=0)) + 1)
         np.add.at(total, self.station, left)
@@ -78,69 +93,62 @@ class HolzerTable:
 
     @property
     def relative_residual(self) -> float:
-        """The same by the largest torque in the table; 0 where there is none."""
+        """The residual / the largest torque in the table; 0 where there is none."""
         largest = float(np.max(np.abs([self.torque_in, self.torque_out])))
         return self.residual / largest if largest else 0.0
 
 
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
-    """The table of one mode (counted from 0)."""
-    system = taken_at(system, 2.0 * math.pi * float(modes.frequency[mode]))
+    """Return the table of one mode (counted from 0)."""
+    w = 2.0 * math.pi * float(modes.frequency[mode])
+    system, square = taken_at(system, w), w**2
     rows = list(_rows(system))
-    station = np.array([row[0] for row in rows], dtype=np.int64)
-    before = np.array([row[1] for row in rows], dtype=np.int64)
-    links, is_chord = tuple(row[2] for row in rows), np.array([row[3] for row in rows], dtype=bool)
+    station, before = np.array([row[:2] for row in rows], dtype=np.int64).T
     angle = modes.shape[station, mode] / system.speed_ratio[station]
     angle[system.held[station]] = 0.0
-    torque, square = (
-        modes.torque[:, mode] * system.span_ratio,
-        (2.0 * math.pi * float(modes.frequency[mode])) ** 2,
-    )
-    at_ends, flexibility, transfer = (
-        np.zeros((len(rows), 2)),
-        np.zeros(len(rows)),
-        np.full((len(rows), 2, 2), np.nan),
-    )
-    chains = _chains(system, square)
-    for row, link in enumerate(links):
+    torque = modes.torque[:, mode] * system.span_ratio
+    at_rest = system.flexibility / system.span_ratio**2
+    ends, flexibility = np.zeros((len(rows), 2)), np.zeros(len(rows))
+    transfer, chains = np.full((len(rows), 2, 2), np.nan), _Chains(system, square)
+    for row, (_, _, link, _) in enumerate(rows):
         if link is None:
             continue
-        ends, turned = torque[list(link.spans)], link.driven != station[row]
-        flexibility[row] = chains.flexibility[link.spans[0] : link.spans[1] + 1].sum()
-        matrix = chains.product(link)
+        first, last = link.spans
+        torques, is_turned = torque[[first, last]], link.driven != station[row]
+        flexibility[row] = at_rest[first : last + 1].sum()
+        matrix, has_driven_end = chains.transfer(link)
         if matrix is not None:
-            transfer[row] = matrix[::-1, ::-1].T if turned else matrix
-            if not chains.has_driven_end(link):
-                ends[1] = matrix[1] @ (angle[row if turned else before[row]], ends[0])
-        at_ends[row] = -ends[::-1] if turned else ends
-    scale = _scale(angle)
+            transfer[row] = matrix[::-1, ::-1].T if is_turned else matrix
+            if not has_driven_end:
+                driving = row if is_turned else before[row]
+                torques[1] = matrix[1] @ (angle[driving], torques[0])
+        ends[row] = -torques[::-1] if is_turned else torques
+
     inertia = (system.lumped_inertia * system.speed_ratio**2)[station]
-    moved = np.where(np.isinf(inertia), 0.0, inertia) * square * angle
-    is_spring = np.isnan(
-        transfer[:, 0, 0]
-    )  # its twist may be far smaller than the angles of its ends
-    twist = np.where(
-        is_spring, flexibility * at_ends[:, 0], np.where(before >= 0, angle[before], angle) - angle
-    )
+    inertia_torque = np.where(np.isinf(inertia), 0.0, inertia) * square * angle
+    # The twist of a spring may be far smaller than the angles of its ends.
+    between = np.where(before >= 0, angle[before], angle) - angle
+    twist = np.where(np.isnan(transfer[:, 0, 0]), flexibility * ends[:, 0], between)
+    scale = _scale(angle)
     return HolzerTable(
-        float(modes.frequency[mode]),
-        station,
-        before,
-        links,
-        is_chord,
-        inertia,
-        angle / scale,
-        moved / scale,
-        at_ends[:, 0] / scale,
-        at_ends[:, 1] / scale,
-        flexibility,
-        twist / scale,
-        transfer,
+        frequency=float(modes.frequency[mode]),
+        station=station,
+        before=before,
+        links=tuple(row[2] for row in rows),
+        is_chord=np.array([row[3] for row in rows], dtype=bool),
+        inertia=inertia,
+        angle=angle / scale,
+        inertia_torque=inertia_torque / scale,
+        torque_in=ends[:, 0] / scale,
+        torque_out=ends[:, 1] / scale,
+        flexibility=flexibility,
+        twist=twist / scale,
+        transfer=transfer,
     )
 
 
 def _scale(angle: FloatArray) -> float:
-    """The angle that is 1 in the table: the first, or the largest where the first is next to nothing beside it."""
+    """Return the angle that is 1 in the table: the first, or the largest where the first is tiny compared with it."""
     largest, first = float(angle[np.argmax(np.abs(angle))]), float(angle[0])
     if abs(first) > abs(largest) / MOST_TIMES_FIRST:
         return first
@@ -148,108 +156,87 @@ def _scale(angle: FloatArray) -> float:
 
 
 def _links(system: System) -> list[Link]:
-    """Springs, meshes, joints and whole shafts; not those of no stiffness, which carry no torque of a mode."""
+    """Return springs, meshes, joints and whole shafts; not those of no stiffness, which carry no torque of a mode."""
     bars = {bar.part: bar for bar in system.train.bars}
-    found, shafts = list[Link](), dict[int, list[int]]()
+    links, shafts = list[Link](), dict[int, list[int]]()
     for position, span in enumerate(system.own_spans):
         if span.part in bars and not span.name.endswith(STEP):
             shafts.setdefault(span.part, []).append(position)
         elif np.isfinite(system.flexibility[position]):
-            found.append(Link(span.name, span.driving, span.driven, (position, position)))
+            links.append(Link(span.name, span.driving, span.driven, (position, position)))
     first = len(system.own_spans)
     for row in system.rows:
         shafts[row.bar.part] = [first, first + row.number - 1]
         first += row.number
     for part, spans in shafts.items():
-        found.append(
-            Link(bars[part].name, bars[part].driving, bars[part].driven, (spans[0], spans[-1]))
-        )
-    return found
+        bar = bars[part]
+        links.append(Link(bar.name, bar.driving, bar.driven, (spans[0], spans[-1])))
+    return links
 
 
 def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
-    """Station, row before, link, and whether it closes a loop; each branch to its end before the next."""
-    links = sorted(_links(system), key=lambda link: _closes(system, link))
-    near: dict[int, list[Link]] = {}
+    """Yield station, row before, link, and whether it closes a loop; each branch to its end before the next."""
+
+    def is_of_links(link: Link) -> bool:
+        """Return whether the link is one of the file's `links`, which close loops."""
+        return system.train.parts[int(system.span_part[link.spans[0]])].path[:1] == ("links",)
+
+    links = sorted(_links(system), key=is_of_links)
+    neighbours: dict[int, list[tuple[int, Link]]] = {}
     for link in links:
-        near.setdefault(link.driving, []).append(link)
-        near.setdefault(link.driven, []).append(link)
+        neighbours.setdefault(link.driving, []).append((link.driven, link))
+        neighbours.setdefault(link.driven, []).append((link.driving, link))
     row_of, used = dict[int, int](), set[Link | None]()
-    for start in sorted(near) or [0]:
+    for start in sorted(neighbours) or [0]:
         stack: list[tuple[int, int, Link | None]] = [(start, -1, None)]
         while stack:
-            here, before, leading = stack.pop()
-            if here in row_of:
+            station, before, leading = stack.pop()
+            if station in row_of:
                 continue
-            row_of[here] = len(row_of)
+            row_of[station] = len(row_of)
             used.add(leading)
-            yield here, before, leading, False
-            for one in reversed(near.get(here, [])):
-                stack.append(
-                    (one.driven if one.driving == here else one.driving, row_of[here], one)
-                )
+            yield station, before, leading, False
+            for other, link in reversed(neighbours.get(station, [])):
+                stack.append((other, row_of[station], link))
     for chord in links:
         if chord not in used:
             yield chord.driven, row_of[chord.driving], chord, True
 
 
-def _closes(system: System, link: Link) -> bool:
-    """The link is one of the file's `links`."""
-    return system.train.parts[int(system.span_part[link.spans[0]])].path[:1] == ("links",)
-
-
-@dataclass(frozen=True)
 class _Chains:
-    """The spans of a system at one frequency, each a flexibility between two inertias, all referred."""
+    """The spans of a whole system at one frequency, each a flexibility between two inertias, all referred."""
 
-    system: System
-    square: float  # rad2/s2
-    flexibility: FloatArray  # (spans,) rad/(N m) at rest
-    pi: FloatArray  # (3, spans of the whole system) flexibility and end inertias at the frequency, driving and driven
-    inertia: FloatArray  # (stations of the whole system,) kg m2, lumped
+    def __init__(self, system: System, square: float) -> None:
+        """square: squared circular frequency, rad2/s2."""
+        whole = system.whole
+        self.system, self.square = system, square
+        self.inertia = whole.lumped_inertia * whole.speed_ratio**2  # (stations,) kg m2
+        self.pi = np.zeros((3, len(whole.flexibility)))  # flexibility, inertia at both ends
+        self.pi[0] = whole.flexibility / whole.span_ratio**2
+        if (bars := whole.bars) is not None:
+            number, ratio = np.arange(len(bars.span)), whole.span_ratio[bars.span]
+            laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
+            self.pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
 
-    def product(self, link: Link) -> FloatArray | None:
-        """[[A, -H], [B, D]] of a link from its driving to its driven end; None where no inertia lies between them."""
-        whole, (first, last) = self.system.whole, self._whole(link)
+    def transfer(self, link: Link) -> tuple[FloatArray | None, bool]:
+        """Return [[A, -H], [B, D]] of a link from its driving to its driven end, and whether the end has no inertia.
+
+        None where no inertia lies between the ends. Without inertia at the driven end the last span reports the torque
+        there.
+        """
+        groups, (first, last) = self.system.groups, link.spans
+        if groups is not None:
+            first, last = int(groups.spans[first]), int(groups.last_span[last])
         h, driving, driven = self.pi[:, first : last + 1]
-        inside = np.append(self.inertia[whole.driven[first:last]], 0.0)
+        has_driven_end = not self.pi[1:, last].any()
+        inside = np.append(self.inertia[self.system.whole.driven[first:last]], 0.0)
         if not (driving.any() or driven.any() or inside.any()):
-            return None
+            return None, has_driven_end
         w2 = self.square
-        matrix = np.empty((len(h), 2, 2))
-        matrix[:, 0, 0], matrix[:, 0, 1] = 1.0 - h * w2 * driving, -h
-        matrix[:, 1, 0] = w2 * (driving + driven - h * w2 * driving * driven)
-        matrix[:, 1, 1] = 1.0 - h * w2 * driven
-        matrix[:, 1] += (w2 * inside)[:, None] * matrix[:, 0]
-        while len(matrix) > 1:
-            if len(matrix) % 2:
-                matrix = np.concatenate([matrix, np.eye(2)[None]])
-            matrix = matrix[1::2] @ matrix[::2]
-        return np.asarray(matrix[0])
-
-    def has_driven_end(self, link: Link) -> bool:
-        """The last of its spans reports the torque at the driven end of the shaft."""
-        return not self.pi[1:, self._whole(link)[1]].any()
-
-    def _whole(self, link: Link) -> tuple[int, int]:
-        """First and last span in the system of all segments."""
-        groups = self.system.groups
-        if groups is None:
-            return link.spans
-        return int(groups.spans[link.spans[0]]), int(groups.last_span[link.spans[1]])
-
-
-def _chains(system: System, square: float) -> _Chains:
-    """The spans at a squared frequency (rad2/s2)."""
-    whole = system.whole
-    ratio2 = whole.span_ratio**2
-    pi = np.zeros((3, len(whole.flexibility)))
-    pi[0] = whole.flexibility / ratio2
-    if whole.bars is not None:
-        own = whole.bars.span
-        laws = whole.bars.laws(
-            np.arange(len(own)), whole.span_ratio[own], np.zeros(len(own), dtype=bool)
-        )
-        pi[:, own] = [values[:, 0] for values in laws.at(np.array([square]))]
-    inertia = whole.lumped_inertia * whole.speed_ratio**2
-    return _Chains(system, square, system.flexibility / system.span_ratio**2, pi, inertia)
+        matrices = np.empty((len(h), 2, 2))
+        matrices[:, 0, 0], matrices[:, 0, 1] = 1.0 - h * w2 * driving, -h
+        matrices[:, 1, 0] = w2 * (driving + driven - h * w2 * driving * driven)
+        matrices[:, 1, 1] = 1.0 - h * w2 * driven
+        matrices[:, 1] += (w2 * inside)[:, None] * matrices[:, 0]
+        product = reduce(lambda total, matrix: matrix @ total, matrices)
+        return np.asarray(product), has_driven_end

@@ -25,6 +25,7 @@ from torsion.assembly.tabled_spans import with_springs
 from torsion.errors import InputError
 from torsion.fields import Declared, given, required
 from torsion.findings import Work
+from torsion.kernels.bracketed_search import find_root
 from torsion.results import reported, result
 from torsion.sources import source
 from torsion.study import Study
@@ -154,8 +155,6 @@ class _Varied:
         self, span: int, mode: int, frequency: float
     ) -> tuple[float | None, float, float]:
         """Factor of the stiffness of a span at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
-        from scipy.optimize import brentq
-
         softest, stiffest = (
             float(self.at(((span, factor),))[0][mode]) for factor in (0.0, math.inf)
         )
@@ -173,7 +172,11 @@ class _Varied:
             low, high, step = high, high + step, 2.0 * step
         if apart(low) * apart(high) > 0.0:
             return None, softest, stiffest
-        return math.exp(float(brentq(apart, low, high, xtol=1e-16, rtol=1e-15))), softest, stiffest
+        return (
+            math.exp(float(find_root(apart, low, high, tolerance=1e-16, relative=1e-15))),
+            softest,
+            stiffest,
+        )
 
 
 def scaled(system: System, factors: Mapping[int, float]) -> System:

@@ -11,11 +11,11 @@ from pydantic import BeforeValidator, model_validator
 from torsion import fields
 from torsion.analyses.motion.event_kind import Kind, Lack, Length, Pairs, Point, rows_over_time
 from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.fields import WrittenRows as SpeedTable
 from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.dry_friction import DryFriction
 from torsion.kernels.motion.torque_history import Piece
-from torsion.model.harmonic_torques import Table as SpeedTable
 from torsion.model.harmonic_torques import read_table
 from torsion.sources import note
 

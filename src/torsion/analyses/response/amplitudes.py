@@ -46,7 +46,7 @@ class Balanced:
 
     @property
     def added(self) -> "dict[int, Secant]":
-        """What every coupling is."""
+        """What each span with such a coupling is in the linear train."""
         from torsion.kernels.describing_functions import Secant
 
         return {
@@ -79,7 +79,7 @@ class Following:
 
     @property
     def by_span(self) -> dict[int, FloatArray]:
-        """(points,) N m of each."""
+        """(points,) N m of each span."""
         return {span: self.torque[:, k] for k, span in enumerate(self.spans)}
 
 
@@ -143,7 +143,7 @@ class Response(Displayed, Keyed):
     )  # of the other solutions of such couplings, by rank
 
     def __getitem__(self, key: str | tuple[str, OrderLike]) -> SpanTorque:
-        """The torque in a component, of every order or of one; raises KeyError with the nearest name.
+        """Return the torque in a component, of every order or of one; raises KeyError with the nearest name.
 
         Of a shaft in segments it is that of the segment with the largest amplitude; `shaft [3]` is one segment.
         """
@@ -166,24 +166,24 @@ class Response(Displayed, Keyed):
 
     @property
     def points(self) -> FloatArray:
-        """Where it was computed."""
+        """The speeds or frequencies (points,) at which it was computed."""
         return self.speed
 
     def carried(self, span: int) -> FloatArray:
-        """(speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
+        """Return the torque (speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
         vibratory = {} if self.following is None else self.following.by_span
         return np.asarray(vibratory.get(span, self.mean[:, span])[:, None])
 
     @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
-        """(speeds, lines)."""
+        """Words of the status (speeds, lines) of every component."""
         return words(self.status, Status)
 
     @derived(
         "", (), "orders that excite and are not in `orders`, exact; empty if a rule judges all"
     )
     def orders_left_out(self) -> tuple[Fraction | None, ...]:
-        """Ascending."""
+        """Orders that excite and were not requested, ascending; None of a fixed frequency."""
         return tuple(line.order for line in self.left_out)
 
 
@@ -219,7 +219,7 @@ class Synthesis:
         "", (), "revolutions of the reference after which all orders repeat, exact; null if none"
     )
     def common_cycle_turns(self) -> Fraction | None:
-        """As text, "21/8"."""
+        """The common cycle in revolutions, exact: text such as 21/8 in outputs."""
         return self.turns or None
 
 
@@ -260,17 +260,17 @@ class FrequencyResponse:
 
     @property
     def points(self) -> FloatArray:
-        """Where it was computed."""
+        """The speeds or frequencies (points,) at which it was computed."""
         return self.frequency
 
     @derived("", ("frequency",), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
-        """(frequencies,)."""
+        """Words of the status (frequencies,) of the answer."""
         return words(self.status, Status)
 
 
 def blocks(points: int, width: int, values: int = BLOCK_VALUES) -> Iterator[slice]:
-    """Points in blocks, of so many stations or spans each; one block for all but large trains."""
+    """Return the points in blocks, of `width` stations or spans each; one block for all but large trains."""
     length = max(values // max(width, 1), 1)
     return (slice(start, start + length) for start in range(0, max(points, 1), length))
 
@@ -287,90 +287,81 @@ def refuse_too_large(
     if needed <= limit:
         return
     count = f"up to {points} {axis} (those around resonances included) x {lines} orders x {stations} stations"
-    message = f"the response has {count}, which needs about {_in_gigabytes(needed)}; {_in_gigabytes(limit)} are allowed"
-    most = max(system.segments, key=lambda name: system.segments[name], default="")
-    finer = (
-        f", fewer segments of `{most}` ({system.segments[most]})"
-        if most and system.segments[most] > 1
-        else ""
-    )
-    hint = f"a narrower range or fewer steps, fewer orders{finer}, or --memory {_in_gigabytes(1.1 * needed, 2)}"
-    raise InputError([Fault(path, message, hint.replace(" GB", "GB"))])
-
-
-def _in_gigabytes(number: float, digits: int = 3) -> str:
-    return f"{number / 1e9:.{digits}g} GB"
+    message = f"the response has {count}, which needs about {needed / 1e9:.3g} GB; {limit / 1e9:.3g} GB are allowed"
+    name, segments = max(system.segments.items(), key=lambda item: item[1], default=("", 1))
+    finer = f", fewer segments of `{name}` ({segments})" if segments > 1 else ""
+    hint = f"a narrower range or fewer steps, fewer orders{finer}, or --memory {1.1 * needed / 1e9:.2g}GB"
+    raise InputError([Fault(path, message, hint)])
 
 
 Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced | Following)
-SEVERAL_BY_BALANCE = (
-    "backlash, friction or stages have several solutions from {}; the results use the largest"
-)
-NONE_BY_BALANCE = "harmonic balance failed at {} points: use a transient analysis"
-SEVERAL_BY_TABLE = (
-    "a stiffness over vibratory torque has several solutions from {}; the results use the largest"
-)
-NONE_BY_TABLE = (
-    "a stiffness over vibratory torque does not converge at {} points, which have no solution"
-)
 Block = TypeVar("Block", Balanced, Following)
+SEVERAL = "{} several solutions from {:.5g} to {:.5g} {}; the results use the largest"
+BY_BALANCE = (
+    "backlash, friction or stages have",
+    "harmonic balance failed at {} points: use a transient analysis",
+)
+BY_TABLE = (
+    "a stiffness over vibratory torque has",
+    "a stiffness over vibratory torque does not converge at {} points, which have no solution",
+)
 
 
-def merged(first: Result, second: Result, along: FloatArray, others: FloatArray) -> Result:
-    """Two results at the speeds or frequencies `along` and `others`, both ascending, in one; `first` where both are."""
-    place = np.unique(np.concatenate([along, others]), return_index=True)[1]
-    mine = place < len(along)
-    kept = slice(None) if np.count_nonzero(mine) == len(along) else place[mine]
-    both: dict[str, Any] = {}
+def merged(first: Result, second: Result, points: FloatArray, added: FloatArray) -> Result:
+    """Return two results at the speeds or frequencies `points` and `added`, both ascending, as one.
+
+    `first` stands where both have a point.
+    """
+    place = np.unique(np.concatenate([points, added]), return_index=True)[1]
+    of_first = place < len(points)
+    kept = slice(None) if np.count_nonzero(of_first) == len(points) else place[of_first]
+    changed: dict[str, Any] = {}
     for key, value in vars(first).items():
         if isinstance(value, np.ndarray):
-            both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
-            both[key][mine] = value[kept]
-            both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
+            changed[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
+            changed[key][of_first] = value[kept]
+            changed[key][~of_first] = getattr(second, key)[place[~of_first] - len(points)]
         elif isinstance(value, Balanced | Following):
-            both[key] = merged(value, getattr(second, key), along, others)
-    if (
-        isinstance(first, Response)
-        and isinstance(second, Response)
-        and (first.others or second.others)
-    ):
-        pairs = zip_longest(
-            first.others, second.others
-        )  # of fewer solutions the last stands for all
-        lone = [(one.others or (one,))[-1] for one in (replace(first), second)]
-        both["others"] = tuple(
-            merged(
-                replace(a or lone[0], others=()), replace(b or lone[1], others=()), along, others
-            )
-            for a, b in pairs
+            changed[key] = merged(value, getattr(second, key), points, added)
+    if isinstance(first, Response) and isinstance(second, Response):
+        # Of fewer solutions the last stands for all.
+        last = [(result.others or (result,))[-1] for result in (first, second)]
+        alone = [replace(result, others=()) for result in last]
+        pairs = zip_longest(first.others, second.others)
+        changed["others"] = tuple(
+            merged(a or alone[0], b or alone[1], points, added) for a, b in pairs
         )
-    return replace(first, **both)
+    return replace(first, **changed)
 
 
-def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) -> str:
-    """The remark on a response, with where harmonic balance has several solutions or none; points times `factor`."""
-    words = [found.remark]
-    for block, many, none in (
-        (found.balanced, SEVERAL_BY_BALANCE, NONE_BY_BALANCE),
-        (found.following, SEVERAL_BY_TABLE, NONE_BY_TABLE),
+def with_balance(response: Response | FrequencyResponse, factor: float, unit: str) -> str:
+    """Return the remark on a response, with where its couplings have several solutions or none.
+
+    The points are shown times `factor`, in `unit`.
+    """
+    words = [response.remark] if response.remark else []
+    for block, (subject, failure) in (
+        (response.balanced, BY_BALANCE),
+        (response.following, BY_TABLE),
     ):
         if block is None:
             continue
-        several = found.points[(block.number > 1).any(axis=1)] * factor
+        several = response.points[(block.number > 1).any(axis=1)] * factor
         if several.size:
-            words.append(many.format(f"{several[0]:.5g} to {several[-1]:.5g} {unit}"))
+            words.append(SEVERAL.format(subject, several[0], several[-1], unit))
         if lost := int(np.count_nonzero(~block.settled)):
-            words.append(none.format(lost))
-    return "; ".join(one for one in words if one)
+            words.append(failure.format(lost))
+    return "; ".join(words)
 
 
-def joined(parts: Sequence[Block]) -> Block | None:
-    """Of points one after another; None of none."""
-    if not parts:
+def joined(parts: Sequence[Block | None]) -> Block | None:
+    """Return blocks of points one after another as one; None where there is none."""
+    blocks = [part for part in parts if part is not None]
+    if not blocks:
         return None
     rows: dict[str, Any] = {
-        key: np.concatenate([getattr(one, key) for one in parts])
-        for key in vars(parts[0])
+        key: np.concatenate([getattr(block, key) for block in blocks])
+        for key in vars(blocks[0])
         if key != "spans"
     }
-    return replace(parts[0], **rows)
+    return replace(blocks[0], **rows)

@@ -14,9 +14,8 @@ from torsion.analyses.response.amplitudes import (
     refuse_too_large,
     with_balance,
 )
-from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
-from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
+from torsion.analyses.response.solver import ground_damping, solve_components
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
@@ -24,7 +23,6 @@ from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 PATH = ("analyses", "response", "frequencies")
@@ -40,7 +38,7 @@ def frequency_response(
     speed: float | None = None,
     refine: bool = True,
 ) -> FrequencyResponse:
-    """The response over `frequencies` (Hz), else over those of the analysis, to torques without order and frequency.
+    """Return the response over `frequencies` (Hz), else over those of the analysis, to torques at every frequency.
 
     Damping and mean torque are those at `speed` (rad/s), else at the rated, else at the highest speed. Raises
     InputError where nothing acts at every frequency, or frequencies lack. The system is refined as by `response`.
@@ -51,72 +49,56 @@ def frequency_response(
     if not excitation.torques:
         hint = "give an excitation neither `order` nor `frequency`"
         raise InputError([Fault(PATH, "no torque acts at every frequency", hint)])
-    at = np.array([(study.operation.speed or 0.0) if speed is None else speed])
-    mean = steady_if_known(study, system, at) if at[0] > 0 else None
-    ground = ground_damping(system, at, mean)
-    drive = sources(system, excitation, at, mean)
+    speeds = np.array([(study.operation.speed or 0.0) if speed is None else speed])
+    mean = steady_if_known(study, system, speeds) if speeds[0] > 0 else None
+    torque = np.zeros((len(system.spans), 1)) if mean is None else mean.torque
+    ground = ground_damping(system, speeds, mean)
+    force = sources(system, excitation, speeds, mean).force
 
-    def solved(hertz: FloatArray) -> FrequencyResponse:
-        columns = (1, len(hertz))
-        force, w, tiled = (
-            Sources(np.tile(drive.force, columns), None),
-            2.0 * math.pi * hertz,
+    def solve(hertz: FloatArray) -> FrequencyResponse:
+        columns, w = (1, len(hertz)), 2.0 * math.pi * hertz
+        components = Components(
+            [None],
+            [w],
+            [[Sources(np.tile(force, columns), None)]],
             np.tile(ground, columns),
+            np.tile(torque, columns),
+            np.broadcast_to(speeds, w.shape),
         )
-        carried = (
-            np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        )
-        following = None
-        if study.train.has_tables_over("vibratory torque"):
-            from torsion.analyses.response.vibratory_couplings import settled
-
-            following = settled(
-                system,
-                Components([None], [w], [[force]], tiled, carried, np.broadcast_to(at, w.shape)),
-                0,
-            )
-        stiffness = tabled_stiffness(
-            system, w, carried, at, None if following is None else following.by_span
-        )
-        solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
-        balance = balanced(system, [w], carried, lambda added: [solve(added)])
-        found = solve({} if balance is None else balance.added)
-        status = (
-            found.status
-            if balance is None
-            else np.where(balance.settled, found.status, Status.SINGULAR)
-        )
-        status = (
-            status if following is None else np.where(following.settled, status, Status.SINGULAR)
-        )
-        flags = np.zeros(len(hertz), dtype=bool)
-        names = excitation.line.sources
+        answers, balance, following = solve_components(system, components)
+        (answer,) = answers
         return FrequencyResponse(
-            hertz,
-            flags,
-            names,
-            float(at[0]),
-            found.angle,
-            found.torque,
-            found.residual,
-            status,
-            system,
+            frequency=hertz,
+            requested=np.zeros(len(hertz), dtype=bool),
+            sources=excitation.line.sources,
+            speed=float(speeds[0]),
+            angle=answer.angle,
+            torque=answer.torque,
+            residual=answer.residual,
+            status=answer.status,
+            system=system,
             balanced=balance,
             following=following,
         )
 
-    known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)
-    where = known, system, np.array([2.0 * math.pi]), requested[0], requested[-1]
-    points, remark = grid.refined(
-        requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz))))
+    first, last = requested[0], requested[-1]
+    resonances = grid.resonances(system, 2.0 * math.pi * float(last), modes, damped)
+    places = grid.places(
+        resonances,
+        system,
+        np.array([2.0 * math.pi]),
+        first,
+        last,
+        lambda hertz: np.tile(ground, (1, len(hertz))),
     )
+    points, remark = grid.refined(requested, *places)
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
-    found = grid.with_peaks(solved, requested, points, remark, refuse)
-    return replace(found, remark=with_balance(found, 1.0, "Hz"))
+    result = grid.with_peaks(solve, requested, points, remark, refuse)
+    return replace(result, remark=with_balance(result, 1.0, "Hz"))
 
 
 def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:
-    """(frequencies,) Hz, ascending."""
+    """Return the frequencies (frequencies,) Hz, ascending; raises InputError where none are given."""
     if frequencies is not None:
         return np.unique(np.asarray(frequencies, dtype=np.float64))
     requested: FrequencyRange | None = getattr(study.analyses.get("response"), "frequencies", None)
@@ -127,11 +109,10 @@ def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> Floa
 
 
 def run(work: Work) -> None:
-    """The response over the frequencies that the file names."""
+    """Put the response over the frequencies that the file names."""
     with work.log.step("response over frequency", "requested") as step:
-        found = frequency_response(
-            work.study, work.system, modes=work.get(Modes), damped=work.get(DampedModes)
-        )
+        modes, damped = work.get(Modes), work.get(DampedModes)
+        result = frequency_response(work.study, work.system, modes=modes, damped=damped)
         step.method = "two-sided elimination"
-        step.size = f"{found.frequency.size} frequencies"
-    work.put(frequency_response=found)
+        step.size = f"{result.frequency.size} frequencies"
+    work.put(frequency_response=result)

@@ -1,12 +1,11 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from itertools import islice
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -34,7 +33,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import Answer, answers, by_magnitude, ground_damping
+from torsion.analyses.response.solver import ground_damping, solve_components
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -44,23 +43,17 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
-if TYPE_CHECKING:
-    from torsion.kernels.describing_functions import Secant
-
-MOST_ROUNDS = 4  # of looking for higher shares of the limits between the speeds
+MOST_ROUNDS = 4  # of looking for higher utilisations between the speeds
 
 
 def _read_orders(value: Any) -> Any:
     if value == "all":
         return value
     if isinstance(value, str) or not isinstance(value, list | tuple) or not value:
-        raise refuse(
-            "orders are `all` or a list",
-            "for example [1, 5/2, 4], per turn of the reference station",
-        )
+        hint = "for example [1, 5/2, 4], per turn of the reference station"
+        raise refuse("orders are `all` or a list", hint)
     return tuple(fields.read_exact(order) for order in value)
 
 
@@ -92,7 +85,7 @@ def response(
     refine: bool = True,
     progress: Progress | None = None,
 ) -> Response:
-    """The response over `speeds` (rad/s of the reference station), else over the operation's speed range.
+    """Return the response over `speeds` (rad/s of the reference station), else over the operation's speed range.
 
     `modes` and `damped` spare work and sharpen the grid where they were computed already. Speeds are added around
     every resonance, wherever a peak shows between two of them, and those of `also` (rad/s) that lie in the range.
@@ -103,51 +96,56 @@ def response(
     """
     requested = _requested_speeds(study, speeds)
     orders = requested_orders(study)
-    found = excitations(system, None if all_orders else orders)
+    excited = excitations(system, None if all_orders else orders)
     highest = max(
-        (float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0
+        (float(excitation.line.circular_frequency(requested[-1:])[0]) for excitation in excited),
+        default=0.0,
     )
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
-    further = np.empty(0) if also is None else also[(also > requested[0]) & (also < requested[-1])]
-    points = np.union1d(requested, grid.apart(requested, further))
-    by_order = np.array([float(one.line.order) for one in found if one.line.order is not None])
+    points = requested
+    if also is not None:
+        inside = also[(also > requested[0]) & (also < requested[-1])]
+        points = np.union1d(requested, grid.apart(requested, inside))
+    solved_orders = {excitation.line.order for excitation in excited}
+    by_order = np.array([float(order) for order in solved_orders if order is not None])
 
     def ground(speed: FloatArray) -> FloatArray:
         return ground_damping(system, speed, steady_if_known(study, system, speed))
 
     remark = ""
     if by_order.size:
-        known = grid.resonances(system, float(by_order.max() * points[-1]), modes, damped)
-        resonant = grid.places(known, system, by_order, points[0], points[-1], ground)
-        values = len(found) * (len(system.stations) + len(system.spans))
-        points, remark = grid.refined(points, *resonant, values)
-    refuse = partial(
-        refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds"
-    )
-    solved = partial(_solved, study, system, found, progress or silent)
-    result = grid.with_peaks(solved, requested, points, remark, refuse)
-    kept = {one.line.order for one in found}
+        resonances = grid.resonances(system, float(by_order.max() * points[-1]), modes, damped)
+        places = grid.places(resonances, system, np.sort(by_order), points[0], points[-1], ground)
+        values = len(excited) * (len(system.stations) + len(system.spans))
+        points, remark = grid.refined(points, *places, values)
+    path = ("operation", "speeds")
+    refuse = partial(refuse_too_large, system, len(excited), study.memory, path, "speeds")
+    solve = partial(_solve, study, system, excited, progress or silent)
+    result = grid.with_peaks(solve, requested, points, remark, refuse)
     if result.balanced is not None or result.following is not None:
         result = replace(result, remark=with_balance(result, 30.0 / math.pi, "rpm"))
-    return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
+    left_out = tuple(line for line in lines(system) if line.order not in solved_orders)
+    return replace(result, left_out=left_out)
 
 
-def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
-    """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
-    return response_of_orders(
-        study, system, [line.order for line in found.lines if line.order is not None], speeds
-    )
+def response_at(study: Study, system: System, solved: Response, speeds: FloatArray) -> Response:
+    """Return the response at `speeds` (speeds,) rad/s alone, ascending, of the lines of another response."""
+    orders = [line.order for line in solved.lines if line.order is not None]
+    return response_of_orders(study, system, orders, speeds)
 
 
 def response_of_orders(
     study: Study, system: System, orders: Sequence[Fraction], speeds: FloatArray
 ) -> Response:
-    """The response of some orders of the reference at `speeds` (speeds,) rad/s alone, ascending."""
-    return _solved(study, system, excitations(system, orders), silent, speeds)
+    """Return the response of some orders of the reference at `speeds` (speeds,) rad/s alone, ascending."""
+    return _solve(study, system, excitations(system, orders), silent, speeds)
 
 
 def requested_orders(study: Study) -> tuple[Fraction, ...] | None:
-    """The orders that the settings of `response` name, None for all; raises InputError where nothing excites one."""
+    """Return the orders that the settings of `response` name, None for all.
+
+    Raises InputError where nothing excites one.
+    """
     if faults := order_faults(study):
         raise InputError(faults)
     orders: Any = getattr(study.analyses.get("response"), "orders", "all")
@@ -155,141 +153,108 @@ def requested_orders(study: Study) -> tuple[Fraction, ...] | None:
 
 
 def order_faults(study: Study) -> list[Fault]:
-    """Orders that the settings of `response` name and nothing excites."""
+    """Return the faults of orders that the settings of `response` name and nothing excites."""
     orders: Any = getattr(study.analyses.get("response"), "orders", "all")
     if orders == "all":
         return []
-    there = excited_orders(study.train)
-    hint = f"there are {', '.join(str(order) for order in there)}, per turn of the reference"
-    hint = hint if there else "nothing excites by order"
+    excited = excited_orders(study.train)
+    hint = f"there are {', '.join(map(str, excited))}, per turn of the reference"
+    hint = hint if excited else "nothing excites by order"
     return [
         Fault(("analyses", "response", "orders", place), f"no excitation has order {order}", hint)
         for place, order in enumerate(orders)
-        if order not in there
+        if order not in excited
     ]
 
 
 def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
-    """(speeds,) rad/s, ascending."""
+    """Return the requested speeds (speeds,) rad/s, ascending; raises InputError where there are none."""
     if speeds is not None:
-        found = np.unique(np.asarray(speeds, dtype=np.float64))
-        if not (found.size and (found > 0.0).all() and np.isfinite(found).all()):
-            raise InputError(
-                [
-                    Fault(
-                        ("speeds",),
-                        "these are not speeds of a response",
-                        "one or more, above 0 rad/s",
-                    )
-                ]
-            )
-        return found
+        requested = np.unique(np.asarray(speeds, dtype=np.float64))
+        if not (requested.size and (requested > 0.0).all() and np.isfinite(requested).all()):
+            message, hint = "these are not speeds of a response", "one or more, above 0 rad/s"
+            raise InputError([Fault(("speeds",), message, hint)])
+        return requested
     if study.operation.speeds is None:
+        message = "a response over speed needs the speeds"
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
-        raise InputError(
-            [Fault(("operation", "speeds"), "a response over speed needs the speeds", hint)]
-        )
+        raise InputError([Fault(("operation", "speeds"), message, hint)])
     return study.operation.speeds.values()
 
 
-def _solved(
+def _solve(
     study: Study,
     system: System,
-    found: tuple[Excitation, ...],
+    excited: tuple[Excitation, ...],
     progress: Progress,
     speed: FloatArray,
     rank: int = 0,
 ) -> Response:
-    """Every harmonic component at every speed (rad/s), ascending.
+    """Return every harmonic component at every speed (rad/s), ascending.
 
     rank: of the solutions of couplings by table over vibratory torque, the largest first; those of a rank above 0 come
     with that of rank 0.
     """
-    shape = (len(speed), len(found))
-    angle, torque = (
-        np.empty((*shape, len(each)), dtype=np.complex128)
-        for each in (system.stations, system.spans)
-    )
+    shape = len(speed), len(excited)
+    angle = np.empty((*shape, len(system.stations)), dtype=np.complex128)
+    torque = np.empty((*shape, len(system.spans)), dtype=np.complex128)
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    balance, follow = list[Balanced](), list[Following]()
-    for part in blocks(len(speed), len(system.stations)):
-        here = speed[part]
-        known = steady_if_known(study, system, here)
-        ground = ground_damping(system, here, known)
-        if known is not None:
-            mean[part] = known.torque.T
-        each_w = [one.line.circular_frequency(here) for one in found]
-        apart = [[sources(system, each, here, known) for each in one.apart] for one in found]
-        forces = [each[0] for each in apart]
-        if system.train.has_nonlinear_couplings:
-            from torsion.analyses.response.balanced_couplings import balanced
-
-            def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
-                return list(
-                    answers(system, each_w, forces, ground, tried, mean=mean[part].T, speed=here)  # noqa: B023
-                )
-
-            if one_block := balanced(system, each_w, mean[part].T, solve):
-                balance.append(one_block)
-        added = balance[-1].added if balance else {}
-        if study.train.has_tables_over("vibratory torque"):
-            from torsion.analyses.response.vibratory_couplings import settled
-
-            components = Components(
-                [one.line.order for one in found], each_w, apart, ground, mean[part].T, here
-            )
-            follow.append(settled(system, components, rank))
-        every = answers(
-            system,
-            [w for w, each in zip(each_w, apart, strict=True) for _ in each],
-            [one for each in apart for one in each],
-            ground,
-            added,
-            mean=mean[part].T,
-            speed=here,
-            vibratory=follow[-1].by_span if follow else None,
+    balances, followers = list[Balanced | None](), list[Following | None]()
+    for block in blocks(len(speed), len(system.stations)):
+        speeds = speed[block]
+        steady = steady_if_known(study, system, speeds)
+        if steady is not None:
+            mean[block] = steady.torque.T
+        components = Components(
+            [excitation.line.order for excitation in excited],
+            [excitation.line.circular_frequency(speeds) for excitation in excited],
+            [
+                [sources(system, source, speeds, steady) for source in excitation.apart]
+                for excitation in excited
+            ],
+            ground_damping(system, speeds, steady),
+            mean[block].T,
+            speeds,
         )
-        for k, one in enumerate(found):
-            progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
-            answered = by_magnitude(list(islice(every, len(apart[k]))))
-            frequency[part, k] = each_w[k] / (2.0 * math.pi)
-            angle[part, k], torque[part, k] = answered.angle, answered.torque
-            residual[part, k], status[part, k] = answered.residual, answered.status
-            joint_error[part, k] = joint_errors(system, one, answered.angle)
-    whole = joined(balance)
-    if whole is not None:
-        status[~whole.settled] = Status.SINGULAR
-    following = joined(follow)
-    if following is not None:
-        status[~following.settled] = Status.SINGULAR
-    each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
+        answers, balance, following = solve_components(system, components, rank)
+        balances.append(balance)
+        followers.append(following)
+        for k, (excitation, answer) in enumerate(zip(excited, answers, strict=True)):
+            progress(
+                "response", (block.start + k * len(speeds) / len(excited)) / max(len(speed), 1)
+            )
+            frequency[block, k] = components.w[k] / (2.0 * math.pi)
+            angle[block, k], torque[block, k] = answer.angle, answer.torque
+            residual[block, k], status[block, k] = answer.residual, answer.status
+            joint_error[block, k] = joint_errors(system, excitation, answer.angle)
+
+    following = joined(followers)
     several = 0 if following is None or rank else int(following.number.max(initial=0))
-    others = tuple(
-        _solved(study, system, found, progress, speed, more) for more in range(1, several)
-    )
+    phases = (excitation.by_chance for excitation in excited if excitation.line.order)
     return Response(
-        speed,
-        requested,
-        each,
-        frequency,
-        angle,
-        torque,
-        mean,
-        residual,
-        status,
-        joint_error,
-        system,
-        balanced=whole,
-        by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order)))
-        > 1,
+        speed=speed,
+        requested=np.zeros(len(speed), dtype=bool),
+        lines=tuple(excitation.line for excitation in excited),
+        frequency=frequency,
+        angle=angle,
+        torque=torque,
+        mean=mean,
+        residual=residual,
+        status=status,
+        joint_error=joint_error,
+        system=system,
+        balanced=joined(balances),
+        by_magnitude=len(frozenset().union(*phases)) > 1,
         following=following,
-        others=others,
+        others=tuple(
+            _solve(study, system, excited, progress, speed, other) for other in range(1, several)
+        ),
     )
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
-    """(frequencies,) estimated relative error of a line that joints excite, from its angles (frequencies, stations).
+    """Return the estimated relative error (frequencies,) of a line that joints excite, of angles (frequencies, stations).
 
     The model evaluates a joint's error e at the mean angle of its yokes. Terms of second order are left out: a joint
     changes the stiffness seen through it by 4 q at twice its speed, and a yoke that oscillates by x changes e by its
@@ -297,35 +262,33 @@ def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) ->
     the largest joint. It is an estimate and no bound; in 40 cases of a train of two joints (3 to 30 degrees, off and at
     resonance, cancelling and adding) it was 1.3 to 32 times the error against the full non-linear solution.
     """
-    worst = np.zeros(len(angle))
+    largest = np.zeros(len(angle))
     for error in excitation.errors:
         amplitude = np.abs(angle[:, system.spans[error.span].driving])
-        worst = np.maximum(worst, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
-    return worst
+        largest = np.maximum(largest, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
+    return largest
 
 
 def run(work: Work) -> None:
-    """Response and synthesis of a train that something excites, at speeds that are given."""
+    """Put response and synthesis of a train that something excites, at speeds that are given."""
     if why := no_response(work.study, work.system, work.ruled):
         work.log.without("response over speed", why)
         return
-    found = _found(work)
-    lines = "the orders requested" if found.left_out else "all orders"
-    with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
-        total = synthesis(found)
+    result = _logged_response(work)
+    orders = "the orders requested" if result.left_out else "all orders"
+    with work.log.step("synthesis", f"rules and readers judge {orders} together") as step:
+        total = synthesis(result)
         step.method = "sum over the common cycle, true to phase"
-        step.size = (
-            f"cycle of {total.turns} turns"
-            if total.turns
-            else "no common cycle: bound by magnitudes"
-        )
+        step.size = "no common cycle: bound by magnitudes"
+        if total.turns:
+            step.size = f"cycle of {total.turns} turns"
     if "response" in work.ruled:
-        found, total = _judged(work, found, total)
-    work.put(response=found, synthesis=total)
+        result, total = _with_speeds_for_rules(work, result, total)
+    work.put(response=result, synthesis=total)
 
 
-def _met_over_speed(work: Work) -> list[float]:
-    """rad/s at which an order meets a mode whose frequency follows the speed."""
+def _resonances_over_speed(work: Work) -> list[float]:
+    """Return the speeds (rad/s) at which an order meets a mode whose frequency follows the speed."""
     from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed, reaching
 
     orders = [line.order for line in lines(work.system) if line.order]
@@ -333,61 +296,61 @@ def _met_over_speed(work: Work) -> list[float]:
         return []
     highest = float(max(orders)) * work.study.operation.speeds.last
     try:
-        known = reaching(work.study, work.system, work.get(FrequenciesOverSpeed), highest)
+        modes = reaching(work.study, work.system, work.get(FrequenciesOverSpeed), highest)
     except SolveError as error:
         work.log.without("points of the response at every resonance", str(error))
         return []
-    return [speed for order in orders for _, speed, _ in known.crossings(order)]
+    return [speed for order in orders for _, speed, _ in modes.crossings(order)]
 
 
-def _found(work: Work) -> Response:
-    """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
-    study, log, ruled = work.study, work.log, "response" in work.ruled
-    with log.step(
-        "response over speed", "requested" if "response" in study.analyses else "something excites"
-    ) as step:
-        also = work.rules.judged_speeds(study) if ruled else np.empty(0)
+def _logged_response(work: Work) -> Response:
+    """Return the response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
+    study, is_ruled = work.study, "response" in work.ruled
+    reason = "requested" if "response" in study.analyses else "something excites"
+    with work.log.step("response over speed", reason) as step:
+        also = work.rules.judged_speeds(study) if is_ruled else np.empty(0)
         if study.train.follows_speed:
-            also = np.union1d(also, _met_over_speed(work))
-        found = response(
+            also = np.union1d(also, _resonances_over_speed(work))
+        result = response(
             study,
             work.system,
             modes=work.get(Modes),
             damped=work.get(DampedModes),
             also=also,
-            all_orders=ruled,
+            all_orders=is_ruled,
             progress=work.progress,
         )
         step.method = "two-sided elimination, every order apart"
-        step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.requested.sum())} requested)"
-        if ruled and requested_orders(study) is not None:
+        step.size = f"{len(result.lines)} lines at {result.speed.size} speeds ({int(result.requested.sum())} requested)"
+        if is_ruled and requested_orders(study) is not None:
             step.size += "; all orders, not only `orders`: the rules judge them together"
-        if found.remark:
-            step.size += f"; {found.remark}"
-    for line in found.left_out:
-        log.without(
-            f"order {line.order} of the response ({', '.join(line.sources)})",
-            "`orders` does not name it",
-        )
-    return found
+        if result.remark:
+            step.size += f"; {result.remark}"
+    for line in result.left_out:
+        omitted = f"order {line.order} of the response ({', '.join(line.sources)})"
+        work.log.without(omitted, "`orders` does not name it")
+    return result
 
 
-def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Synthesis]:
-    """With the speeds between at which a rule finds more than at the ones beside them."""
-    before = found.speed.size
+def _with_speeds_for_rules(
+    work: Work, result: Response, total: Synthesis
+) -> tuple[Response, Synthesis]:
+    """Return the response with speeds added until no rule finds its worst value between two computed speeds."""
+    count = result.speed.size
     with work.log.step(
         "speeds between", "no worst value of a rule lies between two speeds"
     ) as step:
         for _ in range(MOST_ROUNDS):
-            more = work.rules.speeds_between(work.having(response=found, synthesis=total))
-            for one in found.others:
-                beside = work.having(response=one, synthesis=synthesis(one))
-                more = np.union1d(more, work.rules.speeds_between(beside))
-            if not more.size:
+            speeds = work.rules.speeds_between(work.having(response=result, synthesis=total))
+            # A coupling over vibratory torque can have several solutions: the rules judge each of them.
+            for solution in result.others:
+                results = work.having(response=solution, synthesis=synthesis(solution))
+                speeds = np.union1d(speeds, work.rules.speeds_between(results))
+            if not speeds.size:
                 break
-            there = response_at(work.study, work.system, found, more)
-            total = merged(total, synthesis(there), found.speed, more)
-            found = merged(found, there, found.speed, more)
+            addition = response_at(work.study, work.system, result, speeds)
+            total = merged(total, synthesis(addition), result.speed, speeds)
+            result = merged(result, addition, result.speed, speeds)
         step.method = "parabolas through the utilisations; ends of barred ranges"
-        step.size = f"{found.speed.size - before} speeds"
-    return found, total
+        step.size = f"{result.speed.size - count} speeds"
+    return result, total

@@ -1,20 +1,21 @@
-"""The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
+"""The answer of the train to harmonic components at many frequencies, at the stations' own speeds."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.response.amplitudes import blocks
+from torsion.analyses.response.amplitudes import Balanced, Components, Following, blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.tree_response import complex_compliance, status, tree_response
+from torsion.kernels.tree_response import Status, complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
@@ -26,12 +27,59 @@ NOTHING: "Mapping[int, Secant]" = {}
 
 @dataclass(frozen=True)
 class Answer:
-    """Complex amplitudes of one harmonic."""
+    """Complex amplitudes of one harmonic component."""
 
     angle: ComplexArray  # (frequencies, stations) rad at own speed
     torque: ComplexArray  # (frequencies, spans) N m at the driving station's speed, elastic and damping share
     residual: FloatArray  # (frequencies,) relative
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
+
+
+def solve_components(
+    system: System, components: Components, rank: int = 0
+) -> tuple[Iterator[Answer], Balanced | None, Following | None]:
+    """Return the answer to each component, with couplings in balance and couplings that follow their own torque.
+
+    rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
+    are singular where no balance was found. Raises what `answer` does.
+    """
+    w, ground, mean, speed = components.w, components.ground, components.mean, components.speed
+    balance: Balanced | None = None
+    following: Following | None = None
+    settled = np.ones(ground.shape[1], dtype=bool)
+    if system.train.has_nonlinear_couplings:
+        from torsion.analyses.response.balanced_couplings import balanced
+
+        forces = [sources[0] for sources in components.apart]
+
+        def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
+            return list(answers(system, w, forces, ground, tried, mean=mean, speed=speed))
+
+        if (balance := balanced(system, w, mean, solve)) is not None:
+            settled &= balance.settled
+    if system.train.has_tables_over("vibratory torque"):
+        from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
+
+        following = settled_couplings(system, components, rank)
+        settled &= following.settled
+
+    separate = answers(
+        system,
+        [own for own, sources in zip(w, components.apart, strict=True) for _ in sources],
+        [source for sources in components.apart for source in sources],
+        ground,
+        NOTHING if balance is None else balance.added,
+        vibratory=None if following is None else following.by_span,
+        mean=mean,
+        speed=speed,
+    )
+
+    def combined() -> Iterator[Answer]:
+        for sources in components.apart:
+            total = by_magnitude(list(islice(separate, len(sources))))
+            yield replace(total, status=np.where(settled, total.status, Status.SINGULAR))
+
+    return combined(), balance, following
 
 
 def answer(
@@ -43,23 +91,25 @@ def answer(
     *,
     stiffness: Mapping[int, ComplexArray] | None = None,
 ) -> Answer:
-    """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
+    """Return the response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each.
 
     damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added,
     stiffness: as of `swept`; raises SolveError where the train is damped by mode.
     """
     if not system.train.modal_damping:
         return swept(system, w, sources, damping, added, stiffness=stiffness)
-    if any(not one.is_linear for one in added.values()):
+    if any(not secant.is_linear for secant in added.values()):
         message = "friction in the response changes the modes, and the train is damped by mode"
         raise SolveError(message, "give the damping of the components", ("damping",))
+
     from torsion.analyses.response.modal_response import modal_sums
 
-    def still(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        found = swept(undamped(system), at, sources, np.zeros((len(system.stations), len(at))))
-        return found.angle.T, found.torque.T
+    def undamped_answer(at_w: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        none = np.zeros((len(system.stations), len(at_w)))
+        result = swept(undamped(system), at_w, sources, none)
+        return result.angle.T, result.torque.T
 
-    angle, torque, amplification = modal_sums(system, w, sources, still)
+    angle, torque, amplification = modal_sums(system, w, sources, undamped_answer)
     none = np.zeros(len(w))
     return Answer(angle.T, torque.T, none, status(amplification, none))
 
@@ -75,48 +125,42 @@ def answers(
     speed: FloatArray | None = None,
     vibratory: Mapping[int, FloatArray] | None = None,
 ) -> Iterator[Answer]:
-    """As `answer` of several harmonics, `w` and `sources` of each at the same speeds.
+    """Yield the answers to several components, `w` and `sources` of each at the same speeds.
 
     mean: (spans, speeds) N m; speed: (speeds,) rad/s of the reference; vibratory: (speeds,) N m of spans by table.
     """
     if added or system.tables:
-        for own, force in zip(w, sources, strict=True):
-            stiffness = tabled_stiffness(system, own, mean, speed, vibratory)
-            yield answer(system, own, force, damping, added, stiffness=stiffness)
+        for own_w, force in zip(w, sources, strict=True):
+            stiffness = tabled_stiffness(system, own_w, mean, speed, vibratory)
+            yield answer(system, own_w, force, damping, added, stiffness=stiffness)
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
-        some = sources[part]
-        whole = answer(
-            system, np.concatenate(w[part]), Sources.side_by_side(some), np.tile(damping, len(some))
-        )
-        yield from (
-            Answer(*each)
-            for each in zip(
-                *(np.split(one, len(some)) for one in vars(whole).values()), strict=True
-            )
-        )
+        forces = sources[part]
+        columns, ground = Sources.side_by_side(forces), np.tile(damping, len(forces))
+        result = answer(system, np.concatenate(w[part]), columns, ground)
+        pieces = (np.split(values, len(forces)) for values in vars(result).values())
+        yield from (Answer(*values) for values in zip(*pieces, strict=True))
 
 
 def by_magnitude(answers: Sequence[Answer]) -> Answer:
-    """One answer of several whose phases to each other are any: magnitudes added, with the phases of the first."""
-    first, *others = answers
-    if not others:
-        return first
+    """Return one answer of several whose phases to each other are any: magnitudes added, phases of the first."""
+    if len(answers) == 1:
+        return answers[0]
 
-    def added(values: Sequence[ComplexArray]) -> ComplexArray:
-        size = np.abs(np.array(values)).sum(axis=0)
-        return np.asarray(size * np.exp(1j * np.angle(values[0])))
+    def added(name: str) -> ComplexArray:
+        values = np.array([getattr(answer, name) for answer in answers])
+        return np.asarray(np.abs(values).sum(axis=0) * np.exp(1j * np.angle(values[0])))
 
     return Answer(
-        added([one.angle for one in answers]),
-        added([one.torque for one in answers]),
-        np.max([one.residual for one in answers], axis=0),
-        np.max([one.status for one in answers], axis=0),
+        added("angle"),
+        added("torque"),
+        np.max([answer.residual for answer in answers], axis=0),
+        np.max([answer.status for answer in answers], axis=0),
     )
 
 
 def undamped(system: System) -> System:
-    """The same without the damping of its components."""
+    """Return the system without the damping of its components."""
     none = np.zeros(len(system.spans))
     return replace(system, viscous=none, loss_factor=none, dampers=())
 
@@ -130,57 +174,49 @@ def swept(
     *,
     stiffness: Mapping[int, ComplexArray] | None = None,
 ) -> Answer:
-    """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
-
-    The train is damped by its components.
+    """Return the response of a train that its components damp, at circular frequencies `w` (frequencies,) rad/s.
 
     damping: (stations, frequencies) N m s/rad to ground at own speed. added: of some spans what is left of their own
-    spring and damper, and a stiffness beside them, at the driving station's speed. stiffness: (frequencies,) N m/rad
+    spring and damper, and a stiffness in parallel, at the driving station's speed. stiffness: (frequencies,) N m/rad
     complex, of spans at the driving station's speed, in place of their own; by default what their tables over frequency
     say. Raises ValueError where such a span closes a loop.
     """
     condensed = system.condensed
     tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
-    # chords of loops with a stiffness or a damping
+    # Chords of loops with a stiffness or a damping.
     chords = condensed.extra[
         np.isfinite(system.flexibility[condensed.extra]) | (system.viscous[condensed.extra] > 0)
     ]
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
+
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
     stiffness = tabled_stiffness(system, w) if stiffness is None else stiffness
-    if stiffness:
-        compliance = _spread(compliance, len(w))
-        for span, own in stiffness.items():
-            compliance[_node(system, span)] = 1.0 / (own * system.span_ratio[span] ** 2)
-    changed = {span: one for span, one in added.items() if not one.is_linear}
-    if changed:
-        compliance = _with_added(system, compliance, changed, len(w))
+    changed = {span: secant for span, secant in added.items() if not secant.is_linear}
+    if stiffness or changed:
+        compliance = _changed_compliance(system, compliance, stiffness or {}, changed, len(w))
+
     acting: dict[str, Any] = {
         "twist": sources.twist,
         "ground_damping": ground,
         "compliance": compliance,
     }
-    if system.condensed_shafts is not None:
-        tree, loss = (
-            replace(tree, shafts=system.condensed_shafts),
-            condensed.loss_factor[system.condensed_shafts.node],
-        )
-        found = tree_response(tree, w, sources.force, shaft_loss=loss, **acting)
-        torque = bar_torques(system, found.torque, found.torque_outer)
-    elif chords.size:
-        from torsion.kernels.loops import looped_response
-
-        found = looped_response(
-            tree, _chords(system, chords, w, sources), w, sources.force, **acting
-        )
-        torque = span_torques(system, found.torque, chords, found.chord_torque)
+    if (shafts := system.condensed_shafts) is not None:
+        acting["shaft_loss"] = condensed.loss_factor[shafts.node]
+        result = tree_response(replace(tree, shafts=shafts), w, sources.force, **acting)
+        torque = bar_torques(system, result.torque, result.torque_outer)
     else:
-        found = tree_response(tree, w, sources.force, **acting)
-        torque = span_torques(system, found.torque, chords, found.chord_torque)
+        if chords.size:
+            from torsion.kernels.loops import looped_response
+
+            links = _chords(system, chords, w, sources)
+            result = looped_response(tree, links, w, sources.force, **acting)
+        else:
+            result = tree_response(tree, w, sources.force, **acting)
+        torque = span_torques(system, result.torque, chords, result.chord_torque)
     with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
-        angle = found.angle[condensed.node] * system.speed_ratio[:, None]
-    return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
+        angle = result.angle[condensed.node] * system.speed_ratio[:, None]
+    return Answer(angle.T, torque.T, result.residual, status(result.amplification, result.residual))
 
 
 def tabled_stiffness(
@@ -190,7 +226,7 @@ def tabled_stiffness(
     speed: FloatArray | None = None,
     vibratory: Mapping[int, FloatArray] | None = None,
 ) -> Mapping[int, ComplexArray] | None:
-    """As `complex_stiffness` of spans with a table; None where there is none."""
+    """Return the `complex_stiffness` of spans with a table; None where there is none."""
     if not system.tables:
         return None
     from torsion.assembly.tabled_spans import complex_stiffness
@@ -198,36 +234,32 @@ def tabled_stiffness(
     return complex_stiffness(system, w, mean, speed, vibratory or {})
 
 
-def _with_added(
-    system: System, compliance: NDArray[Any], added: "Mapping[int, Secant]", frequencies: int
+def _changed_compliance(
+    system: System,
+    compliance: NDArray[Any],
+    stiffness: Mapping[int, ComplexArray],
+    added: "Mapping[int, Secant]",
+    frequencies: int,
 ) -> ComplexArray:
-    """(tree stations, frequencies) rad/(N m)."""
-    whole = _spread(compliance, frequencies)
-    for span, one in added.items():
-        node = _node(system, span)
-        whole[node] = whole[node] / (
-            one.share + whole[node] * one.extra * system.span_ratio[span] ** 2
-        )
-    return whole
+    """Return the compliances (tree stations, frequencies) rad/(N m) with those of some spans changed.
 
-
-def _spread(compliance: NDArray[Any], frequencies: int) -> ComplexArray:
-    """(tree stations, frequencies) rad/(N m), a copy."""
-    whole = np.empty((len(compliance), frequencies), dtype=complex)
-    whole[:] = compliance.reshape(len(compliance), -1)
-    return whole
-
-
-def _node(system: System, span: int) -> int:
-    """The tree station below a span; raises ValueError where it closes a loop."""
-    node = int(system.condensed.span[span])
-    if node < 0:
-        raise ValueError(f"'{system.spans[span].name}' closes a loop")
-    return node
+    Raises ValueError where such a span closes a loop.
+    """
+    for span in (*stiffness, *added):
+        if system.condensed.span[span] < 0:
+            raise ValueError(f"'{system.spans[span].name}' closes a loop")
+    changed = np.empty((len(compliance), frequencies), dtype=complex)
+    changed[:] = compliance.reshape(len(compliance), -1)
+    for span, own in stiffness.items():
+        changed[system.condensed.span[span]] = 1.0 / (own * system.span_ratio[span] ** 2)
+    for span, secant in added.items():
+        extra, own = secant.extra * system.span_ratio[span] ** 2, system.condensed.span[span]
+        changed[own] = changed[own] / (secant.share + changed[own] * extra)
+    return changed
 
 
 def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> FloatArray:
-    """(stations, speeds) N m s/rad at reference speeds (speeds,) rad/s; `steady` holds the same speeds.
+    """Return the damping to ground (stations, speeds) N m s/rad at reference speeds (speeds,) rad/s of `steady`.
 
     Raises InputError where a damping follows from the mean torque and that is not known.
     """
@@ -235,21 +267,21 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     if following and steady is None:
         name = system.stations[following[0].station].name
         message = f"the damping of '{name}' follows from the mean torque, which is not known"
-        raise InputError(
-            [Fault(("operation", "rated", "power"), message, "give the rated speed and power")]
-        )
+        path, hint = ("operation", "rated", "power"), "give the rated speed and power"
+        raise InputError([Fault(path, message, hint)])
     applied = np.zeros((len(system.stations), len(speed))) if steady is None else steady.applied
     return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
 
 
 def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> "Chords":
-    """The spans `chords` that close loops."""
+    """Return the spans `chords` that close loops, with their compliance and imposed twist."""
     from torsion.kernels.loops import Chords
 
     condensed, ratio = system.condensed, system.span_ratio[chords]
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
     compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
     ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
-    none = np.zeros(len(chords)) if sources.loop_twist is None else sources.loop_twist
-    twist = none if sources.loop_twist is None else none[np.isin(condensed.extra, chords)]
+    twist = np.zeros(len(chords), dtype=np.complex128)
+    if sources.loop_twist is not None:
+        twist = sources.loop_twist[np.isin(condensed.extra, chords)]
     return Chords(*ends, compliance, twist=twist)

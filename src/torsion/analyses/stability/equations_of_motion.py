@@ -82,7 +82,7 @@ def mean_angle(loading: Loading, times: int) -> FloatArray:
 
 def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
     """(bodies, times) N m that act on the bodies."""
-    constant = over_time(loading.torque) + over_time(loading.drive.T @ load)
+    constant = loading.torque[:, None] + (loading.drive.T @ load)[:, None]
     phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
     return np.asarray(constant + (loading.vibratory @ phase).real)
 
@@ -92,16 +92,6 @@ def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
     order = loading.order * loading.multiple
     phase = np.exp(1j * np.outer(order, turned))
     return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
-
-
-def over_time(values: FloatArray) -> FloatArray:
-    """(..., 1) where there is one value for all times; arrays that hold one for every time stay as they are."""
-    return values[:, None] if values.ndim == 1 else values
-
-
-def scaled(part: FloatArray, value: float | FloatArray) -> FloatArray:
-    """A part times a factor, or (..., times) times a factor for every time."""
-    return part[:, None] * value if np.ndim(value) else part * value
 
 
 def state(
@@ -118,7 +108,7 @@ def state(
     acceleration = where.first * gain + where.second * rate**2
     residual = (
         layout.inertia[:, None] * acceleration
-        + over_time(loading.damping) * slip
+        + loading.damping[:, None] * slip
         - torques(loading, turned, load)
     )
     force = spring_torques(layout, where.deviation, slip, motion.speed[layout.free :])
@@ -137,7 +127,7 @@ def spring_torques(
     """
     a, b = layout.driving, layout.driven
     twist = deviation[a] - deviation[b]
-    force = layout.stiffness[:, None] * twist + over_time(layout.viscous) * (slip[a] - slip[b])
+    force = layout.stiffness[:, None] * twist + layout.viscous[:, None] * (slip[a] - slip[b])
     lossy = np.flatnonzero(layout.hysteretic)
     if lossy.size:
         spectrum = np.fft.rfft(twist[lossy], axis=1)
@@ -150,7 +140,7 @@ def spring_torques(
         rate = (
             dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
         )
-        force += acting.onto @ (over_time(acting.size) * rate)
+        force += acting.onto @ (acting.size[:, None] * rate)
     return np.asarray(force)
 
 
@@ -200,22 +190,18 @@ def _with_dampers(
     return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
 
 
-def damper_matrices(
-    layout: Layout, now: State, shape: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Damping and stiffness of the dampers, (times, free, free), or on shapes (free, shapes) of the coordinates."""
+def damper_matrices(layout: Layout, now: State) -> tuple[FloatArray, FloatArray]:
+    """Damping and stiffness of the dampers, each (times, free, free)."""
     twist = at_coordinates(layout, now.turning.first)
     slope = at_coordinates(layout, now.turning.second * now.rate)
-    if shape is not None:
-        twist, slope = twist @ shape, slope @ shape
-    pull = np.swapaxes(over_time(layout.dampers.size).T[:, :, None] * twist, 1, 2)
+    pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
     return pull @ twist, pull @ slope
 
 
 def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
     """Mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
     f1, f2, f3 = now.turning.first, now.turning.second, now.turning.third
-    inertia, ground = layout.inertia[:, None], over_time(loading.damping)
+    inertia, ground = layout.inertia[:, None], loading.damping[:, None]
     slip_slope = f2 * now.rate  # of a body's speed over its coordinate
     mass = inertia * f1**2
     damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
@@ -229,7 +215,7 @@ def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
     for (a, plus), (b, minus) in product(ends, ends):
         row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus
         inside = (row < layout.free) & (column < layout.free)
-        c, k = sign * over_time(layout.viscous), sign * layout.stiffness[:, None]
+        c, k = sign * layout.viscous[:, None], sign * layout.stiffness[:, None]
         between = (
             np.zeros((len(a), f1.shape[1])),
             c * f1[a] * f1[b],

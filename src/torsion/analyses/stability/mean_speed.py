@@ -8,13 +8,13 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.stability.mechanism_loads import Scene, operating
 from torsion.analyses.stability.periodic_orbits import Orbit, orbit
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.model.drive_law import DriveLaw
 from torsion.results import reported, result
 
@@ -114,9 +114,7 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
             return float(np.nan_to_num(slope_there, nan=np.inf))
 
         near = SMOOTH * (reach[1] - reach[0])
-        return -float(
-            minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun
-        )
+        return -float(find_minimum(drift, *reach, tolerance=near)[1])
 
     # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
     without = lacking(0.0)
@@ -151,7 +149,15 @@ def drift_ends(
         inner, outer = float(speeds[row]), float(speeds[beside])
         try:
             ends.append(
-                float(brentq(lambda speed: drift(speed) - SLOW, inner, outer, rtol=BOUNDARY))
+                float(
+                    find_root(
+                        lambda speed: drift(speed) - SLOW,
+                        inner,
+                        outer,
+                        tolerance=2e-12,
+                        relative=BOUNDARY,
+                    )
+                )
             )
         except ValueError:  # no drift was distinguished between them
             ends.append(inner)

@@ -6,7 +6,6 @@ of the body in front of the joints (or of the fixed body among them, whose motio
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import gcd, lcm
 
 import numpy as np
 
@@ -131,7 +130,7 @@ class Dampers:
     """Viscous dampers across several springs at once: torque of the springs = onto (size * ontoᵀ rate of twist)."""
 
     onto: FloatArray  # (springs, dampers) unit columns
-    size: FloatArray  # (dampers,) N m s/rad; or (dampers, times) where it differs
+    size: FloatArray  # (dampers,) N m s/rad
 
 
 @dataclass(frozen=True)
@@ -236,16 +235,6 @@ def layout(system: System) -> Layout:
         Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
         tuple(tuple(one) for one in floating),
         tuple(sorted(orders)),
-    )
-
-
-def common_order(orders: list[Fraction]) -> Fraction:
-    """The greatest order of which all are whole multiples; 0 of none."""
-    if not orders:
-        return Fraction(0)
-    below = lcm(*(order.denominator for order in orders))
-    return Fraction(
-        gcd(*(order.numerator * (below // order.denominator) for order in orders)), below
     )
 
 

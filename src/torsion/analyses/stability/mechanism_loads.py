@@ -12,13 +12,13 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.stability.common_period import common_order
 from torsion.analyses.stability.equations_of_motion import Loading
 from torsion.analyses.stability.mechanism import (
     Layout,
     Turning,
     at_rest,
     beyond,
-    common_order,
     layout,
 )
 from torsion.analyses.steady import reference_station, steady_if_known

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -25,8 +26,6 @@ from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (
     MOST_UNKNOWNS,
     Balance,
-    Linearised,
-    Motion,
     balance,
     motion_of,
     points_in_time,
@@ -61,11 +60,6 @@ class Orbit:
 
     now: Operating
     found: Balance
-
-    @property
-    def status(self) -> Found:
-        """OK or COARSE."""
-        return Found.OK if self.found.truncation <= ACCURACY else Found.COARSE
 
 
 @reported
@@ -138,50 +132,52 @@ class PeriodicResponse:
         key="status",
     )
     def status_words(self) -> np.ndarray:
-        """(speeds,)."""
+        """Words of the status, (speeds,)."""
         return words(self.status, Found)
 
     @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")
     def is_unstable(self) -> BoolArray:
-        """(speeds,)."""
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)
-        periods = np.array(
-            [np.nan if one is None else one.now.loading.period for one in self.orbits]
-        )
-        return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
+        periods = [np.nan if orbit is None else orbit.now.loading.period for orbit in self.orbits]
+        return np.asarray(np.nan_to_num(self.growth * np.array(periods)) > GROWS)
 
 
 def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
-    """The one of the speed nearest to a speed, rad/s; None of none."""
-    return min(orbits, key=lambda one: abs(one.now.loading.speed - speed), default=None)
+    """Return the orbit whose speed is nearest to a speed, rad/s; None of none."""
+    return min(orbits, key=lambda orbit: abs(orbit.now.loading.speed - speed), default=None)
 
 
-def continued(at: Scene, speed: float, before: Orbit | None) -> tuple[Orbit | None, str]:
-    """The orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps of speed."""
-    for start in (None,) if before is None else (before, None):
+def continued(at: Scene, speed: float, neighbour: Orbit | None) -> tuple[Orbit | None, str]:
+    """Return the orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps.
+
+    The text says why there is none.
+    """
+    for start in (None,) if neighbour is None else (neighbour, None):
         try:
             return orbit(at, speed, start), ""
         except SolveError as fault:
             why = str(fault)
-    if before is None:
+    if neighbour is None:
         return None, why
-    here, reached, step = before, before.now.loading.speed, (speed - before.now.loading.speed) / 2.0
-    least = abs(step) / 2.0**SUBDIVISIONS
-    while abs(step) > least:
+
+    reached = neighbour.now.loading.speed
+    step = (speed - reached) / 2.0
+    smallest = abs(step) / 2.0**SUBDIVISIONS
+    while abs(step) > smallest:
         ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
         try:
-            here, reached = orbit(at, ahead, here), ahead
+            neighbour, reached = orbit(at, ahead, neighbour), ahead
         except SolveError as fault:
             step, why = step / 2.0, str(fault)
             continue
         if reached == speed:
-            return here, ""
+            return neighbour, ""
     return None, why
 
 
 def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
-    """The periodic motion at a speed (rad/s), from the rigid motion or a neighbour; raises SolveError.
+    """Return the periodic motion at a speed (rad/s), from the rigid motion or a neighbour; raises SolveError.
 
     The number of harmonics is raised until those left out are small.
     """
@@ -190,19 +186,26 @@ def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
         count = harmonics_at_least(at)
         turned = mean_angle(now.loading, points_in_time(count))
         rigid = rigid_deviation(at.layout, now.loading.steady, now.twist[:, None], turned)
-        found = _solved(at, now, harmonics_of(rigid, count), now.load)
+        solution = _solve(at, now, harmonics_of(rigid, count), now.load)
     else:
-        found = _solved(at, now, start.found.harmonic, start.found.load)
+        solution = _solve(at, now, start.found.harmonic, start.found.load)
     most = min(MOST, 20_000 // max(1, at.layout.free))
-    while found.truncation > ACCURACY and found.count < most:
-        more = min(most, int(np.ceil(GROWTH * found.count)))
-        found = _solved(at, now, resized(found.harmonic, more), found.load)
-    _refuse_slipping(found, now)
-    return Orbit(now, found)
+    while solution.truncation > ACCURACY and solution.count < most:
+        count = min(most, int(np.ceil(GROWTH * solution.count)))
+        solution = _solve(at, now, resized(solution.harmonic, count), solution.load)
+
+    # A load that stands for a drive which is not there must come out as nothing.
+    imagined = np.abs(np.where(now.load == 0.0, solution.load, 0.0))[1:]
+    known = float(np.abs(np.append(now.loading.torque, solution.load)).max(initial=0.0))
+    if np.any(imagined > SLIPS * known):
+        raise SolveError(
+            "a coupling without stiffness would have to carry a mean torque; give it a stiffness"
+        )
+    return Orbit(now, solution)
 
 
 def harmonics_at_least(at: Scene) -> int:
-    """Harmonics of the common period with which to begin: enough for the joints' own errors and for the torques.
+    """Return the harmonics with which to begin: enough for the joints' own errors and for the torques.
 
     Raises SolveError where these are more than can be dealt with.
     """
@@ -215,28 +218,17 @@ def harmonics_at_least(at: Scene) -> int:
     return int(min(max(FEWEST, first), MOST))
 
 
-def _solved(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:
-    def equations(motion: Motion, loads: FloatArray, count: int) -> Linearised:
-        return linearised(at.layout, now.loading, motion, loads, count)
-
-    free, w0, count = at.layout.free, now.loading.w0, (harmonic.shape[1] - 1) // 2
+def _solve(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:
+    """Return the balance near harmonics of the coordinates; the twists of dampers are unknowns beside them."""
+    w0, count = now.loading.w0, harmonic.shape[1] // 2
     if at.layout.dampers.size.size:
         deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
         moving = turning(at.layout, deviation, mean_angle(now.loading, deviation.shape[1]))
         twist = at_bodies(at.layout) @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
-    found = balance(equations, harmonic, load, now.loading.steady, w0)
-    return replace(found, harmonic=found.harmonic[:free])
-
-
-def _refuse_slipping(found: Balance, now: Operating) -> None:
-    """A load that stands for a drive which is not there must come out as nothing."""
-    known = float(np.abs(now.loading.torque).max(initial=0.0))
-    others = np.abs(np.where(now.load == 0.0, found.load, 0.0))[1:]
-    if np.any(others > SLIPS * max(known, float(np.abs(found.load).max(initial=0.0)))):
-        raise SolveError(
-            "a coupling without stiffness would have to carry a mean torque; give it a stiffness"
-        )
+    equations = partial(linearised, at.layout, now.loading)
+    solution = balance(equations, harmonic, load, now.loading.steady, w0)
+    return replace(solution, harmonic=solution.harmonic[: at.layout.free])
 
 
 def response_of(
@@ -246,7 +238,7 @@ def response_of(
     why: tuple[str, ...],
     orders: tuple[Fraction, ...] | None = None,
 ) -> PeriodicResponse:
-    """The response at speeds (speeds,) rad/s whose orbits are known, in some orders: all that are more than rounding.
+    """Return the response at speeds (speeds,) rad/s whose orbits are known, in some orders, else in all that are felt.
 
     why: of every speed without an orbit.
     """
@@ -255,30 +247,27 @@ def response_of(
     stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
     angle = np.full((number, most, stations), np.nan, dtype=complex)
     torque = np.full((number, most, spans), np.nan, dtype=complex)
-    mean, drive, truncation = (
-        np.full((number, spans), np.nan),
-        np.full(number, np.nan),
-        np.full(number, np.nan),
-    )
+    mean, drive, truncation = np.full((number, spans), np.nan), *np.full((2, number), np.nan)
     harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
-    for k, one in enumerate(orbits):
-        if one is None:
+    for row, solved in enumerate(orbits):
+        if solved is None:
             continue
-        count, courses = one.found.count, _course(at, one)
-        for part, course in zip((angle, torque), courses, strict=True):
-            part[k] = 0.0
-            part[k, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
-        mean[k] = courses[1].mean(axis=1)
-        drive[k] = one.found.load[0] if one.found.load.size else np.nan
-        harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
+        count, courses = solved.found.count, _course(at, solved)
+        for amplitude, course in zip((angle, torque), courses, strict=True):
+            amplitude[row] = 0.0
+            amplitude[row, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
+        mean[row] = courses[1].mean(axis=1)
+        drive[row] = solved.found.load[0] if solved.found.load.size else np.nan
+        harmonics[row], truncation[row] = count, solved.found.truncation
+        status[row] = Found.OK if truncation[row] <= ACCURACY else Found.COARSE
+
     kept = np.array(ranks, dtype=int) - 1
     if orders is None:
-        sizes = (
-            np.nan_to_num(np.abs(part)).max(axis=(0, 2), initial=0.0) for part in (angle, torque)
-        )
-        kept = np.flatnonzero(
-            np.any([size > KEPT * size.max(initial=0.0) for size in sizes], axis=0)
-        )
+        felt = np.zeros(most, dtype=bool)
+        for amplitude in (angle, torque):
+            size = np.nan_to_num(np.abs(amplitude)).max(axis=(0, 2), initial=0.0)
+            felt |= size > KEPT * size.max(initial=0.0)
+        kept = np.flatnonzero(felt)
         orders = tuple(at.order * int(rank + 1) for rank in kept)
     return PeriodicResponse(
         speed,
@@ -295,88 +284,86 @@ def response_of(
     )
 
 
-def _course(at: Scene, there: Orbit) -> tuple[FloatArray, FloatArray]:
+def _course(at: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
     """Over the common period: deviations of the stations (stations, times) rad at own speed, and torques of the spans.
 
     The torques, (spans, times) N m, are at the driving station's speed, positive when the driving side pushes.
     """
-    whole, system, now, found = at.layout, at.system, there.now, there.found
-    loading, times = now.stations, points_in_time(found.count)
+    layout, system, loading, load = at.layout, at.system, solved.now.stations, solved.found.load
+    times = points_in_time(solved.found.count)
     turned = mean_angle(loading, times)
-    moving = state(
-        whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned
-    )
+    motion = motion_of(solved.found.harmonic, loading.w0, times)
+    moving = state(layout, solved.now.loading, motion, load, turned)
     ratio = system.speed_ratio[:, None]
     inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
     need = (
-        inertia * moving.acceleration[whole.body]
-        + loading.damping[:, None] * moving.slip[whole.body]
+        inertia * moving.acceleration[layout.body]
+        + loading.damping[:, None] * moving.slip[layout.body]
+        - torques(loading, turned, load)
     )
-    need -= torques(loading, turned, found.load)
     torque = np.zeros((len(system.spans), times))
-    torque[whole.spring] = spring_torques(whole, moving.turning.deviation, moving.slip)
-    np.add.at(need, system.driving[whole.spring], torque[whole.spring])
-    np.subtract.at(need, system.driven[whole.spring], torque[whole.spring])
-    _rigid_torques(system, torque, need, moving.turning.first[whole.body])
-    return moving.turning.deviation[whole.body] * ratio, torque / system.span_ratio[:, None]
+    torque[layout.spring] = spring_torques(layout, moving.turning.deviation, moving.slip)
+    np.add.at(need, system.driving[layout.spring], torque[layout.spring])
+    np.subtract.at(need, system.driven[layout.spring], torque[layout.spring])
+    _fill_rigid_torques(system, torque, need, moving.turning.first[layout.body])
+    return moving.turning.deviation[layout.body] * ratio, torque / system.span_ratio[:, None]
 
 
-def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: FloatArray) -> None:
+def _fill_rigid_torques(
+    system: System, torque: FloatArray, need: FloatArray, first: FloatArray
+) -> None:
     """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree to its root.
 
     need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
     power through: torque on either side times the speed there is the same, and the speeds go as `first`.
-    Returned is the torque on its driven side.
+    A span has the torque on its driven side.
     """
     condensed = system.condensed
-    above = np.full(condensed.tree.size, -1)
-    above[condensed.span[condensed.span >= 0]] = np.flatnonzero(condensed.span >= 0)
-    station = np.full(condensed.tree.size, -1)
-    station[condensed.node] = np.arange(len(condensed.node))
-    for node in range(condensed.tree.size - 1, -1, -1):
-        span, parent = int(above[node]), int(condensed.tree.parent[node])
+    size, spans = condensed.tree.size, np.flatnonzero(condensed.span >= 0)
+    span_of, station_of = np.full((2, size), -1)
+    span_of[condensed.span[spans]] = spans
+    station_of[condensed.node] = np.arange(len(condensed.node))
+    for node in range(size - 1, -1, -1):
+        span, parent = int(span_of[node]), int(condensed.tree.parent[node])
         if span < 0 or system.flexibility[span] != 0:
             continue
         driving, driven = int(system.driving[span]), int(system.driven[span])
-        here = (
-            station[node]
-            if station[node] >= 0
-            else (driven if condensed.sign[span] > 0 else driving)
-        )
-        near_root = (
-            station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
-        )
-        passed = need[here] * (first[here] / first[near_root])
-        torque[span] = need[here] if here == driven else -passed
-        need[near_root] = need[near_root] + passed
+        leaf, root = station_of[node], station_of[parent]
+        if leaf < 0:
+            leaf = driven if condensed.sign[span] > 0 else driving
+        if root < 0:
+            root = driving if leaf == driven else driven
+        passed = need[leaf] * (first[leaf] / first[root])
+        torque[span] = need[leaf] if leaf == driven else -passed
+        need[root] = need[root] + passed
 
 
-def others(at: Scene, found: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
-    """What else was found at the speeds of some rows of a response, in its orders; None where nothing was.
+def others(at: Scene, response: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
+    """Return further motions at the speeds of some rows of a response, in its orders; None where there are none.
 
-    A speed stands once for every further motion. They are sought from the rigid motion (None), and from motions a
-    little slower and faster that were found from it.
+    A speed stands once for every further motion. They are sought from the rigid motion, and from motions a little
+    slower and faster that were found from it.
     """
     speeds, orbits = list[float](), list[Orbit | None]()
     for row in rows:
-        here = found.orbits[row]
-        if here is None:
+        reported, speed = response.orbits[row], float(response.speed[row])
+        if reported is None:
             continue
-        known = [here]
-        aside = (_reached(at, float(found.speed[row]) * (1.0 + share), None) for share in ASIDE)
-        for start in (None, *(one for one in aside if one is not None)):
-            other = _reached(at, float(found.speed[row]), start)
-            if other is not None and all(_differ(at, one, other) for one in known):
+        known = [reported]
+        starts = [_carry(at, speed * (1.0 + share), None) for share in ASIDE]
+        for start in (None, *(start for start in starts if start is not None)):
+            other = _carry(at, speed, start)
+            if other is not None and all(_differ(at, motion, other) for motion in known):
                 known.append(other)
-        speeds += [float(found.speed[row])] * (len(known) - 1)
+        speeds += [speed] * (len(known) - 1)
         orbits += known[1:]
     if not orbits:
         return None
-    return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), found.orders)
+    return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), response.orders)
 
 
-def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
-    """A motion at the speed, carried there in steps from another one; None where the way breaks off."""
+def _carry(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
+    """Return a motion at the speed, carried there in steps from another one; None where the way breaks off."""
     try:
         if start is None:
             return orbit(at, speed)
@@ -387,8 +374,7 @@ def _reached(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
     return start
 
 
-def _differ(at: Scene, one: Orbit, other: Orbit) -> bool:
-    """Two motions at one speed are not the same."""
-    both = response_of(at, [one, other], np.full(2, one.now.loading.speed), ("", ""))
+def _differ(at: Scene, motion: Orbit, other: Orbit) -> bool:
+    both = response_of(at, [motion, other], np.full(2, motion.now.loading.speed), ("", ""))
     size = np.abs(both.torque)
     return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))

@@ -36,11 +36,11 @@ AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
 RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
 WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
 CLOSEST = 1e-5  # relative distance of two speeds
-MOST_SOUGHT, EACH = (
+MOST_SOUGHT, SPEEDS_PER_SOUGHT = (
     3,
     40,
-)  # speeds at which other motions are sought: at most, and one for so many speeds
-EDGE = 1e-3  # the same beside a speed without a periodic motion
+)  # speeds at which other motions are sought: at most, and one for so many
+EDGE = 1e-3  # the same next to a speed without a periodic motion
 
 
 def too_long(study: Study, system: System) -> str:
@@ -61,108 +61,106 @@ def too_long(study: Study, system: System) -> str:
 def periodic_over_speed(
     study: Study, system: System, first_order: Response, *, progress: Progress = silent
 ) -> PeriodicResponse:
-    """The exact periodic response over the range of a first-order response, at as many speeds as it is worth.
+    """Return the exact periodic response over the range of a first-order one, at as many speeds as it is worth.
 
     Every speed is started from the nearest that is solved.
     """
     at = scene(study, system)
-    each = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
-    number = int(np.clip(WORK // each, FEWEST, MOST))
+    work = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
+    number = int(np.clip(WORK // work, FEWEST, MOST))
     known: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
         for speed in speeds.tolist():
             if speed not in known:
                 progress("harmonic balance", len(known) / number)
-                solved = (one for one, _ in known.values() if one is not None)
+                solved = (orbit for orbit, _ in known.values() if orbit is not None)
                 known[speed] = continued(at, speed, nearest(speed, solved))
-        order = sorted(known)
-        orbits = [known[speed][0] for speed in order]
-        return response_of(at, orbits, np.array(order), tuple(known[speed][1] for speed in order))
+        orbits, why = zip(*(known[speed] for speed in sorted(known)), strict=True)
+        return response_of(at, orbits, np.array(sorted(known)), why)
 
-    found = solve(start(study, first_order, number))
+    response = solve(start(study, first_order, number))
     while len(known) < number:
-        more = around_peaks(found)[: number - len(known)]
+        more = around_peaks(response)[: number - len(known)]
         if not more.size:
             break
-        found = solve(np.sort(more))
+        response = solve(np.sort(more))
     progress("stability of the periodic motion", 1.0)
-    found = replace(found, growth=growths(at, found))
+    response = replace(response, growth=growths(at, response))
     progress("other periodic motions", 1.0)
-    further = others(at, found, worth_another_look(found, max(1, min(MOST_SOUGHT, number // EACH))))
+    rows = rows_at_peaks(response, max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT)))
+    further = others(at, response, rows)
     if further is not None:
         further = replace(further, growth=growths(at, further))
-    return replace(found, others=further)
+    return replace(response, others=further)
 
 
-def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
-    """Rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
-    size = np.abs(found.torque)
+def rows_at_peaks(response: PeriodicResponse, most: int) -> list[int]:
+    """Return the rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
+    size = np.abs(response.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    rows = (list(dict.fromkeys(row for row, _, _ in _peaks(size))) or [int(largest.argmax())])[
-        :most
-    ]
-    if found.growth is not None and found.is_unstable.any():
-        rows.append(int(np.nanargmax(found.growth)))
+    rows = (_peak_rows(size) or [int(largest.argmax())])[:most]
+    if response.growth is not None and response.is_unstable.any():
+        rows.append(int(np.nanargmax(response.growth)))
     return list(dict.fromkeys(rows))
 
 
-def growths(at: Scene, found: PeriodicResponse) -> FloatArray:
-    """(speeds,) 1/s of small deviations from each periodic motion, on the lowest modes; NaN where there is none.
+def growths(at: Scene, response: PeriodicResponse) -> FloatArray:
+    """Return the growth (speeds,) 1/s of small deviations from each periodic motion; NaN where there is none.
 
-    With loss factors it is that of the motion beside it that dampers in their place make (`straight_modes.viscous`):
-    of any other motion the free turning, which neither grows nor dies out, would seem to do either.
+    It is computed on the lowest modes. With loss factors it is that of the motion near it that dampers in their place
+    make (`straight_modes.viscous`): of any other motion the free turning, which neither grows nor dies out, would seem
+    to do either.
     """
     shapes = basis(at.layout)
-    fewer = modes_that_matter(at, shapes, float(found.speed[-1]))
-    there = damped(at, fewer)
-    search = Search(there, shapes, fewer)
-
-    def growth(own: Orbit | None) -> float:
-        if own is None:
-            return np.nan
+    fewer = modes_that_matter(at, shapes, float(response.speed[-1]))
+    lossy = damped(at, fewer)
+    search = Search(lossy, shapes, fewer)
+    growth = np.full(len(response.speed), np.nan)
+    for row, motion in enumerate(response.orbits):
+        if motion is None:
+            continue
+        damped_motion = motion
         try:
-            beside = own if there.layout is at.layout else orbit(there, own.now.loading.speed, own)
+            if lossy.layout is not at.layout:
+                damped_motion = orbit(lossy, motion.now.loading.speed, motion)
         except SolveError:
-            return np.nan
-        return search.exponents(beside, "monodromy").growth
-
-    return np.array([growth(own) for own in found.orbits])
+            continue
+        growth[row] = search.exponents(damped_motion, "monodromy").growth
+    return growth
 
 
 def start(study: Study, first_order: Response, number: int) -> FloatArray:
-    """(speeds,) rad/s to begin with: of those requested, the rated one, and the highest peaks of the first order."""
+    """Return (speeds,) rad/s to begin with: requested ones, the rated one, and the highest peaks of the first order."""
     requested = first_order.speed[first_order.requested]
     few = max(2, int(EVERYWHERE * number))
-    spread = (
-        requested
-        if len(requested) <= few
-        else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
-    )
+    spread = requested
+    if len(requested) > few:
+        spread = requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    highest = first_order.speed[
-        list(dict.fromkeys(row for row, _, _ in _peaks(size)))[: int(AT_PEAKS * number)]
-    ]
+    highest = first_order.speed[_peak_rows(size)[: int(AT_PEAKS * number)]]
     rated = study.operation.rated
-    inside = (
-        [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
-    )
-    return np.unique(np.concatenate([spread, highest, inside]))
+    inside = rated is not None and requested[0] <= rated.speed <= requested[-1]
+    return np.unique(np.concatenate([spread, highest, [rated.speed] if rated and inside else []]))
 
 
-def around_peaks(found: PeriodicResponse) -> FloatArray:
-    """(speeds,) rad/s half way to the neighbours of every peak that they do not resolve, the worst resolved first."""
-    size = np.abs(found.torque)
+def around_peaks(response: PeriodicResponse) -> FloatArray:
+    """Return (speeds,) rad/s half way to the neighbours of every peak that they do not resolve, the worst first."""
+    size = np.abs(response.torque)
     worst: dict[float, float] = {}
     for row, line, span in _peaks(size):
-        for beside in (row - 1, row + 1):
-            drop = 1.0 - size[beside, line, span] / size[row, line, span]
-            here, there = float(found.speed[row]), float(found.speed[beside])
+        for neighbour in (row - 1, row + 1):
+            drop = 1.0 - size[neighbour, line, span] / size[row, line, span]
+            speed, other = float(response.speed[row]), float(response.speed[neighbour])
             closest = EDGE if np.isnan(drop) else CLOSEST
-            if not drop <= RESOLVED and abs(there - here) > closest * here:
-                middle = (here + there) / 2.0
+            if not drop <= RESOLVED and abs(other - speed) > closest * speed:
+                middle = (speed + other) / 2.0
                 worst[middle] = max(worst.get(middle, 0.0), 1.0 if np.isnan(drop) else drop)
     return np.array(sorted(worst, key=lambda speed: -worst[speed]))
+
+
+def _peak_rows(size: FloatArray) -> list[int]:
+    return list(dict.fromkeys(row for row, _, _ in _peaks(size)))
 
 
 def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:
@@ -172,13 +170,8 @@ def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:
     """
     filled = np.where(np.isnan(size), -np.inf, size)
     highest = np.max(filled, axis=(0, 1), initial=0.0)
-    inner = (
-        (filled[1:-1] >= filled[:-2])
-        & (filled[1:-1] >= filled[2:])
-        & (filled[1:-1] > WORTH * highest)
-    )
-    row, line, span = np.nonzero(inner)
-    order = np.argsort(-filled[row + 1, line, span] / highest[span], kind="stable")
-    return list(
-        zip((row + 1)[order].tolist(), line[order].tolist(), span[order].tolist(), strict=True)
-    )
+    middle = filled[1:-1]
+    inner = (middle >= filled[:-2]) & (middle >= filled[2:]) & (middle > WORTH * highest)
+    places = np.argwhere(inner) + np.array([1, 0, 0])
+    share = filled[tuple(places.T)] / highest[places[:, 2]]
+    return [tuple(place) for place in places[np.argsort(-share, kind="stable")].tolist()]

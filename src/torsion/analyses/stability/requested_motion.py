@@ -82,118 +82,117 @@ def motion_faults(study: Study, path: Path) -> list[Fault]:
 
 
 def requested_motion_faults(study: Study) -> list[Fault]:
-    """Faults of a file that requests the exact response or stability."""
-    found: list[Fault] = []
-    if study.setting("analyses", "response", "method") == "harmonic-balance":
-        found += motion_faults(study, ("analyses", "response", "method"))
-        found += mesh_faults(study, "the exact motion")
+    """Return the faults of a file that requests the exact response or stability."""
+    faults: list[Fault] = []
+    method = ("analyses", "response", "method")
+    if study.setting(*method) == "harmonic-balance":
+        faults += motion_faults(study, method) + mesh_faults(study, "the exact motion")
     path = ("analyses", "stability")
     if study.setting(*path) is None:
-        return found
+        return faults
     if not study.has_joints:
         hint = "leave it out; the damped modes show what damps"
-        found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
+        faults.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
     if study.setting(*path, "speeds") is None and study.operation.speeds is None:
-        found.append(Fault(path, "stability needs speeds", SPEEDS))
+        faults.append(Fault(path, "stability needs speeds", SPEEDS))
     over = study.setting(*path, "map", "over")
-    if over is not None:
-        found += _map_faults(study, over, (*path, "map", "over"))
-    return [*found, *motion_faults(study, path)]
+    if over is not None and not _varies(study, over):
+        message, hint = NOTHING_VARIES[over]
+        faults.append(Fault((*path, "map", "over"), f"the map varies {message}", hint))
+    return [*faults, *motion_faults(study, path)]
 
 
-def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
-    """Why a map has nothing to vary: a factor on nothing, or the angle of joints that the train does not have."""
+NOTHING_VARIES = {
+    "torque": (
+        "the mean torque, and the train has none",
+        "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`",
+    ),
+    "damping": (
+        "the damping, and nothing in the train damps",
+        "give the train its damping, for example `viscous` of a coupling or `damping` of a disc",
+    ),
+    "angle": (
+        "the angle of cross joints, and none of the train is bent",
+        "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map",
+    ),
+}
+
+
+def _varies(study: Study, over: Over) -> bool:
+    """Whether a factor on something, or the angle of joints, changes the train."""
     train, table = study.train, study.operation.load.table
     if over == "torque":
         is_flat = bool(table) and not any(torque for _, torque in table)
-        varies = study.has_mean_torque and not is_flat
-        message = "the mean torque, and the train has none"
-        hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
-    elif over == "damping":
-        lossy = any(one.viscous > 0 or one.loss_factor > 0 for one in train.springs)
-        varies = lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
-        message = "the damping, and nothing in the train damps"
-        hint = (
-            "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
-        )
-    else:
-        joints = [part.joint for part in train.parts if part.joint is not None]
-        varies = any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
-        message = "the angle of cross joints, and none of the train is bent"
-        hint = "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map"
-    return [] if varies else [Fault(path, f"the map varies {message}", hint)]
+        return study.has_mean_torque and not is_flat
+    if over == "damping":
+        lossy = any(spring.viscous > 0 or spring.loss_factor > 0 for spring in train.springs)
+        return lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
+    joints = [part.joint for part in train.parts if part.joint is not None]
+    return any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
 
 
 def run_periodic(work: Work) -> None:
-    """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
-    system, log, first_order = work.system, work.log, work.get(Response)
+    """The exact periodic response next to the first-order one, where the file or the size of the angles calls for it."""
+    reason, omitted = _reasons(work)
+    if omitted:
+        work.log.without(PERIODIC, omitted)
+    elif reason:
+        _solve_periodic(work, reason)
+
+
+def _reasons(work: Work) -> tuple[str, str]:
+    """Why the exact periodic response is computed, and else why not; both empty where nobody would expect it."""
+    system, first_order = work.system, work.get(Response)
     method = work.study.setting("analyses", "response", "method")
-    if system.tables:
-        log.without(
-            PERIODIC,
-            "a coupling follows a table, which has no transient response; the results are of the first order",
-        )
-        return
     joints, requested = exciting_joints(system), method == "harmonic-balance"
-    if not joints:
-        if requested:
-            log.without(
-                PERIODIC, "no joint of the train excites: the response over speed is exact as it is"
-            )
-        return
-    if first_order is None or method == "first-order":
-        if requested or first_order is not None:
-            log.without(
-                PERIODIC,
-                "`method: first-order`" if first_order is not None else "no response over speed",
-            )
-        return
-    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
-    if (
-        not requested
-        and not is_large
-        and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR
-    ):
-        log.without(PERIODIC, SMALL)
-        return
-    why = (
-        "requested"
-        if requested
-        else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
-    )
-    _periodic(work, first_order, why, patient=requested)
-
-
-def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
-    """patient: it may take long."""
-    from torsion.analyses.stability.periodic_orbits import Found
-    from torsion.analyses.stability.periodic_speeds import periodic_over_speed, too_long
-
-    study, system, log = work.study, work.system.whole, work.log
-    refused = "; ".join(fault.message for fault in motion_faults(study, ()))
-    if not refused and not patient:
-        refused = too_long(study, system)
-    if refused:
-        log.without(PERIODIC, refused)
-        return
-    with log.step(PERIODIC, why) as step:
-        found = periodic_over_speed(study, system, first_order, progress=work.progress)
-        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
-        harmonics = int(found.harmonics.max(initial=0))
-        kept = (
-            f"up to {harmonics} harmonics of the common period"
-            if harmonics
-            else "no periodic motion found"
+    if system.tables:
+        return "", (
+            "a coupling follows a table, which has no transient response; the results are of the first order"
         )
-        step.size = f"{found.speed.size} speeds, {kept}"
-    nothing = found.status == Found.NONE
+    if not joints:
+        no_joint = "no joint of the train excites: the response over speed is exact as it is"
+        return "", no_joint if requested else ""
+    if first_order is None:
+        return "", "no response over speed" if requested else ""
+    if method == "first-order":
+        return "", "`method: first-order`"
+    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
+    reason = "requested"
+    if not requested:
+        if not is_large and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR:
+            return "", SMALL
+        reason = "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    refused = "; ".join(fault.message for fault in motion_faults(work.study, ()))
+    if not refused and not requested:
+        from torsion.analyses.stability.periodic_speeds import too_long
+
+        refused = too_long(work.study, system.whole)
+    return reason, refused
+
+
+def _solve_periodic(work: Work, reason: str) -> None:
+    from torsion.analyses.stability.periodic_orbits import Found
+    from torsion.analyses.stability.periodic_speeds import periodic_over_speed
+
+    log, first_order = work.log, work.need(Response)
+    with log.step(PERIODIC, reason) as step:
+        response = periodic_over_speed(
+            work.study, work.system.whole, first_order, progress=work.progress
+        )
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(response.harmonics.max(initial=0))
+        kept = f"up to {harmonics} harmonics of the common period"
+        step.size = (
+            f"{response.speed.size} speeds, {kept if harmonics else 'no periodic motion found'}"
+        )
+    nothing = response.status == Found.NONE
     if nothing.any():
-        reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
+        reasons = "; ".join(dict.fromkeys(filter(None, response.why)))
         log.without(
             f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds",
             f"none was found: {reasons}",
         )
-    if (found.status == Found.COARSE).any():
+    if (response.status == Found.COARSE).any():
         log.without(
             f"{PERIODIC}, in part",
             "at some speeds the omitted harmonics exceed 1e-10 of the largest",
@@ -203,17 +202,17 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
             f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
         )
     groups = work.system.groups
-    work.put(periodic=found if groups is None else found.condensed(groups))
+    work.put(periodic=response if groups is None else response.condensed(groups))
 
 
 def exciting_joints(system: System) -> list[JointRecord]:
-    """The joints of the train that turn unevenly."""
-    every = (system.train.parts[span.part].joint for span in system.spans if span.error)
-    return [joint for joint in every if joint is not None]
+    """Return the joints of the train that turn unevenly."""
+    joints = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    return [joint for joint in joints if joint is not None]
 
 
 def run_stability(work: Work) -> None:
-    """Stability over speed and its map, where they are requested."""
+    """Stability over speed, where it is requested."""
     from torsion.analyses.stability.stability_over_speed import stability
 
     study, system, log = work.study, work.system.whole, work.log
@@ -235,15 +234,11 @@ def run_stability(work: Work) -> None:
             progress=work.progress,
         )
         step.method = METHODS[settings.method]
-        added = int((~found.requested).sum())
-        kept = (
-            "all modes"
-            if found.kept is None
-            else f"{found.kept} of {found.modes.size} elastic modes"
-        )
-        step.size = f"{int(found.requested.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
-    if found.unsolved.size:
-        number = found.unsolved.size
+        requested, kept = int(found.requested.sum()), "all modes"
+        if found.kept is not None:
+            kept = f"{found.kept} of {found.modes.size} elastic modes"
+        step.size = f"{requested} speeds requested, {found.speed.size - requested} more around zones and boundaries; {kept}"
+    if number := found.unsolved.size:
         log.without(
             f"stability at {number} speed{'' if number == 1 else 's'}",
             "no periodic motion was found there",
@@ -273,10 +268,8 @@ def run_map(work: Work) -> None:
             modes=settings.modes,
             progress=work.progress,
         )
-        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"
-        points = f"{found.speed.size} x {found.value.size} points"
-        step.size = f"{points}, {found.checked} of them checked on the whole train"
-    missing = int(np.isnan(found.growth).sum())
-    if missing:
+        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes"
+        step.size = f"{found.speed.size} x {found.value.size} points, {found.checked} of them checked on the whole train"
+    if missing := int(np.isnan(found.growth).sum()):
         work.log.without(f"stability map at {missing} points", "no periodic motion was found there")
     work.put(stability_map=found)

@@ -1,7 +1,6 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from torsion.analyses.stability.floquet_exponents import (
     Method,
@@ -30,6 +29,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
+from torsion.kernels.bracketed_search import find_minimum
 from torsion.results import reported, result
 from torsion.study import Study
 
@@ -120,7 +120,7 @@ def stability(
     modes: int | None = None,
     progress: Progress = silent,
 ) -> Stability:
-    """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
+    """Return growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
 
     Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
     they shift the orbit, not its stability, to first order. A long train is reduced to the modes that matter, and any
@@ -130,33 +130,40 @@ def stability(
     harmonics_at_least(search.at)  # raises SolveError before anything is computed
     elastic = search.shapes.frequency[search.shapes.rigid :]
     longest = 2.0 * np.pi / (float(search.at.order) * float(np.min(speeds)))
-    if modes is None and (
-        search.at.layout.free > WHOLE or search.shapes.highest * longest > TURNED
-    ):
+    is_long = search.at.layout.free > WHOLE or search.shapes.highest * longest > TURNED
+    if modes is None and is_long:
         fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
         modes = fewer.modes - fewer.rigid
-    modes = None if modes is None or modes >= len(elastic) else modes
-    if modes is not None:
+    if modes is not None and modes < len(elastic):
         search = growth_search(study, system, method=method, modes=modes)
+    else:
+        modes = None
     requested = np.unique(np.asarray(speeds, dtype=float))
     for k, speed in enumerate(requested.tolist()):
         progress("stability", 0.6 * k / len(requested))
         search(speed)
     _look_between(search, requested, progress)
     ranges = unstable_ranges(search, progress)
-    drifts = _drifts(search)
+    drifts = _find_drifts(search)
+
     speed = np.array(sorted(search.known))
-    solved = [search.known[one] for one in speed.tolist()]
-    growth, frequency = np.array(
-        [(np.nan, np.nan) if one is None else one[1].fastest for one in solved]
-    ).T
+    solved = [search.known[w] for w in speed.tolist()]
+    fastest = [(np.nan, np.nan) if found is None else found[1].fastest for found in solved]
+    growth, frequency = np.array(fastest).T
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
-    left_out = (
-        0.0
-        if modes is None
-        else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
-    )
+    left_out = 0.0
+    if modes is not None:
+        # At the fastest growth and at both ends, with more modes.
+        wide = growth_search(study, system, modes=min(MORE * modes, len(elastic)))
+        known = np.flatnonzero(np.isfinite(growth))
+        rows = (
+            {*known[:1], *known[-1:], *known[np.argmax(growth[known])][None]}
+            if known.size
+            else set()
+        )
+        changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in sorted(rows)]
+        left_out = float(np.nanmax(changes)) if changes else np.nan
     return Stability(
         speed,
         np.isin(speed, requested),
@@ -166,13 +173,13 @@ def stability(
         ranges,
         elastic,
         method,
-        _check(search, requested),
+        _compare_methods(search, requested),
         speed[np.isnan(growth)],
         search.loses,
         modes,
-        drift=np.array([search.drift(one) for one in speed.tolist()]),
+        drift=np.array([search.drift(w) for w in speed.tolist()]),
         drifts=drifts,
-        doubtful=speed[[one is not None and one[1].is_doubtful for one in solved]],
+        doubtful=speed[[found is not None and found[1].is_doubtful for found in solved]],
         left_out=left_out,
     )
 
@@ -182,33 +189,23 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
     uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
     if uneven == 0.0 or len(requested) < 2:
         return
-    seeds = candidates(
-        search.shapes, search.at.layout.orders, float(requested[0]), float(requested[-1])
-    )
+    first, last = float(requested[0]), float(requested[-1])
+    seeds = candidates(search.shapes, search.at.layout.orders, first, last)
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
+
+    def height(speed: float) -> float:
+        found = search(speed)
+        return np.inf if found is None else -indicator(found[1], loses=search.loses)
+
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
-        low, high = (
-            max(seed * (1.0 - around), float(requested[0])),
-            min(seed * (1.0 + around), float(requested[-1])),
-        )
+        low, high = max(seed * (1.0 - around), first), min(seed * (1.0 + around), last)
         inside = [speed for speed in search.known if low <= speed <= high]
-        if any(search.is_unstable(speed) for speed in [*inside, seed]):
-            continue
-
-        def height(speed: float) -> float:
-            found = search(speed)
-            return np.inf if found is None else -indicator(found[1], loses=search.loses)
-
-        minimize_scalar(
-            height,
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": around * seed * 1e-2, "maxiter": 10},
-        )
+        if not any(search.is_unstable(speed) for speed in [*inside, seed]):
+            find_minimum(height, low, high, tolerance=around * seed * 1e-2, most=10)
 
 
-def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
+def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
     if not any(np.isfinite(search.drift(speed)) for speed in list(search.known)):
         return ()
@@ -223,56 +220,35 @@ def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
         low, high = float(known[row - 1]), float(known[row + 1])
-        minimize_scalar(
-            height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)}
-        )
+        find_minimum(height, low, high, tolerance=PEAK * (high - low))
 
     worst = min(search.known, key=height)
     start = search(worst)
     if start is None or search.drift(worst) <= SLOW:
         return ()
     speeds = np.array(sorted(search.known))
-    first, last = drift_ends(
-        search.drift, speeds, np.array([search.drift(speed) for speed in speeds.tolist()])
-    )
+    drifts = np.array([search.drift(speed) for speed in speeds.tolist()])
+    first, last = drift_ends(search.drift, speeds, drifts)
     station, name = driver(search.at, worst)
     ratio2 = float(search.at.system.speed_ratio[station]) ** 2
-    slope = (
-        missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station) / ratio2
-    )
+    limits = float(known[0]), float(known[-1])
+    slope = missing_slope(search.at, start[0], limits, station) / ratio2
     given = mean_speed_damping(start[0]) / ratio2
     slip = slip_slope(search.at, station)
     return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
 
 
-def _check(search: Search, requested: FloatArray) -> float:
-    """1/s: largest difference between the growth rates of both methods at a few speeds."""
+def _compare_methods(search: Search, requested: FloatArray) -> float:
+    """Return the largest difference (1/s) between the growth rates of both methods at a few speeds."""
     other: Method = "monodromy" if search.method == "hill" else "hill"
-    apart = list[float]()
-    known = [found for speed in requested.tolist() if (found := search(speed)) is not None]
-    known = known or [found for found in search.known.values() if found is not None]
-    for place in np.unique(
-        np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)
-    ).tolist():
-        found = known[place]
+    solved = [found for speed in requested.tolist() if (found := search(speed)) is not None]
+    solved = solved or [found for found in search.known.values() if found is not None]
+    differences = list[float]()
+    for place in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):
+        motion, multipliers = solved[place]
         try:
-            apart.append(
-                abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
-            )
+            growth = search.exponents(motion, other, MOST_CHECKED).growth
         except SolveError:
             continue
-    return max(apart, default=np.nan)
-
-
-def _left_out(
-    study: Study, system: System, speed: FloatArray, growth: FloatArray, more: int
-) -> float:
-    """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
-    search = growth_search(study, system, modes=more)
-    known = np.flatnonzero(np.isfinite(growth))
-    if not known.size:
-        return np.nan
-    places = {int(known[0]), int(known[-1]), int(known[np.argmax(growth[known])])}
-    return float(
-        np.nanmax([abs(search.growth(float(speed[k])) - growth[k]) for k in sorted(places)])
-    )
+        differences.append(abs(growth - multipliers.growth))
+    return max(differences, default=np.nan)

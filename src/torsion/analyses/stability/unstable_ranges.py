@@ -7,28 +7,26 @@ from itertools import combinations, pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.stability.floquet_exponents import UNSTABLE, Multipliers, Search
 from torsion.analyses.stability.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.findings import Progress
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.results import derived, reported, result
 
 TAKES_PART = 0.02  # of the largest modal energy
 ALONE = 0.1  # of the largest: a second mode with less makes no zone of two modes where one alone explains it
 DETUNED = 0.35  # of w0: no combination explains a growth farther away
-MIXED_COSTS = (
-    0.05  # of w0: where two modes take part, a zone of both is believed before one of either alone
-)
-RANK_COSTS = (
-    0.02  # of w0, per rank: a near miss of a low rank is believed before a hit of a high one
-)
+# Of w0: where two modes take part, a zone of both is believed before one of either alone.
+MIXED_COSTS = 0.05
+# Of w0, per rank: a near miss of a low rank is believed before a hit of a high one.
+RANK_COSTS = 0.02
 WITHIN = 1e-10  # relative: boundaries are sought this closely
-BISECTIONS = (
-    10  # before a boundary of a train without damping is sought by the gap of its multipliers
-)
+NEAR_BOUNDARY = 10.0 * WITHIN  # relative: a speed so near belongs to the range
+# Bisections before a boundary of a train without damping is sought by the gap of its multipliers.
+BISECTIONS = 10
 PARTS = 8  # of a range: in each of them the growth is evaluated before the greatest is sought
 PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
@@ -64,7 +62,7 @@ class Zone:
 
 
 def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
-    """(modes,) energy of the fastest growing motion in each mode at reference angle zero, largest 1.
+    """Return (modes,) the energy of the fastest growing motion in each mode at reference angle zero, largest 1.
 
     reduced: the basis of the motion, with more behind it; None: the coordinates.
     """
@@ -78,11 +76,11 @@ def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None
 
 
 def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
-    """The combination of the modes that take part which lies nearest to a multiple of w0 (rad/s)."""
+    """Return the combination of the modes that take part which lies nearest to a multiple of w0 (rad/s)."""
     w = shapes.frequency
     taking = [int(k) for k in np.argsort(-energy) if energy[k] > TAKES_PART]
     strong = [k for k in taking if energy[k] > ALONE]
-    alone: list[Combination] = [("principal", (k,), 2.0 * w[k]) for k in strong]
+    single: list[Combination] = [("principal", (k,), 2.0 * w[k]) for k in strong]
     pairs: list[Combination] = []
     for i, j in combinations(sorted(taking), 2):
         pairs += [("sum", (i, j), w[i] + w[j]), ("difference", (i, j), w[j] - w[i])]
@@ -90,35 +88,31 @@ def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
     def numbers(modes: Iterable[int]) -> tuple[int, ...]:
         return tuple(max(0, k - shapes.rigid + 1) for k in modes)
 
-    def near(some: list[Combination], cost: float = 0.0) -> Iterator[tuple[float, Zone]]:
-        for kind, modes, combination in some:
+    def near(resonances: list[Combination], cost: float = 0.0) -> Iterator[tuple[float, Zone]]:
+        for kind, modes, combination in resonances:
             rank = max(1, round(combination / w0))
             away = abs(combination / w0 - rank)
             if away < DETUNED:
                 yield away + RANK_COSTS * rank + cost, Zone(kind, numbers(modes), rank)
 
-    choices = list(near(alone)) if len(strong) < 2 else []
-    choices = choices or [*near(alone, MIXED_COSTS), *near(pairs)]
-    return (
-        min(choices, key=lambda one: one[0])[1]
-        if choices
-        else Zone("unexplained", numbers(taking[:1]), 0)
-    )
+    choices = list(near(single)) if len(strong) < 2 else []
+    choices = choices or [*near(single, MIXED_COSTS), *near(pairs)]
+    unexplained = np.inf, Zone("unexplained", numbers(taking[:1]), 0)
+    return min(choices, key=lambda choice: choice[0], default=unexplained)[1]
 
 
 def candidates(
     shapes: Basis, orders: tuple[Fraction, ...], first: float, last: float, most_rank: int = 2
 ) -> FloatArray:
-    """Reference speeds (rad/s) in a range at which a combination of two modes meets a multiple of a joint's frequency.
+    """Return the speeds (rad/s) in a range at which a combination of two modes meets a multiple of a joint's frequency.
 
     orders: frequencies of the joints / reference speed.
     """
     w = shapes.frequency[shapes.rigid :]
     i, j = np.triu_indices(len(w))
-    found = np.concatenate([w[i] + w[j], np.abs(w[i] - w[j])[i != j], w])
-    speed = np.concatenate(
-        [found / (float(order) * rank) for order in orders for rank in range(1, most_rank + 1)]
-    )
+    resonances = np.concatenate([w[i] + w[j], np.abs(w[i] - w[j])[i != j], w])
+    multiples = np.outer([float(order) for order in orders], np.arange(1, most_rank + 1)).ravel()
+    speed = resonances / multiples[:, None]
     return np.unique(speed[(speed > first) & (speed < last)])
 
 
@@ -169,38 +163,39 @@ class End:
 
 
 def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ...]:
-    """Every range around the unstable speeds that are known; speeds without a periodic motion part them."""
-    out = list[UnstableRange]()
+    """Return every range around the unstable speeds that are known; speeds without a periodic motion part them."""
+    ranges = list[UnstableRange]()
     while True:
         known = sorted(search.known)
-        met = [(one.first * (1.0 - 10.0 * WITHIN), one.last * (1.0 + 10.0 * WITHIN)) for one in out]
-        apart = (
-            one
-            for one in known
-            if search.is_unstable(one) and not any(low <= one <= high for low, high in met)
+        seed = next(
+            (
+                speed
+                for speed in known
+                if search.is_unstable(speed)
+                and not any(
+                    band.first * (1.0 - NEAR_BOUNDARY) <= speed <= band.last * (1.0 + NEAR_BOUNDARY)
+                    for band in ranges
+                )
+            ),
+            None,
         )
-        seed = next(apart, None)
         if seed is None:
-            return tuple(sorted(out, key=lambda one: one.first))
+            return tuple(sorted(ranges, key=lambda band: band.first))
         report("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
-        out.append(_around(search, seed))
+        ranges.append(_find_range(search, seed))
 
 
-def _around(search: Search, seed: float) -> UnstableRange:
-    """The range of an unstable speed (rad/s); where the search for its greatest growth meets a gap, the part before."""
+def _find_range(search: Search, seed: float) -> UnstableRange:
+    """The range of an unstable speed (rad/s); where the search for its fastest growth meets a gap, the part before."""
     while True:
         low, high = _end(search, seed, -1), _end(search, seed, 1)
         worst = _fastest(search, low.speed, high.speed)
-        if all(
-            search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner
-        ):
+        inside = [speed for speed in search.known if low.inner < speed < high.inner]
+        if all(search.is_unstable(speed) for speed in inside):
             break
     found = _multipliers(search, worst)
-    named = zone(
-        modal_energy(found, search.shapes, search.reduced),
-        search.shapes,
-        2.0 * np.pi / found.period,
-    )
+    energy = modal_energy(found, search.shapes, search.reduced)
+    named = zone(energy, search.shapes, 2.0 * np.pi / found.period)
     return UnstableRange(
         named.kind,
         named.modes,
@@ -216,19 +211,16 @@ def _around(search: Search, seed: float) -> UnstableRange:
 
 def _end(search: Search, seed: float, side: int) -> End:
     """Where a range ends above (side 1) or below (-1) an unstable speed of it (rad/s)."""
-    away = sorted(
-        (one for one in search.known if side * (one - seed) >= 0), key=lambda one: side * one
+    speeds = sorted(
+        (speed for speed in search.known if side * (speed - seed) >= 0), key=lambda w: side * w
     )
-    number = next((k for k, one in enumerate(away) if not search.is_unstable(one)), len(away))
-    inner, beyond = away[number - 1], away[number:]
+    number = next((k for k, w in enumerate(speeds) if not search.is_unstable(w)), len(speeds))
+    inner, beyond = speeds[number - 1], speeds[number:]
     if not beyond:
         return End(inner, inner, is_open=True)
     if search(beyond[0]) is None:
-        return End(
-            inner,
-            inner,
-            unknown=next((one for one in beyond if search(one) is not None), beyond[-1]),
-        )
+        unknown = next((speed for speed in beyond if search(speed) is not None), beyond[-1])
+        return End(inner, inner, unknown=unknown)
     try:
         return End(inner, _boundary(search, inner, beyond[0]))
     except NoMotion:
@@ -243,67 +235,59 @@ def _boundary(search: Search, inner: float, outer: float) -> float:
         middle = (inner + outer) / 2.0
         _multipliers(search, middle)
         inner, outer = (middle, outer) if search.is_unstable(middle) else (inner, middle)
-    at = np.exp(1j * np.angle(_multipliers(search, inner).multiplier[0]))
+    meeting = np.exp(1j * np.angle(_multipliers(search, inner).multiplier[0]))
 
     def height(speed: float) -> float:
-        return indicator(_multipliers(search, speed), at, loses=search.loses)
+        return indicator(_multipliers(search, speed), meeting, loses=search.loses)
 
     try:
-        return float(brentq(height, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
+        return float(find_root(height, inner, outer, tolerance=WITHIN * inner))
     except ValueError:
         return (inner + outer) / 2.0
 
 
 def _multipliers(search: Search, speed: float) -> Multipliers:
     """Of the motion at a speed (rad/s); raises NoMotion where there is none."""
-    found = search(speed)
-    if found is None:
+    solved = search(speed)
+    if solved is None:
         raise NoMotion(f"no periodic motion at {speed:.8g} rad/s")
-    return found[1]
+    return solved[1]
 
 
-def indicator(found: Multipliers, at: complex | None = None, *, loses: bool) -> float:
-    """Smooth over speed, positive where unstable: growth, or without damping the squared gap of two multipliers.
+def indicator(found: Multipliers, meeting: complex | None = None, *, loses: bool) -> float:
+    """Return what is smooth over speed and positive where unstable.
 
-    at: unit complex number near which the two meet; None: wherever they lie closest.
+    That is the growth, or without damping the squared gap of two multipliers. meeting: unit complex number near which
+    the two meet; None: wherever they lie closest.
     """
-    if loses or (found.growth * found.period > UNSTABLE * 1e3 and at is None):
+    if loses or (found.growth * found.period > UNSTABLE * 1e3 and meeting is None):
         return found.growth
     value = found.multiplier
-    if at is None:
-        apart = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
-        first, second = np.unravel_index(int(np.argmin(apart)), apart.shape)
+    if meeting is None:
+        distance = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
+        first, second = np.unravel_index(int(np.argmin(distance)), distance.shape)
     else:
-        first, second = np.argsort(np.abs(value - at))[:2]
+        first, second = np.argsort(np.abs(value - meeting))[:2]
     gap = np.log(value[first] / value[second]) / (2.0 * found.period)
     return float((gap * gap).real)
 
 
 def _fastest(search: Search, lower: float, upper: float) -> float:
-    """The speed (rad/s) of the greatest growth between two: of speeds in all parts, and about the best of them."""
+    """The speed (rad/s) of the fastest growth between two: of speeds in all parts, and about the best of them."""
 
     def growth(speed: float) -> float:
         return float(np.nan_to_num(search.growth(speed)))
 
     def inside() -> list[float]:
-        return sorted(
-            one
-            for one, found in search.known.items()
-            if found is not None and lower <= one <= upper
-        )
+        return sorted(w for w, solved in search.known.items() if solved and lower <= w <= upper)
 
     for low, high in pairwise([lower, *inside(), upper]):
         parts = int(np.ceil(PARTS * (high - low) / (upper - lower))) if upper > lower else 1
         for speed in np.linspace(low, high, parts + 1)[1:-1].tolist():
             search(speed)
     speeds = inside()
-    best = int(np.argmax([growth(one) for one in speeds]))
+    best = int(np.argmax([growth(speed) for speed in speeds]))
     low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]
     if high > low:
-        minimize_scalar(
-            lambda speed: -growth(float(speed)),
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": PEAK * (high - low)},
-        )
+        find_minimum(lambda speed: -growth(float(speed)), low, high, tolerance=PEAK * (high - low))
     return max(inside(), key=growth)

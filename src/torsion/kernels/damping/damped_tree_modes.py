@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
@@ -304,6 +303,8 @@ def independent_shapes(
 
     The train is pushed at every station in turn; the best independent answers are kept. None if there are too few.
     """
+    from scipy.linalg import qr, solve_triangular
+
     tree, size = train.tree, train.plan.size
     at = both_sides(train, np.full(size, root))
     angle, torque = shapes_from(train.plan, at, np.arange(size))

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.kernels.engine.gas_torque import NODES, Cylinder, Panels, harmonics
 
 BURNT = 6.908  # a: 99.9 % of the heat at the end of the duration
@@ -145,13 +145,8 @@ class Cycle:
         angle = np.linspace(min(self.start, -0.1), min(self.start + self.duration, self.opens), 241)
         at = int(np.argmax(self.closed(angle)))
         ends = angle[max(at - 1, 0)], angle[min(at + 1, len(angle) - 1)]
-        found = minimize_scalar(
-            lambda x: -float(self.closed(np.array(x))),
-            bounds=ends,
-            method="bounded",
-            options={"xatol": 1e-9},
-        )
-        return -float(found.fun)
+        _, least = find_minimum(lambda x: -float(self.closed(np.array(x))), *ends, tolerance=1e-9)
+        return -float(least)
 
 
 @lru_cache(maxsize=32)
@@ -190,5 +185,5 @@ def fitted(cycle: Cycle, imep: float, peak: float) -> Cycle:
     else:
         raise UnreachablePressure(float(over.min()) + peak, float(over.max()) + peak)
     low, high = starts[place], starts[place + 1]
-    root = brentq(lambda x: timed(cycle, imep, x).peak - peak, low, high, xtol=1e-13)
+    root = find_root(lambda x: timed(cycle, imep, x).peak - peak, low, high, tolerance=1e-13)
     return timed(cycle, imep, float(root))

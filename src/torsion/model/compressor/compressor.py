@@ -1,7 +1,6 @@
 """A reciprocating compressor or pump: crank throws, and the torque that the pressures in its cylinders absorb."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path as FilePath
@@ -12,21 +11,24 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields, units
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder
-from torsion.model.component import Component
 from torsion.model.compressor.ends import Pressures, end_of
 from torsion.model.compressor.record import CompressorRecord, End, EndRecord, ThrowRecord
-from torsion.model.engine.crankshaft import Crankshaft, of
+from torsion.model.engine.crankshaft import (
+    VARYING,
+    Crankshaft,
+    check_rod,
+    piston_area,
+)
 from torsion.model.engine.declarations import Crankcase, Length
 from torsion.model.engine.gas_laws import GasFault
 from torsion.model.lowering import Lowering, Mass
 from torsion.primitives import Torque
 
 SMALL = 1e-9  # of the largest harmonic: a mean torque that is rounding
-VARYING = 8  # harmonics of the inertia over a revolution that are kept
 
 
 def _pressures(value: Any) -> Any:
@@ -72,7 +74,7 @@ class CompressorThrow(Declared):
                 raise refuse("the rod is not thinner than the bore", "both are diameters", key)
 
 
-class Compressor(Component, keyword="compressor", sort="line"):
+class Compressor(Crankshaft, keyword="compressor"):
     """A reciprocating compressor or pump with its crankshaft; it absorbs the mean torque."""
 
     stroke: Length = required("way of the pistons")
@@ -85,194 +87,123 @@ class Compressor(Component, keyword="compressor", sort="line"):
     tdc: fields.Angle | None = given(
         "angle in files over the crank angle at which the head end is at its dead centre"
     )
-    mechanical_efficiency: Annotated[
-        float, Quantity("1", above=0, at_most=1, usual="efficiency")
-    ] = given("torque of the gas / that at the shaft", 1.0)
-    reverse: bool = given("true: the train meets its last throw first", False)
-    inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw with the mean of its moving masses; one value for all", ()
-    )
-    crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw without masses, in place of `inertia`; the mean of `reciprocating` is added",
-        (),
-    )
-    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
-        "between throws; one value for all", ()
-    )
-    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given(
-        "to ground, by throw; one value for all", ()
-    )
-    loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
     orders: Annotated[int, Field(ge=1, le=48)] = given("highest order of the crankshaft", 12)
 
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterator[str]:
-        throws = body.get("throws")
-        if isinstance(throws, list):
-            yield from (f"{name} throw {place}" for place in range(1, len(throws) + 1))
-
     def refuse_clashes(self) -> None:
-        if self.rod_length <= self.stroke / 2.0:
-            message = "the rod is not longer than half the stroke"
-            raise refuse(message, "the piston could not pass its dead centres", "rod_length")
-        if bool(self.inertia) == bool(self.crank_inertia):
-            raise refuse(
-                "give `inertia`, or `crank_inertia`",
-                "crank_inertia: 2.5 kg*m**2",
-                "crank_inertia" if self.inertia else "",
-            )
-        number = len(self.throws)
-        for key, most in (
-            ("inertia", number),
-            ("crank_inertia", number),
-            ("damping", number),
-            ("stiffness", number - 1),
-        ):
-            values = getattr(self, key)
-            if len(values) not in (0, 1, most):
-                what = "throws" if most == number else "spans between them"
-                hint = "one value, or each"
-                raise refuse(
-                    f"`{key}` has {len(values)} values, and there are {most} {what}", hint, key
-                )
-        if number > 1 and not self.stiffness:
-            raise refuse(
-                "`stiffness` of the crank spans is missing", "between throws; one value for all"
-            )
-        ends = [
-            end for one in self.throws for end in (one.head_end, one.crank_end) if end is not None
-        ]
+        check_rod(self.rod_length, self.stroke)
+        super().refuse_clashes()
+        ends = [key for throw in self.throws for key in throw.keys_given("head_end", "crank_end")]
         if ends and self.absolute is None:
-            raise refuse(
-                "`absolute` is missing",
-                "absolute: true, or false of pressures above the surroundings",
-            )
-        if not ends and not any(one.reciprocating for one in self.throws):
-            raise refuse(
-                "nothing excites: pressures and masses are missing",
-                "give `head_end` and `crank_end`",
-            )
+            hint = "absolute: true, or false of pressures above the surroundings"
+            raise refuse("`absolute` is missing", hint)
+        if not ends and not any(throw.reciprocating for throw in self.throws):
+            message = "nothing excites: pressures and masses are missing"
+            raise refuse(message, "give `head_end` and `crank_end`")
+
+    @property
+    def throw_names(self) -> tuple[str, ...]:
+        return tuple(f"throw {number}" for number in range(1, len(self.throws) + 1))
+
+    @property
+    def slider(self) -> CrankSlider:
+        """The crank mechanism of every throw."""
+        return CrankSlider.of_stroke(self.stroke, self.rod_length)
+
+    def moving_inertia(self, throw: int) -> float:
+        mass = self.throws[throw].reciprocating
+        return float(self.slider.inertia_harmonics(0, mass)[0].real)
 
     def lower(self, build: Lowering) -> None:
-        owner, slider = build.part, CrankSlider.of_stroke(self.stroke, self.rod_length)
-        names = tuple(f"throw {place}" for place in range(1, len(self.throws) + 1))
-        crankshaft = Crankshaft(
-            names, self.stiffness, self.damping, self.loss_factor, reverse=self.reverse
+        owner = build.part
+        stations, _ = self.lower_throws(build)
+        path, faults = build.parts[owner].path, len(build.faults)
+        throws = tuple(
+            self._throw(number, station, tuple(self._ends(build, owner, number)))
+            for number, station in enumerate(stations)
         )
-        stations, _ = crankshaft.lower(
-            build, lambda here, throw: self._masses(build, here, throw, slider)
-        )
-        path, first = build.parts[owner].path, len(build.faults)
-        throws = []
-        for place, station in enumerate(stations):
-            ends = tuple(self._ends(build, owner, place, slider))
-            throws.append(self._throw(place, station, ends, slider))
-        record = CompressorRecord(
-            owner, tuple(throws), self.mechanical_efficiency, tuple(self._words(slider))
-        )
+        record = CompressorRecord(owner, throws, self.mechanical_efficiency, tuple(self._words()))
         build.parts[owner] = replace(build.parts[owner], compressor=record)
-        if len(build.faults) == first:
+        if len(build.faults) == faults:
             self._refuse_driving(build, record)
-            for torque in self._torques(build, record, path):
-                build.add(torque)
+            build.add(*self._torques(build, record, path))
 
-    def _masses(self, build: Lowering, here: int, throw: int, slider: CrankSlider) -> None:
-        if self.inertia:
-            build.inertia(here, of(self.inertia, throw))
-            return
-        build.inertia(here, of(self.crank_inertia, throw), "crank")
-        mean = slider.inertia_harmonics(0, self.throws[throw].reciprocating)[0].real
-        build.inertia(here, float(mean), "moving masses, mean")
-
-    def _ends(
-        self, build: Lowering, owner: int, place: int, slider: CrankSlider
-    ) -> Iterator[EndRecord]:
+    def _ends(self, build: Lowering, owner: int, number: int) -> Iterator[EndRecord]:
         """The working sides of a piston; a fault is noted where the file's figures give none."""
-        one = self.throws[place]
+        throw = self.throws[number]
         pressures = Pressures(
             FilePath(build.folder), bool(self.absolute), self.surroundings, self.tdc, self.orders
         )
-        sides: tuple[tuple[End, str, Any, float], ...] = (
-            ("head end", "head_end", one.head_end, one.tail_rod),
-            ("crank end", "crank_end", one.crank_end, one.piston_rod),
+        sides: tuple[tuple[End, Any, float], ...] = (
+            ("head end", throw.head_end, throw.tail_rod),
+            ("crank end", throw.crank_end, throw.piston_rod),
         )
-        for end, key, pressure, rod in sides:
+        for end, pressure, rod in sides:
             if pressure is None:
                 continue
-            cylinder = Cylinder(slider, math.pi / 4.0 * (one.bore**2 - rod**2), 1)
+            cylinder = Cylinder(self.slider, piston_area(throw.bore, rod), 1)
             try:
                 yield end_of(end, pressure, cylinder, pressures)
             except GasFault as fault:
-                build.faults.append(self._fault(build, owner, (place, key), fault))
+                build.faults.append(_located(build, owner, number, end, fault))
 
-    @staticmethod
-    def _fault(build: Lowering, owner: int, where: tuple[int, str], fault: GasFault) -> Fault:
-        return Fault((*build.parts[owner].path, "throws", *where), fault.message, fault.hint)
-
-    def _throw(
-        self, place: int, station: int, ends: tuple[EndRecord, ...], slider: CrankSlider
-    ) -> ThrowRecord:
-        one = self.throws[place]
-        gas = (
-            np.sum([end.torque for end in ends], axis=0)
-            if ends
-            else np.zeros(self.orders + 1, dtype=np.complex128)
-        )
+    def _throw(self, number: int, station: int, ends: tuple[EndRecord, ...]) -> ThrowRecord:
+        throw, slider = self.throws[number], self.slider
+        gas = np.zeros(self.orders + 1, dtype=np.complex128)
         return ThrowRecord(
-            place + 1,
+            number + 1,
             station,
-            one.angle,
+            throw.angle,
             ends,
-            np.asarray(gas),
-            slider.inertia_torque(self.orders, one.reciprocating),
-            slider.inertia_harmonics(VARYING, one.reciprocating),
+            np.asarray(sum((end.torque for end in ends), gas)),
+            slider.inertia_torque(self.orders, throw.reciprocating),
+            slider.inertia_harmonics(VARYING, throw.reciprocating),
         )
 
     def _refuse_driving(self, build: Lowering, record: CompressorRecord) -> None:
         """A throw that gives work: its rows run backwards, or the ends are exchanged."""
-        for one in record.throws:
-            for end in one.ends:
+        for throw in record.throws:
+            for end in throw.ends:
                 drives = float(end.torque[0].real)
                 if drives > SMALL * float(np.abs(end.torque).max()):
-                    key = "head_end" if end.end == "head end" else "crank_end"
-                    message = f"the {end.end} of throw {one.number} drives the shaft: {drives:.5g} N m on the mean"
+                    message = f"the {end.end} of throw {throw.number} drives the shaft: {drives:.5g} N m on the mean"
                     hint = (
                         "rows follow the motion of the piston; volume and travel count from the dead centre of "
                         "the same end"
                     )
                     fault = GasFault(message, hint)
                     build.faults.append(
-                        self._fault(build, record.part, (one.number - 1, key), fault)
+                        _located(build, record.part, throw.number - 1, end.end, fault)
                     )
 
     def _torques(self, build: Lowering, record: CompressorRecord, path: Path) -> Iterator[Torque]:
         """One primitive for every throw and order that is there."""
-        for one in record.throws:
-            name = build.stations[one.station].name
-            law = GasLaw("nothing", np.zeros(1), one.gas[None, :])
+        for throw in record.throws:
+            name, station = build.stations[throw.station].name, throw.station
+            law = GasLaw("nothing", np.zeros(1), throw.gas[None, :])
             for order in range(1, self.orders + 1):
-                if one.gas[order] or one.inertia[order]:
+                if throw.gas[order] or throw.inertia[order]:
+                    inertia, phasor = complex(throw.inertia[order]), throw.phasor(order)
                     cylinder = CylinderOrder(
-                        law,
-                        order,
-                        complex(one.inertia[order]),
-                        one.phasor(order),
-                        one.station,
-                        1.0,
-                        engine=record.part,
+                        law, order, inertia, phasor, station, 1.0, engine=record.part
                     )
                     yield Torque(
                         name,
-                        one.station,
+                        station,
                         Fraction(order),
                         path=path,
                         source=self.source,
                         cylinder=cylinder,
                     )
 
-    def _words(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:
-        """Figures of the data sheet."""
+    def _words(self) -> Iterator[tuple[str, str]]:
+        """Rows of the data sheet: label, value with unit."""
         yield "Throws", str(len(self.throws))
         yield "Stroke, connecting rod", f"{1e3 * self.stroke:.6g}, {1e3 * self.rod_length:.6g} mm"
-        yield "Radius / rod", f"{slider.radius / slider.rod:.5g}"
+        yield "Radius / rod", f"{self.slider.radius / self.slider.rod:.5g}"
         yield "Pressure outside of the cylinders", f"{self.surroundings / 1e5:.5g} bar"
+
+
+def _located(build: Lowering, owner: int, throw: int, end: End, fault: GasFault) -> Fault:
+    """The fault of the pressures of an end, at its key."""
+    path = (*build.parts[owner].path, "throws", throw, end.replace(" ", "_"))
+    return Fault(path, fault.message, fault.hint)

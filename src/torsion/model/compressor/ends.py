@@ -10,8 +10,14 @@ from torsion.arrays import FloatArray
 from torsion.kernels.engine.gas_torque import Cylinder, Diagram
 from torsion.kernels.engine.pressure_volume import NoLoop, of_loop
 from torsion.model.compressor.record import End, EndRecord
-from torsion.model.engine.gas_laws import COLUMNS, ENDS_MEET, GasFault
-from torsion.two_columns import Columns, named, pairs
+from torsion.model.engine.gas_laws import (
+    COLUMNS,
+    ENDS_MEET,
+    GasFault,
+    absolute_pressures,
+    over_cycle,
+)
+from torsion.two_columns import Columns, named
 
 SWEPT = 0.01  # relative: how far the volumes or the travel of a file may be from the swept ones
 _HEAD = (
@@ -46,42 +52,42 @@ class Pressures:
 def end_of(end: End, given: str | float, cylinder: Cylinder, pressures: Pressures) -> EndRecord:
     """An end with its diagram and harmonics; raises GasFault."""
     clearance: float | None = None
-    if isinstance(given, float):
-        both = np.full(2, given + (0.0 if pressures.is_absolute else pressures.around))
-        diagram = Diagram(np.array([0.0, 2.0 * math.pi]), both)
+    if not isinstance(given, str):
+        ends = np.full(2, given + (0.0 if pressures.is_absolute else pressures.around))
+        diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
     else:
         diagram, clearance = _of_file(end, given, cylinder, pressures)
     sense = 1.0 if end == "head end" else -1.0
     torque = sense * diagram.torque(cylinder, pressures.count, pressures.around)
-    if isinstance(given, float):
+    if not isinstance(given, str):
         torque[0] = 0.0  # what it takes it gives back
     words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
     return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)
 
 
 def _of_file(
-    end: End, given: str, cylinder: Cylinder, pressures: Pressures
+    end: End, name: str, cylinder: Cylinder, pressures: Pressures
 ) -> tuple[Diagram, float | None]:
-    file = pressures.folder / given
+    """Return the diagram of a file of pressures, and the clearance where the file has volumes; raises GasFault."""
+    file = pressures.folder / name
     columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
-    try:
-        rows = np.array(pairs(file, columns))
-    except ValueError as error:
-        raise GasFault(str(error.args[0]), str(error.args[-1])) from None
-    pressure = rows[:, 1] + (0.0 if pressures.is_absolute else pressures.around)
-    if pressure.min() <= 0:
-        raise GasFault(
-            f"'{file}' has a pressure that is not above 0", "of gauge pressures, `absolute: false`"
-        )
+    first, pressure = absolute_pressures(
+        file, columns, is_absolute=pressures.is_absolute, around=pressures.around
+    )
     if columns is ANGLE:
-        return _over_angle(file, rows[:, 0], pressure, pressures), None
-    place, clearance = _travel(file, rows[:, 0], columns, cylinder)
-    travel = place if end == "head end" else cylinder.crank.stroke - place
+        if pressures.tdc is None:
+            message = f"'{file}' is over the angle, and `tdc` is missing"
+            raise GasFault(message, "angle of the dead centre of the head end")
+        angle = first - pressures.tdc
+        return over_cycle(file, angle, pressure, 2.0 * math.pi, "revolution"), None
+    travel, clearance = _travel(file, first, columns, cylinder)
+    if end == "crank end":
+        travel = cylinder.crank.stroke - travel
     try:
         return of_loop(cylinder.crank, travel, pressure, ENDS_MEET), clearance
     except NoLoop as fault:
-        where = "" if fault.row is None else f", row {fault.row + 1} below the units"
-        raise GasFault(f"'{file}'{where}: {fault.message}", fault.hint) from None
+        row = "" if fault.row is None else f", row {fault.row + 1} below the units"
+        raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
 
 
 def _travel(
@@ -98,25 +104,5 @@ def _travel(
         swept = f"{(high - low) * size:.5g} {unit}, bore, rods and stroke give {whole * size:.5g} {unit}"
         hint = "the file holds one whole revolution, from dead centre to dead centre"
         raise GasFault(f"'{file}': its {columns.names[0]} spans {swept}", hint)
-    place = np.asarray((first - low) / (high - low) * stroke)
-    return place, low / (high - low) if columns is VOLUME else None
-
-
-def _over_angle(
-    file: FilePath, angle: FloatArray, pressure: FloatArray, pressures: Pressures
-) -> Diagram:
-    """From a file over the crank angle."""
-    if pressures.tdc is None:
-        raise GasFault(
-            f"'{file}' is over the angle, and `tdc` is missing",
-            "angle of the dead centre of the head end",
-        )
-    covered = float(angle[-1] - angle[0])
-    if not math.isclose(covered, 2.0 * math.pi, rel_tol=1e-6):
-        covers = f"'{file}' covers {math.degrees(covered):g} deg, a revolution has 360"
-        raise GasFault(covers, "the last row repeats the first, 360 deg later")
-    if abs(pressure[-1] - pressure[0]) > ENDS_MEET * pressure.max():
-        raise GasFault(f"'{file}' begins and ends with other pressures", "both are of one angle")
-    angle = angle - pressures.tdc
-    angle[-1] = angle[0] + 2.0 * math.pi
-    return Diagram(angle, pressure)
+    travel = np.asarray((first - low) / (high - low) * stroke)
+    return travel, low / (high - low) if columns is VOLUME else None

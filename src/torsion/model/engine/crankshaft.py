@@ -1,56 +1,128 @@
-"""A crankshaft as points and links in a row: throws with their damping, and the spans between them."""
+"""A crankshaft as points and links in a row: the keys of its throws and spans, and how they lower."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any
 
+from torsion import fields
+from torsion.fields import OneOrMany, Quantity, exclusive, given, refuse
+from torsion.model.component import Component
 from torsion.model.lowering import Lowering, ShaftRecord
 from torsion.primitives import Damper, Spring
 
+ONE_INERTIA = exclusive(
+    "inertia",
+    "crank_inertia",
+    hint="inertia: 0.047 kg*m**2, or crank_inertia, to which the mean of the moving masses is added",
+    needed=True,
+)
+VARYING = 8  # harmonics of the inertia over a revolution that are kept
 
-@dataclass(frozen=True)
-class Crankshaft:
-    """What throws and spans have, from the first end of the crankshaft; one value stands for all."""
 
-    names: tuple[str, ...]  # of the throws
-    stiffness: tuple[float, ...]  # N m/rad between them
-    damping: tuple[float, ...]  # N m s/rad to ground, by throw
-    loss_factor: float
-    shaft: ShaftRecord | None = None  # for the rules that judge the stress of its spans
-    reverse: bool = False  # the train meets its last throw first
+class Crankshaft(Component, sort="line"):
+    """Throws with their inertia and damping, and the spans between them; one value stands for all."""
 
-    def lower(
-        self, build: Lowering, masses: Callable[[int, int], None]
+    mechanical_efficiency: Annotated[
+        float, Quantity("1", above=0, at_most=1, usual="efficiency")
+    ] = given("of an engine mean torque / mean gas torque, of a compressor the inverse", 1.0)
+    reverse: bool = given("true: the train meets its last throw first", False)
+    inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
+        "of every throw with the mean of its moving masses, from the first end; one value for all",
+        (),
+    )
+    crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
+        "of every throw without moving masses, in place of `inertia`; the mean of those is added",
+        (),
+    )
+    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
+        "between throws, from the first end; one value for all", ()
+    )
+    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given(
+        "to ground, by throw; one value for all", ()
+    )
+    loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
+
+    @property
+    @abstractmethod
+    def throw_names(self) -> tuple[str, ...]:
+        """Names of the throws within the component, from the first end."""
+
+    @abstractmethod
+    def moving_inertia(self, throw: int) -> float:
+        """Return the mean inertia (kg m2) of the moving masses on a throw."""
+
+    @classmethod
+    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterator[str]:
+        for point in ("throw", "cylinder"):
+            count = body.get(f"{point}s")
+            count = len(count) if isinstance(count, list) else count
+            if isinstance(count, int):
+                yield from (f"{name} {point} {number}" for number in range(1, min(count, 99) + 1))
+
+    def refuse_clashes(self) -> None:
+        throws = len(self.throw_names)
+        for key in ("inertia", "crank_inertia", "damping", "stiffness"):
+            most = throws - 1 if key == "stiffness" else throws
+            count = len(getattr(self, key))
+            if count not in (0, 1, most) or count > most:
+                words = "throws" if most == throws else "spans between them"
+                message = f"`{key}` has {count} values, and there are {most} {words}"
+                raise refuse(message, "one value, or each", key)
+        if throws > 1 and not self.stiffness:
+            message = "`stiffness` of the crank spans is missing"
+            raise refuse(message, "between throws; one value for all")
+        ONE_INERTIA.check(self)
+
+    def lower_throws(
+        self, build: Lowering, shaft: ShaftRecord | None = None
     ) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Stations of the throws and parts of the spans, both from its first end; masses(station, throw) adds those."""
-        number, owner = len(self.names), build.parts[-1]
-        stations, cranks = dict[int, int](), dict[int, int]()
-        way = range(number - 1, -1, -1) if self.reverse else range(number)
-        for place, throw in enumerate(way):
-            if place:
-                span = min(throw, throw + 1 if self.reverse else throw - 1)
+        """Add throws and spans; return the stations of the throws and the parts of the spans, from the first end.
+
+        shaft: for the rules that judge the stress of the spans.
+        """
+        owner, names = build.parts[-1], self.throw_names
+        stations, spans = dict[int, int](), dict[int, int]()
+        throws = list(range(len(names)))
+        for throw in reversed(throws) if self.reverse else throws:
+            if stations:
+                span = throw if self.reverse else throw - 1
                 build.member(owner, f"crank {span + 1}-{span + 2}", "crank", is_point=False)
-                cranks[span] = build.part
-                driving, driven = build.link()
-                flexibility = 1.0 / build.own(of(self.stiffness, span))
+                spans[span] = build.part
+                ends, stiffness = build.link(), build.own(_value(self.stiffness, span))
                 build.add(
-                    Spring(
-                        build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor
-                    )
+                    Spring(build.name, build.part, *ends, 1.0 / stiffness, 0.0, self.loss_factor)
                 )
-                if self.shaft is not None:
-                    build.record(shaft=self.shaft)
+                if shaft is not None:
+                    build.record(shaft=shaft)
                 if self.loss_factor:
                     build.record(damping=("loss_factor", self.loss_factor))
-            build.member(owner, self.names[throw], "throw", is_point=True)
-            stations[throw] = here = build.point()
-            masses(here, throw)
-            if damping := of(self.damping or (0.0,), throw):
-                build.add(Damper(here, constant=build.own(damping)))
-        return tuple(stations[k] for k in range(number)), tuple(
-            cranks[k] for k in range(number - 1)
+            build.member(owner, names[throw], "throw", is_point=True)
+            stations[throw] = station = build.point()
+            if self.inertia:
+                build.inertia(station, _value(self.inertia, throw))
+            else:
+                build.inertia(station, _value(self.crank_inertia, throw), "crank")
+                build.inertia(station, self.moving_inertia(throw), "moving masses, mean")
+            if damping := _value(self.damping or (0.0,), throw):
+                build.add(Damper(station, constant=build.own(damping)))
+        return tuple(stations[throw] for throw in throws), tuple(
+            spans[span] for span in sorted(spans)
         )
 
 
-def of(values: tuple[float, ...], place: int) -> float:
-    """The value of a place; one value stands for all."""
-    return values[place] if len(values) > 1 else values[0]
+def check_rod(rod_length: float, stroke: float, offset: float = 0.0) -> None:
+    """Refuse a connecting rod with which the piston cannot pass its dead centres; lengths in m."""
+    if rod_length <= stroke / 2.0 + abs(offset):
+        message = "the rod is not longer than half the stroke and the offset together"
+        raise refuse(message, "the piston could not pass its dead centres", "rod_length")
+
+
+def piston_area(bore: float, rod: float = 0.0) -> float:
+    """Return the area (m2) of a piston of a diameter `bore` (m) less that of its rod."""
+    return math.pi / 4.0 * (bore**2 - rod**2)
+
+
+def _value(values: tuple[float, ...], position: int) -> float:
+    """The value at a position; one value stands for all."""
+    return values[position] if len(values) > 1 else values[0]

@@ -1,17 +1,26 @@
 """What the file says within an engine: geometry, masses, journals, and the gas torque of a cylinder."""
 
 import cmath
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
-from pydantic_core import PydanticCustomError
 
 from torsion import fields, units
-from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required, shown
+from torsion.fields import (
+    Declared,
+    OneOrMany,
+    Quantity,
+    given,
+    or_value,
+    read_item,
+    refuse,
+    required,
+    shown,
+)
 from torsion.kernels.round_sections import section_modulus
+from torsion.model.engine.crankshaft import check_rod
 from torsion.model.lowering import Mass
 
 Length = Annotated[float, Quantity("m", above=0, usual="size of an engine")]
@@ -23,7 +32,6 @@ Ratio = Annotated[float, Quantity("1", above=1, usual="compression ratio")]
 Share = Annotated[float, Quantity("1", at_least=0, usual="share of a cylinder")]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
 MOST_ORDER = 48  # of the crankshaft
-Found = TypeVar("Found")
 Row = tuple[
     Fraction, complex, str
 ]  # order; amplitude in N m of one cylinder, or Pa; which of the two
@@ -34,7 +42,7 @@ Numbers = Annotated[tuple[Number, ...], OneOrMany]
 
 
 def _throw(value: Any) -> Any:
-    return (value,) if isinstance(value, int) and not isinstance(value, bool) else value
+    return (value,) if type(value) is int else value
 
 
 def _misfire(value: Any) -> Any:
@@ -42,7 +50,7 @@ def _misfire(value: Any) -> Any:
     if value == "worst":
         return value
     numbers = value if isinstance(value, list | tuple) else (value,)
-    if not all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in numbers):
+    if not all(type(number) is int and number >= 1 for number in numbers):
         raise refuse(
             f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst"
         )
@@ -78,9 +86,7 @@ class Geometry(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        if self.rod_length <= self.stroke / 2.0 + abs(self.offset):
-            message = "the rod is not longer than half the stroke and the offset together"
-            raise refuse(message, "the piston could not pass its dead centres", "rod_length")
+        check_rod(self.rod_length, self.stroke, self.offset)
 
 
 class RodMasses(Declared):
@@ -128,11 +134,10 @@ class Journal(Declared):
         return float(section_modulus(self.diameter, self.bore))
 
 
-def weakest(*round_: Journal | None) -> Journal | None:
+def weakest(*journals: Journal | None) -> Journal | None:
     """The one with the smallest section modulus; None where none is given."""
-    return min(
-        (one for one in round_ if one is not None), key=lambda one: one.modulus, default=None
-    )
+    given_journals = (journal for journal in journals if journal is not None)
+    return min(given_journals, key=lambda journal: journal.modulus, default=None)
 
 
 class Web(Declared):
@@ -170,27 +175,17 @@ def _row(value: object) -> Row:
     if isinstance(value, dict):
         if set(value) != {"order", "a", "b"}:
             raise refuse("a row by cosine and sine has the keys `order`, `a` and `b`", ROW)
-        (a, unit), (b, other) = _item(value, "a", _amount), _item(value, "b", _amount)
-        if unit != other:
+        (a, unit), (b, unit_of_b) = (read_item(value, key, _amount) for key in ("a", "b"))
+        if unit != unit_of_b:
             raise refuse("`a` and `b` are of one unit", ROW)
-        return _item(value, "order", _order), complex(a, -b), unit
+        return read_item(value, "order", _order), complex(a, -b), unit
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise refuse(f"{shown(value)} is not a row of harmonics", ROW)
-    size, unit = _item(value, 1, _amount)
+    size, unit = read_item(value, 1, _amount)
     if size < 0:
         raise refuse("an amplitude is not negative", "turn its phase by 180 deg", (1,))
-    phase = _item(value, 2, Quantity("rad").read)
-    return _item(value, 0, _order), cmath.rect(size, phase), unit
-
-
-def _item(whole: Any, step: str | int, read: Callable[[Any], Found]) -> Found:
-    """What a reader makes of one item, which is named where it is at fault."""
-    try:
-        return read(whole[step])
-    except PydanticCustomError as error:
-        context = error.context or {}
-        message, hint = str(context.get("message", error)), str(context.get("hint", ROW))
-        raise refuse(message, hint, (step, *(context.get("key") or ()))) from None
+    phase = read_item(value, 2, Quantity("rad").read)
+    return read_item(value, 0, _order), cmath.rect(size, phase), unit
 
 
 def _rows(value: Any) -> tuple[Row, ...]:
@@ -200,12 +195,12 @@ def _rows(value: Any) -> tuple[Row, ...]:
         isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value
     ):
         return tuple(value)
-    read = tuple(_item(value, place, _row) for place in range(len(value)))
-    orders = [order for order, _, _ in read]
-    twice = next((place for place, order in enumerate(orders) if order in orders[:place]), None)
-    if twice is not None:
-        raise refuse(f"the table lists order {orders[twice]} twice", "one row an order", (twice,))
-    return read
+    rows = tuple(read_item(value, number, _row) for number in range(len(value)))
+    orders = [order for order, _, _ in rows]
+    for number, order in enumerate(orders):
+        if order in orders[:number]:
+            raise refuse(f"the table lists order {order} twice", "one row an order", (number,))
+    return rows
 
 
 _TABLE = {
@@ -270,13 +265,10 @@ class DiagramFile(Declared):
     )
 
 
-def _diagram(value: Any) -> Any:
-    return {"file": value} if isinstance(value, str) else value
-
-
+# One file, or several over load or speed.
 Diagrams = Annotated[
-    tuple[Annotated[DiagramFile, BeforeValidator(_diagram, str | DiagramFile)], ...], OneOrMany
-]  # one file, or several over load or speed
+    tuple[Annotated[DiagramFile, or_value(DiagramFile, "file", str)], ...], OneOrMany
+]
 
 
 class Gas(Declared):
@@ -341,101 +333,60 @@ class Gas(Declared):
     crankcase: Crankcase = given("absolute pressure under the piston", 101325.0)
 
     def refuse_clashes(self) -> None:
-        found = [
-            key
-            for key in ("table", "tables", "diagram", "cycle")
-            if getattr(self, key) not in (None, ())
-        ]
-        if len(found) != 1:
-            what = (
-                f"{' and '.join(found)} exclude each other"
-                if found
-                else "the gas torque is missing"
-            )
-            raise refuse(
-                what,
-                "give one of `table`, `tables`, `diagram` and `cycle`",
-                found[1] if found else "",
-            )
-        own = OF_EACH[found[0]]
-        wrong = [key for key in ALL_KEYS if key not in own and key in self.model_fields_set]
-        if wrong:
-            raise refuse(
-                f"`{wrong[0]}` does not go with `{found[0]}`",
-                f"with it go {', '.join(own)}",
-                wrong[0],
-            )
-        lacking = [key for key in NEEDED[found[0]] if getattr(self, key) in (None, ())]
-        if lacking:
-            raise refuse(
-                f"`{lacking[0]}` is missing", type(self).model_fields[lacking[0]].description or ""
-            )
-        if self.tables and (len(self.tables) < 2 or len({one.key for one in self.tables}) > 1):
-            raise refuse(
-                "`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables"
-            )
+        kinds = self.keys_given(*OF_EACH)
+        if len(kinds) != 1:
+            message = f"{' and '.join(kinds)} exclude each other"
+            message = message if kinds else "the gas torque is missing"
+            hint = "give one of `table`, `tables`, `diagram` and `cycle`"
+            raise refuse(message, hint, *kinds[1:2])
+        suitable, needed = OF_EACH[kinds[0]]
+        for key in (key for keys, _ in OF_EACH.values() for key in keys):
+            if key not in suitable and key in self.model_fields_set:
+                hint = f"with it go {', '.join(suitable)}"
+                raise refuse(f"`{key}` does not go with `{kinds[0]}`", hint, key)
+        for key in needed:
+            if not self.keys_given(key):
+                raise refuse(f"`{key}` is missing", type(self).model_fields[key].description or "")
         loads = len(self.imep) if self.cycle else 1
-        by_load = [key for key in BY_LOAD if len(getattr(self, key)) > 1]
-        if odd := next((key for key in by_load if len(getattr(self, key)) != loads), None):
-            many = len(getattr(self, odd))
-            raise refuse(
-                f"`{odd}` has {many} values, and `imep` {loads}", "one value, or one a load", odd
-            )
+        for key in ("charge", "exhaust", "imep", "p_max"):
+            if (count := len(getattr(self, key))) not in (0, 1, loads):
+                message = f"`{key}` has {count} values, and `imep` {loads}"
+                raise refuse(message, "one value, or one a load", key)
         if any(before >= after for before, after in pairwise(self.imep)):
             raise refuse("the loads of `imep` do not rise", "lowest first", "imep")
-        speeds = [one.speed for one in self.diagram]
-        if len(speeds) == 1 and speeds[0] is not None:
-            raise refuse(
-                "one diagram stands for every speed",
-                "leave its `speed` out, or give several",
-                "diagram",
-            )
+        self._check_several()
+
+    def _check_several(self) -> None:
+        """Refuse several tables or diagrams that are not of one kind, in rising order."""
+        if self.tables and (len(self.tables) < 2 or len({table.key for table in self.tables}) > 1):
+            message = "`tables` are two or more, all by one of `imep`, `torque` and `speed`"
+            raise refuse(message, "", "tables")
+        speeds = [diagram.speed for diagram in self.diagram]
+        given_speeds = [speed for speed in speeds if speed is not None]
+        if len(speeds) == 1 and given_speeds:
+            message = "one diagram stands for every speed"
+            raise refuse(message, "leave its `speed` out, or give several", "diagram")
         if len(speeds) > 1 and self.imep:
-            raise refuse(
-                "`imep` is compared with the value of one diagram, and there are several",
-                "leave it out",
-                "imep",
-            )
-        if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
-            raise refuse(
-                "of several diagrams all have a speed, or none",
-                "over speed, or over load",
-                "diagram",
-            )
-        at = [getattr(one, one.key) for one in self.tables] or [
-            one for one in speeds if one is not None
-        ]
-        if any(before >= after for before, after in pairwise(at)):
-            raise refuse(
-                "list several tables or diagrams in rising order",
-                "",
-                "tables" if self.tables else "diagram",
-            )
+            message = "`imep` is compared with the value of one diagram, and there are several"
+            raise refuse(message, "leave it out", "imep")
+        if 0 < len(given_speeds) < len(speeds):
+            message = "of several diagrams all have a speed, or none"
+            raise refuse(message, "over speed, or over load", "diagram")
+        values = [getattr(table, table.key) for table in self.tables] or given_speeds
+        if any(before >= after for before, after in pairwise(values)):
+            key = "tables" if self.tables else "diagram"
+            raise refuse("list several tables or diagrams in rising order", "", key)
 
 
-BY_LOAD = ("charge", "exhaust", "imep", "p_max")
-OF_EACH = {
-    "table": ("at", "motored"),
-    "tables": ("motored",),
-    "diagram": ("tdc", "absolute", "imep", "crankcase"),
+OF_CYCLE = ("compression_ratio", "charge", "imep", "p_max", "duration")
+OF_EACH: dict[
+    str, tuple[tuple[str, ...], tuple[str, ...]]
+] = {  # keys that go with it, that it needs
+    "table": (("at", "motored"), ()),
+    "tables": (("motored",), ()),
+    "diagram": (("tdc", "absolute", "imep", "crankcase"), ("tdc", "absolute")),
     "cycle": (
-        "compression_ratio",
-        "charge",
-        "exhaust",
-        "imep",
-        "p_max",
-        "gamma",
-        "shape",
-        "duration",
-        "exhaust_opens",
-        "scavenge_opens",
-        "crankcase",
+        (*OF_CYCLE, "exhaust", "gamma", "shape", "exhaust_opens", "scavenge_opens", "crankcase"),
+        OF_CYCLE,
     ),
-}
-ALL_KEYS = tuple(dict.fromkeys(key for keys in OF_EACH.values() for key in keys))
-NEEDED: dict[str, tuple[str, ...]] = {
-    "table": (),
-    "tables": (),
-    "diagram": ("tdc", "absolute"),
-    "cycle": ("compression_ratio", "charge", "imep", "p_max", "duration"),
 }

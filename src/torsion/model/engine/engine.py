@@ -1,7 +1,8 @@
 """A reciprocating engine: crank throws with their inertias, crank spans, and the torque of every cylinder."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -12,13 +13,12 @@ import numpy as np
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import OneOrMany, Quantity, given, refuse, required
+from torsion.fields import given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
-from torsion.kernels.engine.gas_law import CylinderOrder
+from torsion.kernels.engine.gas_law import CylinderOrder, State
 from torsion.kernels.engine.gas_torque import Cylinder
-from torsion.model.component import Component
-from torsion.model.engine.crankshaft import Crankshaft, of
+from torsion.model.engine.crankshaft import VARYING, Crankshaft, piston_area
 from torsion.model.engine.declarations import (
     MOST_ORDER,
     Gas,
@@ -42,10 +42,9 @@ from torsion.model.material import STEEL
 from torsion.primitives import Torque
 
 TWICE = 1e-9  # rad: firing angles that differ by less are one
-VARYING = 8  # harmonics of the inertia over a revolution that are kept
 
 
-class Engine(Component, keyword="engine", sort="line"):
+class Engine(Crankshaft, keyword="engine"):
     """A reciprocating engine with its crankshaft, from its free end to its last throw."""
 
     cylinders: Annotated[int, Field(ge=1, le=40)] = required("number of cylinders")
@@ -63,25 +62,7 @@ class Engine(Component, keyword="engine", sort="line"):
     throws: Throws = given(
         "cylinders on each throw from the first end: [[1, 2], [3, 4]] (default: one each)", ()
     )
-    reverse: bool = given("true: the train meets its last throw first", False)
     power: fields.Power | None = given("rated power; shares the load where several drive one train")
-    mechanical_efficiency: Annotated[
-        float, Quantity("1", above=0, at_most=1, usual="efficiency")
-    ] = given("mean torque / mean gas torque", 1.0)
-    inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw with the mean of its rods and pistons, from the first end; one value for all",
-        (),
-    )
-    crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw without masses, in place of `inertia`; the mean of `masses` is added", ()
-    )
-    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
-        "between throws, from the first end; one value for all", ()
-    )
-    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given(
-        "to ground, by throw; one value for all", ()
-    )
-    loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
     journal: Journal | None = given("{diameter, bore} of its journals, for their stress")
     pin: Journal | None = given("{diameter, bore} of its pins, for their stress")
     material: str = given("of the crankshaft, for the rules that judge its stress", "steel")
@@ -113,158 +94,98 @@ class Engine(Component, keyword="engine", sort="line"):
         """Cylinders of every throw."""
         return self.throws or tuple((number,) for number in range(1, self.cylinders + 1))
 
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterator[str]:
-        number, throws = body.get("cylinders"), body.get("throws")
-        if isinstance(throws, list):
-            yield from (f"{name} throw {place}" for place in range(1, len(throws) + 1))
-        if isinstance(number, int):
-            yield from (f"{name} cylinder {place}" for place in range(1, min(number, 99) + 1))
+    @property
+    def throw_names(self) -> tuple[str, ...]:
+        return tuple(
+            f"cylinder {lane[0]}" if len(lane) == 1 else f"throw {throw + 1}"
+            for throw, lane in enumerate(self.lanes)
+        )
 
     def refuse_clashes(self) -> None:
-        for check in (self._firing, self._throws, self._lists, self._states):
-            check()
-        if self.web is not None:
-            sized = (
-                self.journal is not None
-                and self.pin is not None
-                and self.journal.length
-                and self.pin.length
-            )
-            if not sized or self.geometry is None:
-                hint = "journal: {diameter: 90 mm, length: 40 mm}"
-                raise refuse(
-                    "`web` needs `journal` and `pin` with their `length`, and `geometry`",
-                    hint,
-                    "web",
-                )
-        if self.masses is not None and self.geometry is None:
-            raise refuse(
-                "`masses` need the `geometry` of the cylinder",
-                "geometry: {bore, stroke, rod_length}",
-                "masses",
-            )
-        rod = None if self.masses is None else self.masses.rod
-        if rod is not None and self.geometry is not None and rod.centre >= self.geometry.rod_length:
-            raise refuse(
-                "the centre of mass lies beyond the rod",
-                "it counts from the centre of the big end",
-                "masses",
-            )
-        if bool(self.inertia) == bool(self.crank_inertia):
-            raise refuse(
-                "give `inertia`, or `crank_inertia` with `masses`",
-                "inertia: 0.047 kg*m**2",
-                "crank_inertia" if self.inertia else "",
-            )
-        if self.crank_inertia and self.masses is None:
-            raise refuse(
-                "`crank_inertia` needs `masses`", "their mean is added to it", "crank_inertia"
-            )
-        if self.gas is None and self.masses is None:
-            raise refuse(
-                "nothing excites: `gas` and `masses` are missing", "give one of them, or discs"
-            )
+        self._check_firing()
+        self._check_throws()
+        super().refuse_clashes()
+        self._check_states()
+        journals, geometry, masses = (self.journal, self.pin), self.geometry, self.masses
+        sized = all(journal is not None and journal.length for journal in journals)
+        if self.web is not None and not (sized and geometry is not None):
+            message = "`web` needs `journal` and `pin` with their `length`, and `geometry`"
+            raise refuse(message, "journal: {diameter: 90 mm, length: 40 mm}", "web")
+        if masses is not None and geometry is None:
+            hint = "geometry: {bore, stroke, rod_length}"
+            raise refuse("`masses` need the `geometry` of the cylinder", hint, "masses")
+        rod = None if masses is None else masses.rod
+        if rod is not None and geometry is not None and rod.centre >= geometry.rod_length:
+            message = "the centre of mass lies beyond the rod"
+            raise refuse(message, "it counts from the centre of the big end", "masses")
+        if self.crank_inertia and masses is None:
+            message = "`crank_inertia` needs `masses`"
+            raise refuse(message, "their mean is added to it", "crank_inertia")
+        if self.gas is None and masses is None:
+            message = "nothing excites: `gas` and `masses` are missing"
+            raise refuse(message, "give one of them, or discs")
 
-    def _firing(self) -> None:
+    def _check_firing(self) -> None:
         order, angles, z = self.firing_order, self.firing_angles, self.cylinders
         if bool(order) == bool(angles) and (z > 1 or order):
-            what = "exclude each other" if order else "are both missing"
-            raise refuse(
-                f"`firing_order` and `firing_angles` {what}",
-                "firing_order: [1, 3, 4, 2]",
-                "firing_angles" if order else "",
-            )
+            message = f"`firing_order` and `firing_angles` {'exclude each other' if order else 'are both missing'}"
+            raise refuse(message, "firing_order: [1, 3, 4, 2]", "firing_angles" if order else "")
         if order and sorted(order) != list(range(1, z + 1)):
-            raise refuse(
-                f"`firing_order` does not name each of {z} cylinders once",
-                f"numbers 1 to {z}",
-                "firing_order",
-            )
+            message = f"`firing_order` does not name each of {z} cylinders once"
+            raise refuse(message, f"numbers 1 to {z}", "firing_order")
         if angles and len(angles) != z:
-            raise refuse(
-                f"`firing_angles` are {len(angles)}, cylinders {z}",
-                "one angle a cylinder",
-                "firing_angles",
-            )
-        if any(not 0 <= one < self._cycle - TWICE for one in angles):
+            message = f"`firing_angles` are {len(angles)}, cylinders {z}"
+            raise refuse(message, "one angle a cylinder", "firing_angles")
+        if any(not 0 <= angle < self._cycle - TWICE for angle in angles):
             limit = f"from 0 to below {360 * self.revolutions} deg"
             raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
 
-    def _throws(self) -> None:
-        named = [number for throw in self.throws for number in throw]
-        if self.throws and sorted(named) != list(range(1, self.cylinders + 1)):
+    def _check_throws(self) -> None:
+        numbers = sorted(number for throw in self.throws for number in throw)
+        if self.throws and numbers != list(range(1, self.cylinders + 1)):
             message = f"`throws` do not name each of {self.cylinders} cylinders once"
             raise refuse(message, "throws: [[1, 2], [3, 4]]", "throws")
         fires = [self._cycle * float(share) for share in self._cycles]
         for throw in self.lanes:
-            at = sorted(fires[number - 1] for number in throw)
-            if any(after - before < TWICE for before, after in pairwise(at)):
+            angles = sorted(fires[number - 1] for number in throw)
+            if any(after - before < TWICE for before, after in pairwise(angles)):
                 raise refuse(
                     "two cylinders of one throw fire at one angle",
                     "a V engine has its bank angle between",
                     "firing_angles" if self.firing_angles else "throws",
                 )
 
-    def _lists(self) -> None:
-        number = len(self.lanes)
-        for key, most in (
-            ("inertia", number),
-            ("crank_inertia", number),
-            ("damping", number),
-            ("stiffness", number - 1),
-        ):
-            values = getattr(self, key)
-            if len(values) not in (0, 1, most) or len(values) > most:
-                what = "throws" if most == number else "spans between them"
-                raise refuse(
-                    f"`{key}` has {len(values)} values, and there are {most} {what}",
-                    "one value, or each",
-                    key,
-                )
-        if number > 1 and not self.stiffness:
-            raise refuse(
-                "`stiffness` of the crank spans is missing", "between throws; one value for all"
-            )
-
-    def _states(self) -> None:
-        uneven, missing = (
-            tuple(number for number, _ in self.imbalance),
-            () if self.misfire == "worst" else self.misfire,
-        )
-        named = [("misfire", missing), ("cut_out", self.cut_out), ("imbalance", uneven)]
-        for key, numbers in named:
-            wrong = next((number for number in numbers if number > self.cylinders), None)
-            if wrong is not None:
-                raise refuse(f"there is no cylinder {wrong}", f"numbers 1 to {self.cylinders}", key)
+    def _check_states(self) -> None:
+        """Refuse cylinders that do not exist, are named twice, or are the last that fires."""
+        misfiring = () if self.misfire == "worst" else self.misfire
+        uneven = tuple(number for number, _ in self.imbalance)
+        states = {"misfire": misfiring, "cut_out": self.cut_out, "imbalance": uneven}
+        for key, numbers in states.items():
+            missing = next((number for number in numbers if number > self.cylinders), None)
+            if missing is not None:
+                hint = f"numbers 1 to {self.cylinders}"
+                raise refuse(f"there is no cylinder {missing}", hint, key)
             if len(set(numbers)) < len(numbers):
                 raise refuse("a cylinder is named twice", "each once", key)
-        out = [*missing, *self.cut_out]
-        every = [*out, *uneven]
-        twice = next((number for number in every if every.count(number) > 1), None)
-        if twice is not None:
-            raise refuse(
-                f"cylinder {twice} is named by two of `misfire`, `cut_out` and `imbalance`",
-                "one of them",
-                "cut_out" if twice in self.cut_out else "misfire",
+        cold = [*misfiring, *self.cut_out]
+        repeated = [number for number, count in Counter((*cold, *uneven)).items() if count > 1]
+        if repeated:
+            message = (
+                f"cylinder {repeated[0]} is named by two of `misfire`, `cut_out` and `imbalance`"
             )
-        cold = {number for number, heat in self.imbalance if not heat}
-        if len({*out, *cold}) + (self.misfire == "worst") >= self.cylinders:
-            key = "misfire" if self.misfire else "cut_out" if self.cut_out else "imbalance"
+            key = "cut_out" if repeated[0] in self.cut_out else "misfire"
+            raise refuse(message, "one of them", key)
+        without_fuel = {*cold, *(number for number, heat in self.imbalance if not heat)}
+        if len(without_fuel) + (self.misfire == "worst") >= self.cylinders:
+            key = self.keys_given(*states)[0]
             raise refuse("no cylinder is left that fires", "leave one", key)
-        if (out or self.misfire or self.imbalance) and self.gas is None:
-            raise refuse(
-                "without `gas` there is nothing to misfire",
-                "give `gas`",
-                named[0][0] if out else "imbalance",
-            )
         gas = self.gas
+        if (cold or self.misfire or self.imbalance) and gas is None:
+            key = "misfire" if cold else "imbalance"
+            raise refuse("without `gas` there is nothing to misfire", "give `gas`", key)
         if self.misfire and gas is not None and (gas.table or gas.tables) and gas.motored is None:
-            raise refuse(
-                "a misfire needs the motored harmonics",
-                "rows `motored` of `gas`, a diagram or a cycle",
-                "misfire",
-            )
+            hint = "rows `motored` of `gas`, a diagram or a cycle"
+            raise refuse("a misfire needs the motored harmonics", hint, "misfire")
 
     @property
     def _cycle(self) -> float:
@@ -272,8 +193,8 @@ class Engine(Component, keyword="engine", sort="line"):
 
     @property
     def _turned(self) -> float:
-        """rad, by which it stands behind the reference; 0 where that is not known."""
-        return self.phase if isinstance(self.phase, float) else 0.0
+        """The angle (rad) by which it stands behind the reference; 0 where that is not known."""
+        return 0.0 if self.phase is None or isinstance(self.phase, str) else self.phase
 
     @property
     def _cycles(self) -> tuple[Fraction, ...]:
@@ -288,26 +209,27 @@ class Engine(Component, keyword="engine", sort="line"):
     def lower(self, build: Lowering) -> None:
         owner, law = build.part, self._law(build)
         build.material(self.material)
-        slider = self._slider()
-        stations, cranks = self._throws_and_spans(build, slider)
-        record = self._record(owner, (stations, cranks), slider, law)
+        journal, shaft = weakest(self.journal, self.pin), None
+        if journal is not None:
+            size = journal.diameter, journal.bore
+            shaft = ShaftRecord(self.material, "crank", (), (), journal=size)
+        record = self._record(owner, self.lower_throws(build, shaft), law)
         build.parts[owner] = replace(
             build.parts[owner], engine=record, machine=MachineRecord(True, self.power)
         )
         if law is not None or record.inertia.any():
-            self._torques(build, owner, record)
+            self._add_torques(build, owner, record)
 
     def _law(self, build: Lowering) -> Law | None:
-        """The gas torque; a fault is noted where the file's figures give none."""
+        """Return the gas torque; a fault is noted where the figures of the file give none."""
         if self.gas is None:
             return None
-        slider = self._slider()
         frame = Frame(
             self.revolutions,
             self._highest,
             self.cylinders,
             self.mechanical_efficiency,
-            None if slider is None else self._cylinder(slider),
+            self._cylinder,
             FilePath(build.folder),
         )
         try:
@@ -321,109 +243,79 @@ class Engine(Component, keyword="engine", sort="line"):
         """Order of the crankshaft: that of the file, else the usual one or the highest of the tables."""
         if self.orders is not None:
             return self.orders
-        gas = self.gas
-        tables = (
-            []
-            if gas is None
-            else [gas.table or (), gas.motored or (), *(one.rows for one in gas.tables)]
-        )
+        tables: list[Any] = []
+        if self.gas is not None:
+            tables = [self.gas.table or (), self.gas.motored or ()]
+            tables += [table.rows for table in self.gas.tables]
         highest: list[int] = [math.ceil(row[0]) for rows in tables for row in rows]
         return max(12 if self.strokes == 4 else 15, *highest, 1)
 
-    def _slider(self) -> CrankSlider | None:
+    @property
+    def slider(self) -> CrankSlider | None:
+        """The crank mechanism of a cylinder; None without `geometry`."""
         size = self.geometry
-        return (
-            None
-            if size is None
-            else CrankSlider.of_stroke(size.stroke, size.rod_length, size.offset)
-        )
+        if size is None:
+            return None
+        return CrankSlider.of_stroke(size.stroke, size.rod_length, size.offset)
 
-    def _cylinder(self, slider: CrankSlider) -> Cylinder:
-        bore = 0.0 if self.geometry is None else self.geometry.bore
-        return Cylinder(slider, math.pi / 4.0 * bore**2, self.revolutions)
+    @property
+    def _cylinder(self) -> Cylinder | None:
+        if self.slider is None or self.geometry is None:
+            return None
+        return Cylinder(self.slider, piston_area(self.geometry.bore), self.revolutions)
 
-    def _moving(self, slider: CrankSlider) -> tuple[float, float, float]:
+    @property
+    def _moving(self) -> tuple[float, float, float]:
         """Reciprocating mass (kg), J_c (kg m2) and the inertia (kg m2) of what turns with the pin, of a cylinder."""
-        masses = self.masses
-        if masses is None:
+        masses, slider = self.masses, self.slider
+        if masses is None or slider is None:
             return 0.0, 0.0, 0.0
         if masses.rod is None:
             return masses.reciprocating or 0.0, 0.0, 0.0
         rod = Rod(masses.rod.mass, masses.rod.centre, masses.rod.inertia)
-        turning = rod.rotating(slider.rod) * slider.radius**2
-        return (
-            (masses.piston or 0.0) + rod.reciprocating(slider.rod),
-            rod.correction(slider.rod),
-            turning,
-        )
+        mass = (masses.piston or 0.0) + rod.reciprocating(slider.rod)
+        return mass, rod.correction(slider.rod), rod.rotating(slider.rod) * slider.radius**2
 
-    def _throws_and_spans(
-        self, build: Lowering, slider: CrankSlider | None
-    ) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Lower the crankshaft: stations of the throws and parts of the spans, both from its first end."""
-        size, shaft = weakest(self.journal, self.pin), None
-        if size is not None:
-            shaft = ShaftRecord(self.material, "crank", (), (), journal=(size.diameter, size.bore))
-        names = tuple(self._named(throw) for throw in range(len(self.lanes)))
-        crankshaft = Crankshaft(
-            names, self.stiffness, self.damping, self.loss_factor, shaft, self.reverse
-        )
-        return crankshaft.lower(build, lambda here, throw: self._masses(build, here, throw, slider))
-
-    def _named(self, throw: int) -> str:
-        lane = self.lanes[throw]
-        return f"cylinder {lane[0]}" if len(lane) == 1 else f"throw {throw + 1}"
-
-    def _masses(self, build: Lowering, here: int, throw: int, slider: CrankSlider | None) -> None:
-        """The inertia of a throw, with the mean of its moving masses where they are to be added."""
-        if self.inertia:
-            build.inertia(here, of(self.inertia, throw))
-            return
-        build.inertia(here, of(self.crank_inertia, throw), "crank")
-        if slider is not None:
-            mass, correction, turning = self._moving(slider)
-            mean = slider.inertia_harmonics(0, mass, correction)[0].real + turning
-            build.inertia(here, len(self.lanes[throw]) * float(mean), "moving masses, mean")
+    def moving_inertia(self, throw: int) -> float:
+        if self.slider is None:
+            return 0.0
+        mass, correction, turning = self._moving
+        mean = self.slider.inertia_harmonics(0, mass, correction)[0].real + turning
+        return len(self.lanes[throw]) * float(mean)
 
     def _record(
-        self,
-        owner: int,
-        made: tuple[tuple[int, ...], tuple[int, ...]],
-        slider: CrankSlider | None,
-        law: Law | None,
+        self, owner: int, lowered: tuple[tuple[int, ...], tuple[int, ...]], law: Law | None
     ) -> EngineRecord:
-        """What analyses and reports read."""
-        harmonics = self._highest * self.revolutions
-        inertia, over_angle = (
-            np.zeros(harmonics + 1, dtype=np.complex128),
-            np.zeros(1, dtype=np.complex128),
-        )
-        if slider is not None and self.masses is not None:
-            mass, correction, turning = self._moving(slider)
-            inertia[:: self.revolutions] = slider.inertia_torque(self._highest, mass, correction)
-            over_angle = slider.inertia_harmonics(VARYING, mass, correction)
+        """Return what analyses and reports read; `lowered`: stations of the throws, parts of the spans."""
+        inertia = np.zeros(self._highest * self.revolutions + 1, dtype=np.complex128)
+        over_angle = np.zeros(1, dtype=np.complex128)
+        if self.slider is not None and self.masses is not None:
+            mass, correction, turning = self._moving
+            inertia[:: self.revolutions] = self.slider.inertia_torque(
+                self._highest, mass, correction
+            )
+            over_angle = self.slider.inertia_harmonics(VARYING, mass, correction)
             over_angle[0] += turning
-        modulus = None if (round_ := weakest(self.journal, self.pin)) is None else round_.modulus
-        cylinder = None if slider is None else self._cylinder(slider)
+        journal = weakest(self.journal, self.pin)
         gas, words = (None, "not given") if law is None else (law.law, law.words)
         return EngineRecord(
             owner,
             self.revolutions,
-            tuple(self._each(made[0])),
-            *made,
+            tuple(self._cylinder_records(lowered[0])),
+            *lowered,
             self.mechanical_efficiency,
             gas,
             words,
             inertia,
             over_angle,
-            cylinder,
+            self._cylinder,
             () if law is None else law.curves,
-            modulus,
+            None if journal is None else journal.modulus,
             self.keep_power,
             self.phase is not None,
             self.phase == "worst",
             self.misfire == "worst",
-            tuple(self._words(slider)),
+            tuple(self._words()),
             () if law is None else law.remarks,
             tuple(self._sizes()),
         )
@@ -433,104 +325,96 @@ class Engine(Component, keyword="engine", sort="line"):
         yield "strokes", self.strokes, ("strokes",)
         for key, journal in (("pin", self.pin), ("journal", self.journal)):
             if journal is not None:
+                has_bore = "bore" in journal.model_fields_set
                 yield key, journal.diameter, (key, "diameter")
-                yield (
-                    f"{key}_bore",
-                    journal.bore,
-                    (key, "bore") if "bore" in journal.model_fields_set else (key,),
-                )
+                yield f"{key}_bore", journal.bore, (key, "bore") if has_bore else (key,)
         if self.web is not None:
             yield "web_thickness", self.web.thickness, ("web", "thickness")
             yield "web_width", self.web.width, ("web", "width")
         if self.geometry is not None:
             yield "radius", self.geometry.stroke / 2.0, ("geometry", "stroke")
 
-    def _each(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
-        """The cylinders in the order of their numbers."""
-        lane = {number: throw for throw, numbers in enumerate(self.lanes) for number in numbers}
-        out, misfire = set(self.cut_out), () if self.misfire == "worst" else self.misfire
-        uneven = dict(self.imbalance)
-        share = {number: uneven.get(number, 1.0) for number in range(1, self.cylinders + 1)}
-        fires = [number for number in share if number not in out and number not in misfire]
-        raised = self.cylinders / sum(share[number] for number in fires) if self.keep_power else 1.0
-        for number, heat in share.items():
-            state: Literal["firing", "motored", "cut out"] = (
-                "cut out" if number in out else "motored" if number in misfire else "firing"
-            )
+    def _cylinder_records(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
+        """Yield the cylinders in the order of their numbers; stations: of the throws."""
+        throws = {number: throw for throw, lane in enumerate(self.lanes) for number in lane}
+        misfiring = () if self.misfire == "worst" else self.misfire
+        heat = dict.fromkeys(range(1, self.cylinders + 1), 1.0) | dict(self.imbalance)
+        states: dict[int, State] = dict.fromkeys(heat, "firing")
+        states |= dict.fromkeys(misfiring, "motored") | dict.fromkeys(self.cut_out, "cut out")
+        raised = 1.0
+        if self.keep_power:
+            firing = (heat[number] for number, state in states.items() if state == "firing")
+            raised = self.cylinders / sum(firing)
+        for number, state in states.items():
             yield CylinderRecord(
                 number,
-                stations[lane[number]],
-                lane[number],
+                stations[throws[number]],
+                throws[number],
                 self._cycles[number - 1],
                 self._turned,
                 self.revolutions,
                 state,
-                raised * heat,
+                raised * heat[number],
             )
 
-    def _words(self, slider: CrankSlider | None) -> Iterator[tuple[str, str]]:
-        """Figures of the data sheet."""
+    def _words(self) -> Iterator[tuple[str, str]]:
+        """Rows of the data sheet: label, value with unit."""
         yield "Cylinders", str(self.cylinders)
         yield "Strokes of a cycle", str(self.strokes)
         if self.firing_order:
             yield "Firing order", "-".join(map(str, self.firing_order))
-        size = self.geometry
-        if size is not None and slider is not None:
-            yield (
-                "Bore, stroke, rod",
-                " × ".join(f"{1e3 * one:.6g}" for one in (size.bore, size.stroke, size.rod_length))
-                + " mm",
+        size, slider = self.geometry, self.slider
+        if size is None or slider is None:
+            return
+        lengths = (size.bore, size.stroke, size.rod_length)
+        yield "Bore, stroke, rod", " × ".join(f"{1e3 * length:.6g}" for length in lengths) + " mm"
+        yield "Radius / rod", f"{slider.radius / slider.rod:.5g}"
+        if size.offset:
+            yield "Offset", f"{1e3 * size.offset:.6g} mm"
+        if self.web is not None and self.journal is not None and self.pin is not None:
+            journal, pin = (
+                (size.diameter, size.bore, size.length or 0.0) for size in (self.journal, self.pin)
             )
-            yield "Radius / rod", f"{slider.radius / slider.rod:.5g}"
-            if size.offset:
-                yield "Offset", f"{1e3 * size.offset:.6g} mm"
-        if slider is not None:
-            yield from self._estimates(slider)
-        if self.masses is not None and slider is not None:
-            mass, correction, turning = self._moving(slider)
+            throw = Throw(journal, pin, (self.web.thickness, self.web.width), slider.radius)
+            estimates = ", ".join(
+                f"{formula(throw, STEEL.shear_modulus) * 1e-6:.4g} MN m/rad ({name})"
+                for name, formula in (("Carter", carter), ("Ker Wilson", ker_wilson))
+            )
+            words = f"{estimates}, of steel; used is the stiffness of the file"
+            yield "Stiffness of a throw, estimate, to be verified", words
+        if self.masses is not None:
+            mass, correction, turning = self._moving
             yield "Reciprocating mass of a cylinder", f"{mass:.6g} kg"
             if self.masses.rod is not None:
                 yield "Correction of the rod, inertia", f"{correction:.5g} kg m²"
                 yield "Rotating share of the rod, inertia", f"{turning:.5g} kg m²"
 
-    def _estimates(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:
-        """The stiffness of a throw by formulas, where its dimensions are given."""
-        if self.web is None or self.journal is None or self.pin is None:
-            return
-        ends = [(one.diameter, one.bore, one.length or 0.0) for one in (self.journal, self.pin)]
-        throw = Throw(ends[0], ends[1], (self.web.thickness, self.web.width), slider.radius)
-        both = (formula(throw, STEEL.shear_modulus) * 1e-6 for formula in (carter, ker_wilson))
-        words = ", ".join(
-            f"{k:.4g} MN m/rad ({name})"
-            for k, name in zip(both, ("Carter", "Ker Wilson"), strict=True)
-        )
-        yield (
-            "Stiffness of a throw, estimate, to be verified",
-            f"{words}, of steel; used is the stiffness of the file",
-        )
-
-    def _torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
-        """One primitive for every cylinder and order that is there."""
+    def _add_torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
+        """Add one primitive for every cylinder and harmonic of its torque."""
         station, load = record.load_says
-        there = np.abs(record.inertia) > 0
+        acts = np.abs(record.inertia) > 0
         if record.gas is not None:
-            there |= (np.abs(record.gas.firing) > 0).any(axis=0)
+            acts |= (np.abs(record.gas.firing) > 0).any(axis=0)
         path, name = build.parts[owner].path, build.parts[owner].name
-        for one in record.cylinders:
-            for harmonic in np.flatnonzero(there[1:]).tolist():
-                order = Fraction(harmonic + 1, record.revolutions)
+        for cylinder in record.cylinders:
+            for harmonic in range(1, len(acts)):
+                if not acts[harmonic]:
+                    continue
                 law = CylinderOrder(
                     record.gas,
-                    harmonic + 1,
-                    complex(record.inertia[harmonic + 1]),
-                    one.phasor(harmonic + 1),
+                    harmonic,
+                    complex(record.inertia[harmonic]),
+                    cylinder.phasor(harmonic),
                     station,
                     load,
-                    one.state,
-                    one.share,
+                    cylinder.state,
+                    cylinder.share,
                     owner,
                     record.by_chance,
                 )
+                order = Fraction(harmonic, record.revolutions)
                 build.add(
-                    Torque(name, one.station, order, path=path, source=self.source, cylinder=law)
+                    Torque(
+                        name, cylinder.station, order, path=path, source=self.source, cylinder=law
+                    )
                 )

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from itertools import pairwise
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -65,19 +64,17 @@ class Frame:
         """Number of the highest harmonic."""
         return self.highest * self.revolutions
 
-    def load(self, at: Stated | TableAt) -> float:
-        """N m mean gas torque of a cylinder at a stated load."""
-        if at.torque is not None:
-            return at.torque / self.cylinders / self.efficiency
-        return self.known("an imep").mean_torque(at.imep or 0.0)
+    def load(self, stated: Stated | TableAt) -> float:
+        """Return the mean gas torque (N m) of a cylinder at a stated load."""
+        if stated.torque is not None:
+            return stated.torque / self.cylinders / self.efficiency
+        return self.known("an imep").mean_torque(stated.imep or 0.0)
 
     def known(self, what: str) -> Cylinder:
         """The cylinder, which something needs; raises GasFault."""
         if self.cylinder is None:
-            raise GasFault(
-                f"{what} needs the `geometry` of the cylinder",
-                "geometry: {bore, stroke, rod_length}",
-            )
+            hint = "geometry: {bore, stroke, rod_length}"
+            raise GasFault(f"{what} needs the `geometry` of the cylinder", hint)
         return self.cylinder
 
 
@@ -92,29 +89,21 @@ def law_of(gas: Gas, frame: Frame) -> Law:
 
 def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) -> ComplexArray:
     """(harmonics + 1,) N m of the rows of a table, which stands at `key`, up to the highest order."""
-    found = np.zeros(frame.harmonics + 1, dtype=np.complex128)
-    found[0] = mean
+    harmonics = np.zeros(frame.harmonics + 1, dtype=np.complex128)
+    harmonics[0] = mean
     if all(order > frame.highest for order, _, _ in rows):
-        raise GasFault(
-            f"every row lies above order {frame.highest}, the highest of `orders`",
-            "raise `orders`",
-            *key,
-        )
-    for place, (order, amplitude, unit) in enumerate(rows):
+        message = f"every row lies above order {frame.highest}, the highest of `orders`"
+        raise GasFault(message, "raise `orders`", *key)
+    for row, (order, amplitude, unit) in enumerate(rows):
         number = order * frame.revolutions
         if number.denominator != 1:
-            least = Fraction(1, frame.revolutions)
-            kind = "four" if frame.revolutions == 2 else "two"
-            raise GasFault(
-                f"order {order} is not a multiple of {least}",
-                f"those of {kind} strokes are",
-                *key,
-                place,
-            )
+            message = f"order {order} is not a multiple of {Fraction(1, frame.revolutions)}"
+            strokes = "four" if frame.revolutions == 2 else "two"
+            raise GasFault(message, f"those of {strokes} strokes are", *key, row)
         size = frame.known("a tangential pressure").tangential if unit == "Pa" else 1.0
         if number <= frame.harmonics:
-            found[int(number)] = amplitude * size
-    return found
+            harmonics[int(number)] = amplitude * size
+    return harmonics
 
 
 def _motored(gas: Gas, frame: Frame) -> ComplexArray | None:
@@ -123,136 +112,126 @@ def _motored(gas: Gas, frame: Frame) -> ComplexArray | None:
 
 def _of_table(gas: Gas, frame: Frame) -> Law:
     motored, rows = _motored(gas, frame), gas.table or ()
+    mean = 0.0 if gas.at is None else frame.load(gas.at)
+    harmonics = _harmonics(rows, frame, mean, "table")
     if gas.at is None:
-        law = GasLaw(
-            "nothing", np.zeros(1), _harmonics(rows, frame, 0.0, "table")[None, :], motored
-        )
+        law = GasLaw("nothing", np.zeros(1), harmonics[None, :], motored)
         return Law(law, "table, the same at every load")
-    mean = frame.load(gas.at)
-    full = _harmonics(rows, frame, mean, "table")
-    none = np.zeros_like(full) if motored is None else motored[0]
-    law = GasLaw("load", np.array([0.0, mean]), np.stack([none, full]), motored, True, mean)
-    between = (
-        "in proportion to the load"
-        if motored is None
-        else "in a straight line from the motored rows"
-    )
+    none = np.zeros_like(harmonics) if motored is None else motored[0]
+    law = GasLaw("load", np.array([0.0, mean]), np.stack([none, harmonics]), motored, True, mean)
+    between = "in a straight line from the motored rows"
+    if motored is None:
+        between = "in proportion to the load"
     return Law(law, f"table at one load, at others {between}")
 
 
 def _of_tables(gas: Gas, frame: Frame) -> Law:
     motored, key = _motored(gas, frame), gas.tables[0].key
-    orders = [frozenset(order for order, _, _ in one.rows) for one in gas.tables]
-    odd = next(
-        (
-            order
-            for order in sorted(frozenset.union(*orders))
-            if any(order not in one for one in orders)
-        ),
-        None,
-    )
-    if odd is not None:
-        raise GasFault(
-            f"order {odd} is missing in some of the tables", "the same orders in each", "tables"
-        )
-    if key == "speed":
-        at = np.array([one.speed for one in gas.tables], dtype=np.float64)
-        each = enumerate(gas.tables)
-        firing = np.stack(
-            [_harmonics(one.rows, frame, 0.0, "tables", place, "rows") for place, one in each]
-        )
-        return Law(
-            GasLaw("speed", at, firing, motored), "tables over the speed, each with its own load"
-        )
-    loads = [frame.load(one) for one in gas.tables]
+    orders = [{order for order, _, _ in table.rows} for table in gas.tables]
+    if incomplete := set.union(*orders) - set.intersection(*orders):
+        message = f"order {min(incomplete)} is missing in some of the tables"
+        raise GasFault(message, "the same orders in each", "tables")
+    over_speed = key == "speed"
+    loads = [0.0 if over_speed else frame.load(table) for table in gas.tables]
     rows = [
-        _harmonics(one.rows, frame, load, "tables", place, "rows")
-        for place, (one, load) in enumerate(zip(gas.tables, loads, strict=True))
+        _harmonics(table.rows, frame, load, "tables", number, "rows")
+        for number, (table, load) in enumerate(zip(gas.tables, loads, strict=True))
     ]
+    if over_speed:
+        speeds = np.array([table.speed for table in gas.tables], dtype=np.float64)
+        law = GasLaw("speed", speeds, np.stack(rows), motored)
+        return Law(law, "tables over the speed, each with its own load")
     if motored is not None:
         loads, rows = [0.0, *loads], [motored[0], *rows]
     law = GasLaw("load", np.array(loads), np.stack(rows), motored, stated=loads[-1])
     return Law(law, "tables over the load, interpolated as complex numbers")
 
 
-def _diagram(gas: Gas, place: int, frame: Frame, cylinder: Cylinder) -> Diagram:
-    """A file as absolute pressures over angles from firing top dead centre; raises GasFault."""
-    file = frame.folder / gas.diagram[place].file
+def absolute_pressures(
+    file: FilePath, columns: Columns, *, is_absolute: bool, around: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return both columns of a file of pressures, the second absolute (Pa); raises GasFault."""
     try:
-        rows = np.array(pairs(file, COLUMNS))
+        rows = np.array(pairs(file, columns))
     except ValueError as error:
-        raise GasFault(str(error.args[0]), str(error.args[-1]), "diagram") from None
-    angle, pressure = (
-        rows[:, 0] - (gas.tdc or 0.0),
-        rows[:, 1] + (0.0 if gas.absolute else gas.crankcase),
-    )
+        raise GasFault(str(error.args[0]), str(error.args[-1])) from None
+    pressure = rows[:, 1] + (0.0 if is_absolute else around)
     if pressure.min() <= 0:
-        hint = "for gauge pressures write `absolute: false`" if gas.absolute else "of a vacuum?"
-        raise GasFault(f"'{file}' has a pressure that is not above 0", hint, "diagram")
-    degrees = math.degrees(angle[-1] - angle[0])
-    if not math.isclose(angle[-1] - angle[0], cylinder.period, rel_tol=1e-6):
-        whole = 360 * cylinder.revolutions
+        hint = "for gauge pressures write `absolute: false`" if is_absolute else "of a vacuum?"
+        raise GasFault(f"'{file}' has a pressure that is not above 0", hint)
+    return rows[:, 0], pressure
+
+
+def over_cycle(
+    file: FilePath, angle: FloatArray, pressure: FloatArray, period: float, name: str
+) -> Diagram:
+    """Return the diagram of pressures (Pa) over one whole period (rad), called `name`; raises GasFault."""
+    if not math.isclose(angle[-1] - angle[0], period, rel_tol=1e-6):
+        covered, whole = math.degrees(angle[-1] - angle[0]), round(math.degrees(period))
         hint = f"the last row repeats the first, {whole} deg later"
-        raise GasFault(f"'{file}' covers {degrees:g} deg, a cycle has {whole}", hint, "diagram")
+        raise GasFault(f"'{file}' covers {covered:g} deg, a {name} has {whole}", hint)
     if abs(pressure[-1] - pressure[0]) > ENDS_MEET * pressure.max():
         ends = f"{pressure[0] / BAR:.5g} and {pressure[-1] / BAR:.5g} `bar`"
-        raise GasFault(
-            f"'{file}' begins and ends with other pressures, {ends}",
-            "both are of one angle of the cycle",
-            "diagram",
-        )
-    angle[-1] = angle[0] + cylinder.period
+        message = f"'{file}' begins and ends with other pressures, {ends}"
+        raise GasFault(message, f"both are of one angle of the {name}")
+    angle = angle.copy()
+    angle[-1] = angle[0] + period
     return Diagram(angle, pressure)
 
 
 def _of_diagrams(gas: Gas, frame: Frame) -> Law:
-    cylinder, count, around = frame.known("a diagram"), frame.harmonics, gas.crankcase
-    found = [_diagram(gas, place, frame, cylinder) for place in range(len(gas.diagram))]
-    motored = [one.mirrored(cylinder) for one in found]
-    firing, none = (
-        np.stack([one.torque(cylinder, count, around) for one in each]) for each in (found, motored)
+    try:
+        return _law_of_diagrams(gas, frame, frame.known("a diagram"))
+    except GasFault as fault:
+        raise GasFault(fault.message, fault.hint, *(fault.key or ("diagram",))) from None
+
+
+def _law_of_diagrams(gas: Gas, frame: Frame, cylinder: Cylinder) -> Law:
+    diagrams = []
+    for given in gas.diagram:
+        file = frame.folder / given.file
+        angle, pressure = absolute_pressures(
+            file, COLUMNS, is_absolute=bool(gas.absolute), around=gas.crankcase
+        )
+        angle = angle - (gas.tdc or 0.0)  # from firing top dead centre
+        diagrams.append(over_cycle(file, angle, pressure, cylinder.period, "cycle"))
+    mirrored = [diagram.mirrored(cylinder) for diagram in diagrams]
+    firing, motored = (
+        np.stack([diagram.torque(cylinder, frame.harmonics, gas.crankcase) for diagram in row])
+        for row in (diagrams, mirrored)
     )
     curves = tuple(
         PressureCurve(
             given.file,
-            one.angle,
-            one.pressure,
-            other.pressure,
+            diagram.angle,
+            diagram.pressure,
+            compression.pressure,
             cylinder.imep(row[0].real),
-            gas.imep[0] if gas.imep and len(found) == 1 else None,
-            around,
+            gas.imep[0] if gas.imep and len(diagrams) == 1 else None,
+            gas.crankcase,
             True,
         )
-        for given, one, other, row in zip(gas.diagram, found, motored, firing, strict=True)
+        for given, diagram, compression, row in zip(
+            gas.diagram, diagrams, mirrored, firing, strict=True
+        )
     )
     remarks = ("Motored pressures are the compression mirrored: an estimate.",)
-    speeds = [one.speed for one in gas.diagram]
-    if len(found) > 1 and None not in speeds:
-        law = GasLaw("speed", np.array(speeds, dtype=np.float64), firing, none)
-        return Law(
-            law, "indicator diagrams over the speed, each with its own load", curves, remarks
-        )
-    loads = firing[:, 0].real
-    if any(before >= after for before, after in pairwise(loads)):
-        raise GasFault(
-            "list several diagrams without a speed in order of rising load",
-            "lowest imep first",
-            "diagram",
-        )
-    at, rows = np.append(none[0, 0].real, loads), np.concatenate([none[:1], firing])
-    if at[0] >= at[1]:
-        raise GasFault(
-            "the diagram gives no more torque than its compression mirrored",
-            "is `tdc` right?",
-            "diagram",
-        )
-    law = GasLaw("load", at, rows, none[:1], len(found) == 1, float(loads[-1]))
-    return Law(
-        law,
-        "indicator diagram, at other loads in a straight line from the motored one",
-        curves,
-        remarks,
-    )
+    speeds = [diagram.speed for diagram in gas.diagram]
+    if len(diagrams) > 1 and None not in speeds:
+        law = GasLaw("speed", np.array(speeds, dtype=np.float64), firing, motored)
+        words = "indicator diagrams over the speed, each with its own load"
+        return Law(law, words, curves, remarks)
+    loads = np.append(motored[0, 0].real, firing[:, 0].real)
+    if np.any(np.diff(loads[1:]) <= 0):
+        message = "list several diagrams without a speed in order of rising load"
+        raise GasFault(message, "lowest imep first")
+    if loads[0] >= loads[1]:
+        message = "the diagram gives no more torque than its compression mirrored"
+        raise GasFault(message, "is `tdc` right?")
+    rows = np.concatenate([motored[:1], firing])
+    law = GasLaw("load", loads, rows, motored[:1], len(diagrams) == 1, float(loads[-1]))
+    words = "indicator diagram, at other loads in a straight line from the motored one"
+    return Law(law, words, curves, remarks)
 
 
 @lru_cache(maxsize=32)
@@ -262,88 +241,78 @@ def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
 
 @source("Wiebe1970")
 def _of_cycle(gas: Gas, frame: Frame) -> Law:
-    cylinder, needed = (
-        frame.known("a cycle"),
-        ("exhaust",) if frame.revolutions == 2 else ("exhaust_opens",),
-    )
+    cylinder = frame.known("a cycle")
     ports = gas.exhaust_opens or math.pi, gas.scavenge_opens or gas.exhaust_opens or math.pi
-    for key in ("exhaust",) if frame.revolutions == 1 else ("exhaust_opens", "scavenge_opens"):
+    keys = {2: ("exhaust",), 1: ("exhaust_opens", "scavenge_opens")}  # by revolutions of a cycle
+    needed = keys[frame.revolutions][0]
+    for key in keys[3 - frame.revolutions]:
         if getattr(gas, key):
             strokes = "two" if frame.revolutions == 1 else "four"
             raise GasFault(
-                f"an engine of {strokes} strokes has no `{key}`", f"give `{needed[0]}`", key
+                f"an engine of {strokes} strokes has no `{key}`", f"give `{needed}`", key
             )
-    if not getattr(gas, needed[0]):
-        raise GasFault(f"`{needed[0]}` is missing", Gas.model_fields[needed[0]].description or "")
+    if not getattr(gas, needed):
+        raise GasFault(f"`{needed}` is missing", Gas.model_fields[needed].description or "")
     if not 0 < ports[0] <= ports[1] <= math.pi:
-        raise GasFault(
-            "the exhaust opens before the scavenge ports and bottom dead centre",
-            "below 180 deg",
-            "exhaust_opens",
-        )
-    made = [_fitted(gas, cylinder, load, ports) for load in range(len(gas.imep))]
+        message = "the exhaust opens before the scavenge ports and bottom dead centre"
+        raise GasFault(message, "below 180 deg", "exhaust_opens")
+    cycles = [_fitted(gas, cylinder, load, ports) for load in range(len(gas.imep))]
     firing, none = (
-        np.stack([one.torque(frame.harmonics, gas.crankcase) for one in each])
-        for each in (made, [one.motored for one in made])
+        np.stack([cycle.torque(frame.harmonics, gas.crankcase) for cycle in row])
+        for row in (cycles, [cycle.motored for cycle in cycles])
     )
-    several = len(made) > 1
-    angle: FloatArray = np.linspace(made[0].closes, made[0].closes + cylinder.period, DRAWN)
+    several = len(cycles) > 1
+    angle: FloatArray = np.linspace(cycles[0].closes, cycles[0].closes + cylinder.period, DRAWN)
     curves = tuple(
         PressureCurve(
             f"cycle at {imep / BAR:.4g} `bar` imep" if several else "cycle",
             angle,
-            one.pressure(angle),
-            one.motored.pressure(angle),
+            cycle.pressure(angle),
+            cycle.motored.pressure(angle),
             imep,
             imep,
             gas.crankcase,
         )
-        for one, imep in zip(made, gas.imep, strict=True)
+        for cycle, imep in zip(cycles, gas.imep, strict=True)
     )
-    at, rows = np.append(none[0, 0].real, firing[:, 0].real), np.concatenate([none[:1], firing])
-    if at[0] >= at[1]:
-        raise GasFault(
-            "the imep is below the imep of the motored cycle",
-            "the cycle would take heat away",
-            "imep",
-        )
+    loads, rows = np.append(none[0, 0].real, firing[:, 0].real), np.concatenate([none[:1], firing])
+    if loads[0] >= loads[1]:
+        message = "the imep is below the imep of the motored cycle"
+        raise GasFault(message, "the cycle would take heat away", "imep")
     motored = np.concatenate([none[:1], none]) if several else none
-    law = GasLaw("load", at, rows, motored, not several, float(at[-1]))
-    ends = dict.fromkeys((made[0], made[-1]))
-    heat = " to ".join(f"{one.heat / 1e3:.5g} kJ" for one in ends)
-    start = " to ".join(f"{math.degrees(one.start):.4g}" for one in ends)
+    law = GasLaw("load", loads, rows, motored, not several, float(loads[-1]))
+    ends = dict.fromkeys((cycles[0], cycles[-1]))
+    heat = " to ".join(f"{cycle.heat / 1e3:.5g} kJ" for cycle in ends)
+    start = " to ".join(f"{math.degrees(cycle.start):.4g}" for cycle in ends)
     words = f"closed cycle, heat from {start} deg on, {heat}; at other loads with the same timing, linear in the heat"
     if several:
-        words = f"closed cycles at {len(made)} loads, heat from {start} deg on, {heat}; at others straight lines"
+        words = f"closed cycles at {len(cycles)} loads, heat from {start} deg on, {heat}; at others straight lines"
     return Law(law, words, curves)
 
 
 def _fitted(gas: Gas, cylinder: Cylinder, load: int, ports: tuple[float, float]) -> Cycle:
     """The cycle at one of the loads; raises GasFault."""
     charge, exhaust, imep, peak = (
-        None if not values else values[min(load, len(values) - 1)]
+        values[min(load, len(values) - 1)] if values else 0.0
         for values in (gas.charge, gas.exhaust, gas.imep, gas.p_max)
     )
-    plain = Cycle(
+    cycle = Cycle(
         cylinder,
         gas.compression_ratio or 0.0,
-        charge or 0.0,
-        exhaust or charge or 0.0,
+        charge,
+        exhaust or charge,
         gas.gamma,
         gas.shape,
         gas.duration or 0.0,
         *ports,
     )
     try:
-        return _cycle(plain, imep or 0.0, peak or 0.0)
+        return _cycle(cycle, imep, peak)
     except UnreachablePressure as error:
         reach = f"{error.lowest / BAR:.5g} to {error.highest / BAR:.5g} `bar`"
-        place = f" at {(imep or 0.0) / BAR:.4g} `bar` imep" if len(gas.imep) > 1 else ""
-        message = (
-            f"no begin of the heat release gives a peak of {(peak or 0.0) / BAR:.5g} `bar`{place}"
-        )
+        at_load = f" at {imep / BAR:.4g} `bar` imep" if len(gas.imep) > 1 else ""
+        message = f"no begin of the heat release gives a peak of {peak / BAR:.5g} `bar`{at_load}"
         raise GasFault(message, f"with these figures it can be {reach}", "p_max") from None
     except ValueError:
-        raise GasFault(
-            "the cycle has no solution with these data", "is the duration too long?", "duration"
-        ) from None
+        message = "the cycle has no solution with these data"
+        raise GasFault(message, "is the duration too long?", "duration") from None

@@ -12,44 +12,49 @@ Case = tuple[str, tuple[Part, ...], tuple[Torque, ...]]
 
 def misfire_cases(parts: Sequence[Part], torques: Sequence[Torque]) -> Iterator[Case]:
     """What misfires, with parts and torques then; nothing where no engine tries every cylinder in turn."""
-    for place, part in enumerate(parts):
+    for position, part in enumerate(parts):
         if part.engine is not None and part.engine.tries_all:
-            for one in part.engine.cylinders:
-                if one.state == "firing":
-                    engine = _without(part.engine, one.number)
-                    changed = (*parts[:place], replace(part, engine=engine), *parts[place + 1 :])
-                    words = f"cylinder {one.number} of {part.name} motored"
-                    yield words, changed, tuple(_torques(torques, engine))
+            for cylinder in part.engine.cylinders:
+                if cylinder.state == "firing":
+                    engine = _without(part.engine, cylinder.number)
+                    changed = list(parts)
+                    changed[position] = replace(part, engine=engine)
+                    words = f"cylinder {cylinder.number} of {part.name} motored"
+                    yield words, tuple(changed), tuple(_torques(torques, engine))
 
 
 def _without(engine: EngineRecord, number: int) -> EngineRecord:
-    """The engine with one cylinder more that does not fire; where it keeps its power, the others make up for it."""
-    fires = [one for one in engine.cylinders if one.state == "firing" and one.number != number]
-    before = sum(one.share for one in engine.cylinders if one.state == "firing")
-    raised = before / sum(one.share for one in fires) if engine.keeps_power else 1.0
+    """The engine with one more cylinder that does not fire; where it keeps its power, the others make up for it."""
+    firing = [cylinder for cylinder in engine.cylinders if cylinder.state == "firing"]
+    share = sum(cylinder.share for cylinder in firing)
+    remaining = sum(cylinder.share for cylinder in firing if cylinder.number != number)
+    raised = share / remaining if engine.keeps_power else 1.0
     cylinders = tuple(
-        replace(one, state="motored")
-        if one.number == number
-        else replace(one, share=one.share * raised)
-        for one in engine.cylinders
+        replace(cylinder, state="motored")
+        if cylinder.number == number
+        else replace(cylinder, share=cylinder.share * raised)
+        for cylinder in engine.cylinders
     )
     return replace(engine, cylinders=cylinders)
 
 
 def _torques(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[Torque]:
-    """The torques of a train with the states of the cylinders of one engine."""
+    """Yield the torques of a train with the states of the cylinders of one engine."""
     station, load = engine.load_says
-    mine = [
-        one for one in torques if one.cylinder is not None and one.cylinder.engine == engine.part
-    ]
-    each = len(mine) // len(engine.cylinders)
-    state = {id(one): engine.cylinders[place // each] for place, one in enumerate(mine)}
-    for one in torques:
-        if one.cylinder is None or id(one) not in state:
-            yield one
-        else:
-            own = state[id(one)]
+    count = sum(
+        torque.cylinder is not None and torque.cylinder.engine == engine.part for torque in torques
+    )
+    # The torques of an engine stand cylinder by cylinder, each with the same number of orders.
+    cylinders = (
+        cylinder for cylinder in engine.cylinders for _ in range(count // len(engine.cylinders))
+    )
+    for torque in torques:
+        law = torque.cylinder
+        if law is not None and law.engine == engine.part:
+            cylinder = next(cylinders)
             law = replace(
-                one.cylinder, state=own.state, share=own.share, station=station, load=load
+                law, state=cylinder.state, share=cylinder.share, station=station, load=load
             )
-            yield replace(one, cylinder=law)
+            yield replace(torque, cylinder=law)
+        else:
+            yield torque

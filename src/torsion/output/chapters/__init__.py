@@ -55,6 +55,6 @@ def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
 def _function(name: str) -> Chapter:
     """`natural_frequencies`, `joint_motion:summary`, or the function of another module."""
     module, _, function = name.partition(":")
-    place = module if "." in module else f"{__name__}.{module}"
-    made: Chapter = getattr(import_module(place), function or "chapter")
+    path = module if "." in module else f"{__name__}.{module}"
+    made: Chapter = getattr(import_module(path), function or "chapter")
     return made

@@ -19,9 +19,9 @@ MOST_COLUMNS = 5  # of a table on the terminal
 def chapter(analysis: Analysis, findings: Findings) -> list[Block]:
     """Nothing where none of its results was found."""
     chosen = Selection(findings.system)
-    found = [(name, findings.results.get(name)) for name in analysis.results]
+    results = [(name, findings.results.get(name)) for name in analysis.results]
     blocks = [
-        block for name, held in found if held is not None for block in _blocks(name, held, chosen)
+        block for name, held in results if held is not None for block in _blocks(name, held, chosen)
     ]
     return [Heading(analysis.title[:1].upper() + analysis.title[1:]), *blocks] if blocks else []
 
@@ -31,8 +31,11 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
     single: list[tuple[Any, ...]] = []
     arrays: dict[tuple[str, int], list[tuple[Quantity, Any]]] = {}
     left, inner = list[str](), list[tuple[str, Any]]()
-    for one in quantities(type(held)):
-        value, key = shown(held, one, chosen), f"{path}.{one.key}" if one.key else path
+    for quantity in quantities(type(held)):
+        value, key = (
+            shown(held, quantity, chosen),
+            f"{path}.{quantity.key}" if quantity.key else path,
+        )
         if is_declared(value):
             inner.append((key, value))
         elif (
@@ -41,14 +44,14 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
             and all(is_declared(record) for record in value)
         ):
             inner += [(f"{key}[{k}]", record) for k, record in enumerate(value)]
-        elif np.ndim(value) == 1 and one.printed and len(value) <= MOST_ROWS:
-            arrays.setdefault((one.printed[0], len(value)), []).append((one, value))
+        elif np.ndim(value) == 1 and quantity.printed and len(value) <= MOST_ROWS:
+            arrays.setdefault((quantity.printed[0], len(value)), []).append((quantity, value))
         elif np.ndim(value):
             left.append(
-                f"{one.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json"
+                f"{quantity.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json"
             )
         else:
-            single.append((one.name.replace("_", " "), value, one.unit, one.meaning))
+            single.append((quantity.name.replace("_", " "), value, quantity.unit, quantity.meaning))
     if single:
         titles = "< Quantity -> | Value -> | < Unit -> | < Meaning"
         yield table(titles, single, f"Single values of {path}", short=path)
@@ -56,27 +59,35 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
         yield _table(path, _names(axis, count, chosen), columns)
     if left:
         yield Points(tuple(left))
-    for at, value in inner[:MOST_ROWS]:
-        yield from _blocks(at, value, chosen)
+    for inner_path, value in inner[:MOST_ROWS]:
+        yield from _blocks(inner_path, value, chosen)
 
 
 def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> Table:
     """Quantities over one axis, a row each place of it."""
     axis = columns[0][0].printed[0]
     heads = [texts(axis.capitalize(), axis)]
-    for number, (one, _) in enumerate(columns, start=2):
-        heads.append(Column(one.meaning, one.unit, short=one.key if number <= MOST_COLUMNS else ""))
-    rows = [(name, *(values[place] for _, values in columns)) for place, name in enumerate(names)]
+    for number, (quantity, _) in enumerate(columns, start=2):
+        heads.append(
+            Column(
+                quantity.meaning,
+                quantity.unit,
+                short=quantity.key if number <= MOST_COLUMNS else "",
+            )
+        )
+    rows = [
+        (name, *(values[position] for _, values in columns)) for position, name in enumerate(names)
+    ]
     return table(tuple(heads), rows, f"Values of {path} by {axis}", short=f"{path} by {axis}")
 
 
 def _names(axis: str, count: int, chosen: Selection) -> list[str]:
     """What stands at the places of an axis: names of stations, spans and elements, else numbers."""
     stations = [chosen.system.stations[k].name for k in chosen.groups.stations.tolist()]
-    known = {
+    names_by_axis = {
         "station": stations,
         "span": chosen.groups.names(),
-        "element": [one.name for one in chosen.elements],
+        "element": [element.name for element in chosen.elements],
     }
-    names = known.get(axis, [])
+    names = names_by_axis.get(axis, [])
     return names if len(names) == count else [str(k) for k in range(1, count + 1)]

@@ -17,15 +17,11 @@ from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import (
-    NONE,
     RPM,
-    Scale,
     counted,
-    distinct_texts,
     number,
     order,
     rpm,
-    scale,
 )
 from torsion.output.reported_values import (
     amplitude,
@@ -79,8 +75,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _introduction(findings, found)
     if judged := first_order_judged(findings):
         yield Paragraph(judged, "note")
-    if (bad := _flagged(found)).any():
-        yield _flagged_table(found, np.flatnonzero(bad).tolist())
+    yield from _flagged_table(found)
     if found.others is not None:
         yield Paragraph(
             "At some peaks the equations have several periodic motions. The approach to the speed decides which one "
@@ -88,15 +83,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
             "note",
         )
         yield table(
-            "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]",
+            "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]:3",
             _motions(findings, found, found.others),
             "Periodic motions found at the same speed, at the highest peaks",
         )
     if rows:
-        unit = scale(
-            "N m", [point[0] for row in rows for point in (row.first or row.exact, row.exact)]
-        )
-        yield _table(findings, rows, unit)
+        yield _table(findings, rows)
         size: dict[Element, float] = {}
         for row in rows:
             size[row.element] = max(row.exact[0], size.get(row.element, row.exact[0]))
@@ -132,91 +124,75 @@ def _flagged(found: PeriodicResponse) -> BoolArray:
     return np.asarray((found.status != Found.OK) | found.is_unstable)
 
 
-def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
-    """The speeds without a periodic motion, with a coarse or an unstable one."""
-    rows, marks, shown = [], [], bad[:MOST_FLAGGED]
-    for place, speed in enumerate(distinct_texts((found.speed[shown] * RPM).tolist())):
-        k = shown[place]
-        unstable = bool(found.is_unstable[k])
-        growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
-        why = found.why[k] or (
-            "unstable: the train does not settle in this motion"
-            if unstable
-            else "more harmonics would be needed"
+def _flagged_table(found: PeriodicResponse) -> Iterator[Table]:
+    """The speeds without a periodic motion, with a coarse or an unstable one; nothing where there is none."""
+    rows, marks = [], []
+    for k in np.flatnonzero(_flagged(found)).tolist():
+        state, reason = WORDS[found.status[k]], found.why[k] or "more harmonics would be needed"
+        if found.is_unstable[k]:
+            state += ", unstable"
+            reason = found.why[k] or "unstable: the train does not settle in this motion"
+        growth = None if found.growth is None else found.growth[k]
+        rows.append((found.speed[k], state, growth, found.truncation[k], reason))
+        marks.append("fail" if found.is_unstable[k] or found.why[k] else "note")
+    if rows:
+        yield table(
+            "Speed [rpm]:d | < Periodic motion | Growth rate [1/s]:3 | Omitted harmonic:2 | < Reason",
+            rows,
+            "Speeds with unreliable amplitudes, marked in the figures",
+            marks=marks,
+            most=MOST_FLAGGED,
         )
-        state = WORDS[found.status[k]] + (", unstable" if unstable else "")
-        rows.append((speed, state, growth, number(float(found.truncation[k]), 2), why))
-        marks.append("fail" if unstable or found.why[k] else "note")
-    rest = f"; the first {MOST_FLAGGED} of {len(bad)}" if len(bad) > MOST_FLAGGED else ""
-    return table(
-        "Speed [rpm] | < Periodic motion | Growth rate [1/s] | Omitted harmonic | < Reason",
-        rows,
-        f"Speeds with unreliable amplitudes, marked in the figures{rest}",
-        marks=marks,
-    )
 
 
 def _motions(
     findings: Findings, found: PeriodicResponse, others: PeriodicResponse
-) -> Iterator[tuple[str, ...]]:
+) -> Iterator[tuple[object, ...]]:
     """Every motion at the speeds at which several were found, by its largest amplitude, the reported one first."""
     for speed in np.unique(others.speed).tolist():
-        here = [("reported", found, int(np.flatnonzero(found.speed == speed)[0]))]
-        here += [("another", others, k) for k in np.flatnonzero(others.speed == speed).tolist()]
-        for name, motion, row in here:
+        motions = [("reported", found, int(np.flatnonzero(found.speed == speed)[0]))]
+        motions += [("another", others, k) for k in np.flatnonzero(others.speed == speed).tolist()]
+        for name, motion, row in motions:
             size = {
-                e: np.abs(motion.torque[row][:, list(e.spans)]).max(axis=1)
-                for e in elements(findings.system)
+                element: element.largest(np.abs(motion.torque[row]))
+                for element in elements(findings.system)
             }
-            element = max(size, key=lambda one: float(size[one].max()))
+            element = max(size, key=lambda element: float(size[element].max()))
             rank = int(size[element].argmax())
-            growth = NONE if motion.growth is None else number(float(motion.growth[row]), 3)
-            torque, where = number(float(size[element][rank])), element.name
-            yield (
-                rpm(float(motion.speed[row])),
-                name,
-                torque,
-                order(motion.orders[rank]),
-                where,
-                growth,
-            )
+            growth = None if motion.growth is None else motion.growth[row]
+            torque = size[element][rank]
+            yield speed, name, torque, order(motion.orders[rank]), element.name, growth
 
 
-def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> Table:
+def _table(findings: Findings, compared: tuple[Compared, ...]) -> Table:
     response, exact = findings.need(Response), findings.need(PeriodicResponse)
-    bad = _flagged(exact)
     rows = []
-    for row in sorted(compared, key=lambda row: row.order is not None)[:MOST_ROWS]:
-        both = [
-            (NONE, NONE) if point is None else (unit.text(point[0]), rpm(float(speed[point[1]])))
-            for point, speed in ((row.first, response.speed), (row.exact, exact.speed))
-        ]
-        remark = ""
-        if bad[row.exact[1]]:
-            remark = "unstable there" if exact.is_unstable[row.exact[1]] else "coarse there"
-        change = _signed(row.excess) if np.isfinite(row.excess) else NONE
+    for row in sorted(compared, key=lambda row: row.order is not None):
+        first = None, None
+        if row.first is not None:
+            first = row.first[0], response.speed[row.first[1]]
+        torque, k = row.exact
+        remark = "coarse there" if exact.status[k] != Found.OK else ""
+        remark = "unstable there" if exact.is_unstable[k] else remark
         line = "all" if row.order is None else order(row.order)
-        rows.append((row.element.name, line, *both[0], *both[1], change, remark))
-    rest = f"; {MOST_ROWS} of {len(compared)} rows" if len(compared) > MOST_ROWS else ""
+        name = row.element.name
+        rows.append((name, line, *first, torque, exact.speed[k], row.excess, remark))
     return table(
-        f"< Component -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | Speed [rpm] | "
-        f"Exact [{unit.unit}] -> exact, {unit.unit} | Speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->",
+        "< Component -> | Order -> | First order [~N m] -> first order, ~ | Speed [rpm] | Exact [~N m] -> exact, ~ | "
+        "Speed [rpm] -> at rpm | Difference [%]:3+ -> % | < Remark ->",
         rows,
-        "First order against exact: maximum torque over the speed range, of every order above 1 % and of the total "
-        f"(all){rest}",
+        "First order against exact: maximum torque over the speed range, of every order above 1 % and of the total (all)",
         marks=["fail" if row[-1] else "" for row in rows],
+        most=MOST_ROWS,
         short="Exact periodic response, maximum torque",
     )
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
     """At the orders of the joints and twice them: of two cross joints 2 and 4."""
-    response, found, system = (
-        findings.need(Response),
-        findings.need(PeriodicResponse),
-        findings.system,
-    )
-    first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
+    response, found = findings.need(Response), findings.need(PeriodicResponse)
+    system = findings.system
+    first, exact = amplitude(findings, element.spans), element.largest(np.abs(found.torque))
     unit, lines = torques([exact]), [line.order for line in response.lines]
     joints = {
         n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error
@@ -248,11 +224,6 @@ def _figure(findings: Findings, element: Element) -> Figure:
     )
 
 
-def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """(speeds, orders) N m: largest exact amplitude in the spans; NaN where no periodic motion was found."""
-    return np.asarray(np.abs(findings.need(PeriodicResponse).torque[:, :, list(spans)]).max(axis=2))
-
-
 def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
     found = findings.need(PeriodicResponse)
@@ -261,10 +232,10 @@ def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
     if turns == 0:
         return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
     known = found.status != Found.NONE
-    out, shape = np.full(len(found.speed), np.nan), (known.sum(), len(spans))
-    highest, lowest = extremes(torque[known].reshape(math.prod(shape), len(harmonics)), harmonics)
-    out[known] = ((highest - lowest) / 2.0).reshape(shape).max(axis=1)
-    return out
+    half, shape = np.full(len(found.speed), np.nan), (known.sum(), len(spans))
+    most, least = extremes(torque[known].reshape(math.prod(shape), len(harmonics)), harmonics)
+    half[known] = ((most - least) / 2.0).reshape(shape).max(axis=1)
+    return half
 
 
 def compared(findings: Findings) -> tuple[Compared, ...]:
@@ -275,39 +246,36 @@ def compared(findings: Findings) -> tuple[Compared, ...]:
     return tuple(
         row
         for element in elements(findings.system)
-        for row in _compared(findings, element, nothing)
+        for row in _compared(findings, element, nothing[list(element.spans)])
     )
 
 
 def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iterator[Compared]:
     """nothing: (spans,) N m, below which a torque is rounding and reported as 0."""
     spans, orders = element.spans, [line.order for line in findings.need(Response).lines]
-    here = nothing[list(spans)]
-    first, exact = without(amplitude(findings, spans), here), exact_amplitude(findings, spans)
-    top = highest(exact)
-    if top == 0.0:
+    periodic = findings.need(PeriodicResponse)
+    exact = element.largest(np.abs(periodic.torque))
+    if (top := highest(exact)) == 0.0:
         return
+
+    def point(values: FloatArray) -> Point | None:
+        place = largest(sizes := without(values, nothing))
+        return None if place is None else (float(sizes[place]), place)
+
+    def exact_point(values: FloatArray) -> Point:
+        """Of the speeds with a periodic motion."""
+        place = int(np.nanargmax(sizes := without(values, nothing)))
+        return float(sizes[place]), place
+
     if None not in orders:
-        half = without(exact_half_range(findings, spans), here)
-        yield Compared(
-            element, None, _largest(without(synthesis(findings, spans), here)), _largest_found(half)
-        )
-    for k, one in enumerate(findings.need(PeriodicResponse).orders):
-        mine = None if one not in orders else _largest(first[:, orders.index(one)])
-        found = _largest_found(without(exact[:, k], here))
+        half = exact_point(exact_half_range(findings, spans))
+        yield Compared(element, None, point(synthesis(findings, spans)), half)
+    first = amplitude(findings, spans)
+    for k, rank in enumerate(periodic.orders):
+        mine = point(first[:, orders.index(rank)]) if rank in orders else None
+        found = exact_point(exact[:, k])
         if max(mine or found, found)[0] >= SMALLEST * top:
-            yield Compared(element, one, mine, found)
-
-
-def _largest(values: FloatArray) -> Point | None:
-    at = largest(values)
-    return None if at is None else (float(values[at]), at)
-
-
-def _largest_found(values: FloatArray) -> Point:
-    """Of the speeds with a periodic motion."""
-    at = int(np.nanargmax(values))
-    return float(values[at]), at
+            yield Compared(element, rank, mine, found)
 
 
 def first_order_judged(findings: Findings) -> str:
@@ -315,25 +283,22 @@ def first_order_judged(findings: Findings) -> str:
     rows = compared(findings)
     if not rows or not findings.study.rules:
         return ""
-    together = [row for row in rows if row.order is None] or rows
+    totals = [row for row in rows if row.order is None] or rows
     text = "The rules judge the first-order response, not the exact periodic response."
-    worst = max(
-        (row for row in together if np.isfinite(row.excess)),
-        key=lambda row: row.excess,
-        default=None,
-    )
+    comparable = [row for row in totals if np.isfinite(row.excess)]
+    worst = max(comparable, key=lambda row: row.excess, default=None)
     if worst is None or worst.first is None:
         return text
-    response, exact = findings.need(Response), findings.need(PeriodicResponse)
-    return (
-        f"{text} The maximum excess of the exact response is in {worst.element.name}: "
-        f"{'total amplitude' if worst.order is None else f'amplitude of order {worst.order}'} "
-        f"{number(worst.exact[0])} N m at {rpm(float(exact.speed[worst.exact[1]]))} rpm against "
-        f"{number(worst.first[0])} N m at {rpm(float(response.speed[worst.first[1]]))} rpm of the first order "
-        f"({_signed(worst.excess)} %)."
+    size = "total amplitude" if worst.order is None else f"amplitude of order {worst.order}"
+    exact, first = (
+        f"{number(torque)} N m at {rpm(float(speed[k]))} rpm"
+        for (torque, k), speed in (
+            (worst.exact, findings.need(PeriodicResponse).speed),
+            (worst.first, findings.need(Response).speed),
+        )
     )
-
-
-def _signed(share: float) -> str:
-    """A relative difference in percent, with its sign."""
-    return ("+" if share > 0 else "") + number(100.0 * share, 3)
+    excess = f"{'+' if worst.excess > 0 else ''}{number(100.0 * worst.excess, 3)}"
+    return (
+        f"{text} The maximum excess of the exact response is in {worst.element.name}: {size} {exact} against {first} of "
+        f"the first order ({excess} %)."
+    )

@@ -15,8 +15,8 @@ from torsion.output import check_words
 from torsion.output.blocks import Block, PageEnd
 from torsion.output.chapters import plant
 from torsion.output.chapters.case_verdict import side_by_side
-from torsion.output.check_words import is_judged, use_of_joint, use_of_part
-from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
+from torsion.output.check_words import use_of_joint, use_of_part
+from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Use
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
 from torsion.output.headline import box, case_name, judged, worst
@@ -33,139 +33,75 @@ from torsion.output.station_layout import layout
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks
 
-MOST_BESIDE = 3  # failed checks of components that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES = 5  # checks that are drawn
 HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
 KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
+ALWAYS_GRADED, GRADED_IF_JUDGED = ("shaft", "coupling", "joint"), ("gear", "crank")  # links
 
 
 def blocks(findings: Findings) -> Iterator[Block]:
-    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks."""
-    train, joining = _train(findings)
+    """Yield one page: the verdict, the train by its utilisation, the speeds, and the worst checks."""
     yield box(findings)
-    case = f" (case {name})" if (name := case_name(findings)) else ""
-    yield Figure("utilisation", KEY + case + "; ".join([joining, *train.beside]), (train,))
+    yield from _train(findings)
     yield from _speeds(findings)
     yield from _shares(findings)
     yield PageEnd()
 
 
-def _train(findings: Findings) -> tuple[Sketch, str]:
-    """The sketch with the use of every link that can be judged, and what is to be said where links are joined."""
-    (found, joining), parts = plant.sketch(findings), findings.study.train.parts
-    checks = _checks_of_parts(findings)
-    links = tuple(_used(findings, link, checks) for link in found.links)
+def _train(findings: Findings) -> Iterator[Figure]:
+    """Yield the sketch with the use of every link that can be judged; nothing for a train too long for a page."""
+    sketch, parts = plant.sketch(findings), findings.study.train.parts
+    if len(sketch.links) > plant.MOST_LINKS:
+        return
+    # The name in a check is that of a component, or of one of its spans.
+    part_of = {span.name: span.part for span in findings.system.spans}
+    part_of |= {part.name: position for position, part in enumerate(parts)}
+
+    def about(check: Check) -> tuple[int, ...]:
+        return check.parts or ((part_of[check.where],) if check.where in part_of else ())
+
+    checks = defaultdict[int, list[Check]](list)
+    for check in findings.need(Checks).lines:
+        for part in about(check):
+            checks[part].append(check)
+
+    links = []
+    for link in sketch.links:
+        about_link = [check for part in link.parts for check in checks.get(part, [])]
+        use: Use | None = None
+        if link.kind in ALWAYS_GRADED or (link.kind in GRADED_IF_JUDGED and about_link):
+            use = (use_of_joint if link.kind == "joint" else use_of_part)(about_link)
+        name = parts[link.parts[0]].name if link.parts else link.label
+        links.append(replace(link, label=name if use else "", use=use))
     discs = tuple(
         replace(disc, label=parts[int(disc.label.split()[0]) - 1].name if disc.label else "")
-        for disc in found.discs
-    )
-    pointed = _pointed_at(findings, links, is_whole=not joining)
-    return Sketch(
-        discs, links, pointed, HEIGHT, _beside(findings, found, checks) if joining else ()
-    ), joining
-
-
-def _beside(findings: Findings, drawn: Sketch, checks: dict[int, list[Check]]) -> tuple[str, ...]:
-    """What fails in components that are not drawn, the worst of them in words."""
-    parts, place = findings.study.train.parts, layout(findings.system)
-    shown = {part for link in drawn.links for part in link.parts}
-    shown.update(int(disc.label.split()[0]) - 1 for disc in drawn.discs if disc.label)
-    worst = {
-        part: min(every, key=check_words.rank)
-        for part, every in checks.items()
-        if part not in shown
-    }
-    bad = sorted(
-        (part for part, one in worst.items() if one.fails),
-        key=lambda part: check_words.rank(worst[part]),
-    )
-    stated = [
-        f"{check_words.use(worst[part]).words}: {parts[part].name}, "
-        + (
-            "on a branch that is not drawn"
-            if place.row[parts[part].stations[-1]]
-            else "drawn together with others"
-        )
-        for part in bad
-        if parts[part].stations
-    ]
-    more = len(stated) - MOST_BESIDE
-    return tuple(
-        stated
-        if more <= 0
-        else [*stated[:MOST_BESIDE], f"✗ {more} more components with a failed check"]
+        for disc in sketch.discs
     )
 
-
-def _pointed_at(
-    findings: Findings, links: tuple[Link, ...], *, is_whole: bool
-) -> tuple[Place, Use] | None:
-    """The place of the worst check, and its words; None where it is no single place, or has no share."""
+    pointed = None
     check = worst(findings)
-    place = None if check is None else _place(findings, links, check, is_whole=is_whole)
-    if check is None or place is None or (check.utilisation is None and not check.fails):
-        return None
-    title, found = "worst" if check.fails else "largest", check_words.use(check)
-    return place, replace(
-        found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(check.clause)}"
-    )
+    if check is not None and (check.utilisation is not None or check.fails) and about(check):
+        place = _place(findings, links, about(check)[0])
+        title, use = "worst" if check.fails else "largest", check_words.use(check)
+        words = f"{title}: {use.words.partition(' ')[2]}, {symbols(check.clause)}"
+        pointed = None if place is None else (place, replace(use, words=words))
+    case = f" (case {name})" if (name := case_name(findings)) else ""
+    drawn = replace(sketch, discs=discs, links=tuple(links), worst=pointed, height=HEIGHT)
+    yield Figure("utilisation", KEY + case, (drawn,))
 
 
-def _part_of(findings: Findings) -> dict[str, int]:
-    """The component that the name in a check stands for: its own, or that of one of its spans."""
-    spans = {span.name: span.part for span in findings.system.spans}
-    return spans | {part.name: position for position, part in enumerate(findings.study.train.parts)}
-
-
-def _about(check: Check, part_of: dict[str, int]) -> tuple[int, ...]:
-    """The components that a check is about, the worst first; none of the train as a whole."""
-    return check.parts or ((part_of[check.where],) if check.where in part_of else ())
-
-
-def _checks_of_parts(findings: Findings) -> dict[int, list[Check]]:
-    """The checks of every component."""
-    part_of, found = _part_of(findings), defaultdict[int, list[Check]](list)
-    for check in findings.need(Checks).lines:
-        for part in _about(check, part_of):
-            found[part].append(check)
-    return found
-
-
-def _used(findings: Findings, link: Link, checks: dict[int, list[Check]]) -> Link:
-    """A link with its use; a joint that does not fail, and a gear or crank that no rule judges, stay as they are."""
-    mine = [check for part in link.parts for check in checks.get(part, [])]
-    if link.kind == "run":
-        return replace(link, use=use_of_part(mine))
-    if link.kind not in ("shaft", "coupling", "gear", "crank", "joint") or (
-        link.kind in ("gear", "crank") and not mine
-    ):
-        return replace(link, label="")
-    used = use_of_joint(mine) if link.kind == "joint" else use_of_part(mine)
-    name = findings.study.train.parts[link.parts[0]].name if link.parts else link.label
-    return replace(link, label=name if used else "", use=used)
-
-
-def _place(
-    findings: Findings, links: tuple[Link, ...], check: Check, *, is_whole: bool
-) -> Place | None:
-    """x and row of what a check is about; None where that is no single place, or a point of a joined sketch."""
-    part = next(iter(_about(check, _part_of(findings))), None)
-    if part is None:
-        return None
+def _place(findings: Findings, links: list[Link], part: int) -> Place | None:
+    """Return x and row of a component in the sketch; None if it is not drawn."""
     for link in links:
         if part in link.parts:
             return (link.start[0] + link.end[0]) / 2, link.end[1]
-    stations, place = findings.study.train.parts[part].stations, layout(findings.system)
-    return (
-        (float(place.x[stations[0]]), float(place.row[stations[0]]))
-        if stations and is_whole
-        else None
-    )
+    stations, places = findings.study.train.parts[part].stations, layout(findings.system)
+    return (float(places.x[stations[0]]), float(places.row[stations[0]])) if stations else None
 
 
 def _speeds(findings: Findings) -> Iterator[Figure]:
-    """Nothing where the scene has no range of speeds."""
+    """Yield the axis of speeds; nothing where the file has no range of speeds."""
     speeds = findings.study.operation.speeds
     if speeds is None:
         return
@@ -173,80 +109,76 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     if response is not None and np.any(unreliable(findings)):
         _, unknown = unanswered(response.speed * RPM, unreliable(findings))
     critical = [
-        (one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)
+        (crossing.speed * RPM, crossing.line.named().partition(" (")[0])
+        for crossing in strongest(findings)
     ]
-    bars, unstable = barred_rpm(findings), unstable_rpm(findings)
-    ranges = listed(
-        [kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)]
+    barred, unstable = barred_rpm(findings), unstable_rpm(findings)
+    kinds = listed(
+        [kind for kind, ranges in (("barred", barred), ("unstable", unstable)) if ranges]
     )
+    plural = "s" * (len(barred) + len(unstable) > 1)
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
     largest = several if response is None else f"{several} with the largest torque"
-    restricted = f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}"
-    each = (
-        (restricted, ranges),
-        ("ranges without a reliable response", unknown),
-        (largest, critical),
-    )
-    drawn = [words for words, is_there in each if is_there]
+    drawn = [f"{kinds} range{plural}"] if kinds else []
+    drawn += ["ranges without a reliable response"] if unknown else []
+    drawn += [largest] if critical else []
     caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
-    yield of_torsion(
-        findings,
-        speed_range(
-            "speeds",
-            caption,
-            speeds=(speeds.first * RPM, speeds.last * RPM),
-            rated=rated_rpm(findings),
-            barred=bars,
-            unstable=unstable,
-            unknown=unknown,
-            critical=critical,
-        ),
+    figure = speed_range(
+        "speeds",
+        caption,
+        speeds=(speeds.first * RPM, speeds.last * RPM),
+        rated=rated_rpm(findings),
+        barred=barred,
+        unstable=unstable,
+        unknown=unknown,
+        critical=critical,
     )
+    yield of_torsion(findings, figure)
 
 
 def strongest(findings: Findings) -> list[CriticalSpeed]:
-    """The critical speeds in the range at which their order has the largest torque, by speed."""
-    found = findings.get(CriticalSpeeds)
-    inside = [] if found is None else [one for one in found.crossings if one.is_inside]
+    """Return the critical speeds in the range at which their order has the largest torque, by speed."""
+    critical = findings.get(CriticalSpeeds)
+    inside = (
+        []
+        if critical is None
+        else [crossing for crossing in critical.crossings if crossing.is_inside]
+    )
     size = partial(_strength, findings, findings.get(Response))
-    return sorted(sorted(inside, key=size, reverse=True)[:MOST_CRITICAL], key=lambda one: one.speed)
+    largest = sorted(inside, key=size, reverse=True)[:MOST_CRITICAL]
+    return sorted(largest, key=lambda crossing: crossing.speed)
 
 
 def _strength(findings: Findings, response: Response | None, critical: CriticalSpeed) -> float:
-    """The largest torque of the order at the computed speed next to a critical one, referred, N m."""
-    lines = (
-        []
-        if response is None
-        else [k for k, line in enumerate(response.lines) if line.order == critical.order]
-    )
-    if response is None or not lines:
-        return 0.0
-    at = int(np.argmin(np.abs(response.speed - critical.speed)))
-    if response.status[at, lines[0]] != Status.OK:
-        return float("inf")
-    return float(
-        (np.abs(response.torque[at, lines[0]]) * findings.system.span_ratio).max(initial=0.0)
-    )
+    """Return the largest torque (N m, referred) of the order at the computed speed next to a critical one."""
+    for index, line in enumerate(() if response is None else response.lines):
+        if response is not None and line.order == critical.order:
+            row = int(np.argmin(np.abs(response.speed - critical.speed)))
+            if response.status[row, index] != Status.OK:
+                return float("inf")
+            torque = np.abs(response.torque[row, index]) * findings.system.span_ratio
+            return float(torque.max(initial=0.0))
+    return 0.0
 
 
 def _shares(findings: Findings) -> Iterator[Figure]:
-    """The worst checks over all judged cases; nothing if no check has a utilisation."""
+    """Yield the worst checks over all judged cases; nothing if no check has a utilisation."""
     cases = judged(findings.each) if findings.cases else {"": findings}
     rows = [
-        row
+        (row.check, f" ({row.worst})" * bool(row.worst))
         for row in side_by_side(cases)
-        if is_judged(row.check) and (row.check.utilisation is not None or row.check.fails)
+        if row.check.has_limit and (row.check.utilisation is not None or row.check.fails)
     ]
     if not rows:
         return
     shares = tuple(
         Share(
-            row.check.where,
-            symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst),
-            np.inf if row.check.utilisation is None else row.check.utilisation,
-            check_words.use(row.check),
+            check.where,
+            symbols(check.clause) + case,
+            np.inf if check.utilisation is None else check.utilisation,
+            check_words.use(check),
         )
-        for row in rows[:MOST_SHARES]
+        for check, case in rows[:MOST_SHARES]
     )
     few = (
         f"the {MOST_SHARES} worst of {len(rows)} checks"

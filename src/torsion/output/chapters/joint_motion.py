@@ -10,14 +10,13 @@ from torsion.analyses.joints.joint_results import (
     JointFound,
     Joints,
     LineFound,
-    OptimumFound,
 )
 from torsion.analyses.response.amplitudes import Response
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import closing, joint_tables
-from torsion.output.chapters.joint_tables import STILL, names
+from torsion.output.chapters.joint_tables import names
 from torsion.output.figures import joint_curves
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import RPM, order, scale
@@ -70,10 +69,8 @@ def alone(findings: Findings) -> Iterator[Block]:
         )
     if any(line.optimum is not None for line in found.lines):
         yield Heading("Optimum angles", 2)
-        for k, line in enumerate(found.lines):
+        for line in found.lines:
             yield from joint_tables.optimum(found, line)
-            if line.optimum is not None and line.optimum.over.size:
-                yield _index(found, k, line, line.optimum)
     yield from _response(findings, found)
     if found.remarks:
         yield Heading("Not computed for the joints", 2)
@@ -198,28 +195,3 @@ def _turn(
     """Curves over the angle of the shaft before the first joint of a line."""
     quantity, angle = f"angle of the shaft upstream of {first.name}", joints.angle * RAD
     return joint_curves.joint_turn(name, caption, angle=angle, panels=panels, quantity=quantity)
-
-
-def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> Figure:
-    """The index of fluctuation of a line against the first free joint's variable."""
-    first, last = float(found.over[0]), float(found.over[-1])
-
-    def point(at: float, index: float) -> tuple[float, float]:
-        """In the range that is drawn: phases and planes come back after a revolution."""
-        is_drawn = found.variable == "angle" or first <= at <= last
-        return RAD * (
-            at if is_drawn else first + (at - first) % (2.0 * np.pi)
-        ), 100.0 * index if index > STILL else 0.0
-
-    rest = ", the other joints unchanged" if len(line.joints) > 2 else ""
-    moved = "; the optimum moves all free joints" if len(found.names) > 1 else ""
-    caption = f"Degree of non-uniformity of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
-    return joint_curves.joint_index(
-        f"joint-index-{place + 1}",
-        caption,
-        values=found.over * RAD,
-        index=100.0 * found.index_over,
-        quantity=f"{found.variable} of {found.names[0]}",
-        present=point(float(found.before[0]), found.index_before),
-        best=point(float(found.best[0]), found.index_best),
-    )

@@ -16,71 +16,73 @@ MOST_MODES = 40  # of which a table is printed
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where it was not requested."""
-    found = findings.get(Compared)
-    if found is None:
+    comparison = findings.get(Compared)
+    if comparison is None:
         return
     yield Heading("Comparison of the models")
-    if found.exact is None:
-        yield Paragraph(found.same, "note", brief=True)
+    if comparison.exact is None:
+        yield Paragraph(comparison.same, "note", brief=True)
         return
     yield Paragraph(
         "The same train with lumped segments, finite elements and continuous shafts. The continuous model has no "
         "discretisation error and is the reference. "
-        f"Frequencies and shapes may differ by {given(100 * found.tolerance)} %, torques by "
-        f"{given(100 * found.torque_tolerance)} %."
+        f"Frequencies and shapes may differ by {given(100 * comparison.tolerance)} %, torques by "
+        f"{given(100 * comparison.torque_tolerance)} %."
     )
-    yield from on_terminal([conclusion(found)])
-    yield _summary(found)
-    counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(found)]
+    yield from on_terminal([conclusion(comparison)])
+    yield _summary(comparison)
+    counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(comparison)]
     yield Points(
         tuple(
             text if certified else f"{text}; not certified by Sturm counts"
             for text, certified in counted
         )
     )
-    yield from on_terminal([_counts(found)])
+    yield from on_terminal([_counts(comparison)])
     yield Heading("Frequencies and shapes", 2)
-    yield _modes(found)
+    yield _modes(comparison)
     caption = (
         "Relative errors against the exact model, by mode; errors below 10⁻¹⁶ are drawn at 10⁻¹⁶"
     )
     yield error_curves.modes(
         "check-modes",
         caption,
-        tolerance=found.tolerance,
-        frequency=[(model.model, np.abs(model.frequency_error)) for model in found.models],
-        shape=[(model.model, model.shape_error) for model in found.models],
+        tolerance=comparison.tolerance,
+        frequency=[(model.model, np.abs(model.frequency_error)) for model in comparison.models],
+        shape=[(model.model, model.shape_error) for model in comparison.models],
     )
-    if len(found.exact.frequency) > MOST_MODES:
-        left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
+    if len(comparison.exact.frequency) > MOST_MODES:
+        left_out = f"{MOST_MODES + 1} to {len(comparison.exact.frequency)}"
         yield Paragraph(f"Modes {left_out} are in the JSON file.")
     yield Heading("Response torques", 2)
-    yield from _torques(findings, found)
+    yield from _torques(findings, comparison)
 
 
-def conclusion(found: Compared) -> Paragraph:
-    """The verdict in a sentence."""
-    if found.exact is None:
-        return Paragraph(found.same, "note")
-    limit = f"{given(100 * found.tolerance)} % of the exact model"
-    if found.speed is not None and found.torque_tolerance != found.tolerance:
-        limit += f" (torques: {given(100 * found.torque_tolerance)} %)"
-    good = [model.model for model in found.models if model.model not in found.failed]
-    if found.failed:
+def conclusion(comparison: Compared) -> Paragraph:
+    """Return the verdict of the comparison in one sentence."""
+    if comparison.exact is None:
+        return Paragraph(comparison.same, "note")
+    limit = f"{given(100 * comparison.tolerance)} % of the exact model"
+    if comparison.speed is not None and comparison.torque_tolerance != comparison.tolerance:
+        limit += f" (torques: {given(100 * comparison.torque_tolerance)} %)"
+    good = [model.model for model in comparison.models if model.model not in comparison.failed]
+    if comparison.failed:
         kept = f"; {' and '.join(good)} is" if good else ""
         return Paragraph(
-            f"The model {' and '.join(found.failed)} is not within {limit}{kept}.", "fail"
+            f"The model {' and '.join(comparison.failed)} is not within {limit}{kept}.", "fail"
         )
     verb = ("model", "is") if len(good) == 1 else ("models", "are")
     return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
 
 
-def _summary(found: Compared) -> Table:
+def _summary(comparison: Compared) -> Table:
     """The largest errors of every model and its verdict."""
-    exact, *_ = _all(found)
+    exact, *_ = _all(comparison)
     rows = []
-    for model in _all(found):
-        verdict = NONE if model is exact else ("FAIL" if model.model in found.failed else "PASS")
+    for model in _all(comparison):
+        verdict = (
+            NONE if model is exact else ("FAIL" if model.model in comparison.failed else "PASS")
+        )
         errors = [NONE if model is exact else _percent(error) for error in model.largest]
         times = " + ".join(
             number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds)
@@ -91,61 +93,62 @@ def _summary(found: Compared) -> Table:
         "Modes -> | Time [ms] -> ms | < Verdict ->",
         rows,
         f"Maximum errors against the exact model, of {len(exact.frequency)} modes; modes below "
-        f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
+        f"{number(comparison.highest)} Hz; times of one run of the modes and of the torques",
         marks=[row[-1].lower().strip(NONE) for row in rows],
         short="Maximum errors against the exact model",
         rows_in_summary=4,
     )
 
 
-def _counts(found: Compared) -> Paragraph:
+def _counts(comparison: Compared) -> Paragraph:
     """Whether all models have as many modes as the exact one."""
-    exact, *others = _all(found)
-    at = f"below {number(found.highest)} Hz"
-    wrong = [f"{model.model} {model.below}" for model in others if model.below != exact.below]
+    exact, *approximate = _all(comparison)
+    limit = f"below {number(comparison.highest)} Hz"
+    wrong = [f"{model.model} {model.below}" for model in approximate if model.below != exact.below]
     if wrong:
         return Paragraph(
-            f"The exact model has {exact.below} elastic modes {at}, but {', '.join(wrong)}.", "note"
+            f"The exact model has {exact.below} elastic modes {limit}, but {', '.join(wrong)}.",
+            "note",
         )
-    names = " and ".join(model.model for model in others)
-    has = "has" if len(others) == 1 else "have"
-    how = "as counted" if all(model.certified for model in (exact, *others)) else "as found"
+    names = " and ".join(model.model for model in approximate)
+    has = "has" if len(approximate) == 1 else "have"
+    how = "as counted" if all(model.certified for model in (exact, *approximate)) else "as found"
     return Paragraph(
-        f"The exact model has {exact.below} elastic modes {at}, and so {has} {names}, {how} in each."
+        f"The exact model has {exact.below} elastic modes {limit}, and so {has} {names}, {how} in each."
     )
 
 
-def _worst(model: ModelCompared, found: Compared) -> str:
+def _worst(model: ModelCompared, comparison: Compared) -> str:
     """Where the torques of a model are farthest from the exact ones; empty where none were compared."""
     torques = model.torques
-    if torques is None or torques.worst_speed is None or found.speed is None:
+    if torques is None or torques.worst_speed is None or comparison.speed is None:
         return ""
     fixed = f"{number(torques.worst_frequency)} Hz"
     what = fixed if torques.worst_order is None else f"order {order(torques.worst_order)}"
-    at = rpm(float(found.speed[torques.worst_speed]))
-    return f"{model.model}: {_percent(torques.largest)} % at {at} rpm, {what}, largest in {torques.component}"
+    speed = rpm(float(comparison.speed[torques.worst_speed]))
+    return f"{model.model}: {_percent(torques.largest)} % at {speed} rpm, {what}, largest in {torques.component}"
 
 
-def _all(found: Compared) -> tuple[ModelCompared, ...]:
-    return found.models if found.exact is None else (found.exact, *found.models)
+def _all(comparison: Compared) -> tuple[ModelCompared, ...]:
+    return comparison.models if comparison.exact is None else (comparison.exact, *comparison.models)
 
 
 def _percent(error: float) -> str:
     return number(100.0 * error, 3)
 
 
-def _modes(found: Compared) -> Table:
+def _modes(comparison: Compared) -> Table:
     """Frequencies of all models, of every model but the exact one also the errors."""
-    exact, *others = _all(found)
+    exact, *approximate = _all(comparison)
     titles = "Mode -> | exact [Hz] -> exact, Hz"
     titles += "".join(
-        f" | {one.model} [Hz] | {one.model} error [%] -> {one.model} error, % | 1 − MAC"
-        for one in others
+        f" | {model_shown.model} [Hz] | {model_shown.model} error [%] -> {model_shown.model} error, % | 1 − MAC"
+        for model_shown in approximate
     )
     rows = []
     for mode in range(min(MOST_MODES, len(exact.frequency))):
         row = [str(mode + 1), number(float(exact.frequency[mode]), 9)]
-        for model in others:
+        for model in approximate:
             row += [
                 number(float(model.frequency[mode]), 9),
                 _percent(float(model.frequency_error[mode])),
@@ -160,9 +163,9 @@ def _modes(found: Compared) -> Table:
     )
 
 
-def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
-    if found.speed is None:
-        yield Paragraph(f"No torques are compared: {found.no_torques}.", "note", brief=True)
+def _torques(findings: Findings, comparison: Compared) -> Iterator[Block]:
+    if comparison.speed is None:
+        yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
         return
     yield Paragraph(
         "Complex torques at the driving end of every component, at every requested speed and order. The error is "
@@ -170,14 +173,20 @@ def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
         "to the maximum torque at this speed and order, referred to one speed. The models are compared at equal "
         "distances from their own resonances; the table above has the frequency errors."
     )
-    compared = [(model.model, model.torques) for model in found.models if model.torques is not None]
-    if places := tuple(text for model in found.models if (text := _worst(model, found))):
+    compared = [
+        (model.model, model.torques) for model in comparison.models if model.torques is not None
+    ]
+    if places := tuple(text for model in comparison.models if (text := _worst(model, comparison))):
         lines = [(name, torques.error) for name, torques in compared]
         caption = "Maximum relative error of the torques over the speed"
         yield Points(places, brief=True)
-        speed = found.speed * RPM
+        speed = comparison.speed * RPM
         figure = error_curves.torques(
-            "check-torques", caption, speed=speed, lines=lines, tolerance=found.torque_tolerance
+            "check-torques",
+            caption,
+            speed=speed,
+            lines=lines,
+            tolerance=comparison.torque_tolerance,
         )
         yield of_torsion(findings, figure)
     left_out = max(torques.left_out for _, torques in compared)

@@ -12,11 +12,12 @@ from torsion.findings import Findings
 from torsion.model.lowering import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
-from torsion.output.joined_sketch import joined
 from torsion.output.numbers import below_right, degrees, given_rpm
 from torsion.output.reported_values import NOT_STATED, rated, reference
 from torsion.output.station_layout import Layout, label, layout
 from torsion.primitives import Bar, Constraint
+
+MOST_LINKS = 60  # of a train that a page draws
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -42,9 +43,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield table(titles, rows, "Components")
 
 
-def sketch(findings: Findings) -> tuple[Sketch, str]:
-    """The train as a sketch, and what is to be said of it where very many components are joined."""
-    return joined(Sketch(tuple(_points(findings)), tuple(_links(findings))))
+def sketch(findings: Findings) -> Sketch:
+    """Return the train as a sketch."""
+    return Sketch(tuple(_points(findings)), tuple(_links(findings)))
 
 
 def _points(findings: Findings) -> list[Disc]:

@@ -1,6 +1,7 @@
 """Chapter: bending of the shafts: critical speeds, whirl over speed, the answer to the joints' secondary couples."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, tabl
 from torsion.output.figures import curves_over_speed, frequencies_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_bending
-from torsion.output.numbers import NONE, RPM, number, rpm, scale
+from torsion.output.numbers import RPM, Scale, number, rpm, scale
 from torsion.output.reported_values import rated_rpm, reference
 from torsion.output.selection import NO_VALUE, highest, largest
 
@@ -62,46 +63,43 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Points(found.remarks)
 
 
-def _supports(found: Shafts) -> Table:
+def _supports(shafts: Shafts) -> Table:
     """Length, what supports it, and the lowest frequency of both planes without rotation."""
     return table(
-        "< Shaft | Length [m] | Speed / reference | < Supports | Lowest frequency at rest, y [Hz] | z [Hz]",
+        "< Shaft | Length [m] | Speed / reference | < Supports | Lowest frequency at rest, y [Hz]:6 | z [Hz]:6",
         [
             (
                 shaft.name,
                 shaft.length,
                 shaft.ratio,
-                ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
-                *(
-                    number(float(plane[0]), 6) if plane.size else NONE
-                    for plane in (shaft.at_rest.y, shaft.at_rest.z)
-                ),
+                ", ".join(f"{held.name} at {number(held.at, 4)} m" for held in shaft.point),
+                *(next(iter(plane), None) for plane in (shaft.at_rest.y, shaft.at_rest.z)),
             )
-            for shaft in found
+            for shaft in shafts
         ],
         "Shafts and their supports",
     )
 
 
-def _criticals(found: Shafts, speeds: Range) -> Table:
+def _criticals(shafts: Shafts, speeds: Range) -> Table:
     """Speeds of the reference at which an order of a shaft meets one of its bending frequencies."""
     rows = []
-    for shaft in found:
+    for shaft in shafts:
         grows = shaft.whirl is not None and bool(unstable(shaft.whirl.log_decrement).any())
         grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
         name = f"{shaft.name} (UNSTABLE)" if grows else shaft.name
         rows += [
             (
                 name,
-                one.order,
-                one.mode,
-                rpm(one.speed),
-                one.frequency,
-                sense(one.direction),
-                number(one.damping_ratio, 3),
-                _inside(one, speeds),
+                critical.order,
+                critical.mode,
+                critical.speed,
+                critical.frequency,
+                sense(critical.direction),
+                critical.damping_ratio,
+                _inside(critical, speeds),
             )
-            for one in _near(shaft, speeds)
+            for critical in _near(shaft, speeds)
         ]
     caption = (
         "Critical bending speeds in speeds of the reference; orders per revolution of the shaft (1: unbalance, others: "
@@ -111,7 +109,7 @@ def _criticals(found: Shafts, speeds: Range) -> Table:
         caption += f"; above {rpm(FARTHEST * speeds[1])} rpm the lowest two of each order"
     return table(
         "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | < Whirl -> | "
-        "Damping ratio -> | In the range -> in range",
+        "Damping ratio:3 -> | In the range -> in range",
         rows,
         caption,
         marks=["note" if row[-1] else "" for row in rows],
@@ -121,24 +119,21 @@ def _criticals(found: Shafts, speeds: Range) -> Table:
 
 def _near(shaft: ShaftFound, speeds: Range) -> list[Critical]:
     """The critical speeds up to FARTHEST, and of every order the lowest two."""
-    if speeds is None:
-        return list(shaft.critical)
-    highest = FARTHEST * speeds[1]
-    orders = [one.order for one in shaft.critical]
+    farthest = np.inf if speeds is None else FARTHEST * speeds[1]
+    orders = [critical.order for critical in shaft.critical]
     return [
-        one
-        for k, one in enumerate(shaft.critical)
-        if one.speed <= highest or orders[:k].count(one.order) < 2
+        critical
+        for k, critical in enumerate(shaft.critical)
+        if critical.speed <= farthest or orders[:k].count(critical.order) < 2
     ]
 
 
-def _inside(one: Critical, speeds: Range) -> bool:
-    """It lies in the speed range."""
-    return speeds is not None and speeds[0] <= one.speed <= speeds[1]
+def _inside(critical: Critical, speeds: Range) -> bool:
+    return speeds is not None and speeds[0] <= critical.speed <= speeds[1]
 
 
 def sense(direction: float) -> str:
-    """Forward or backward whirl in words."""
+    """Return forward or backward whirl in words."""
     if abs(direction) < FLAT:
         return "nearly in a plane"
     way = "forward" if direction > 0 else "backward"
@@ -146,53 +141,58 @@ def sense(direction: float) -> str:
 
 
 def unstable(decrement: FloatArray) -> np.ndarray:
-    """Where the motion grows by itself."""
+    """Return where the motion grows by itself."""
     return np.asarray(decrement < UNSTABLE)
 
 
-def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
+def _whirl(findings: Findings, shafts: Shafts, speeds: Range) -> Iterator[Block]:
     """Frequencies at both ends of the range, whether the motion dies out; nothing where no speeds are given."""
     rows = [
-        row for shaft in found if shaft.whirl is not None for row in _whirl_rows(shaft, shaft.whirl)
+        row
+        for shaft in shafts
+        if shaft.whirl is not None
+        for row in _whirl_rows(shaft.name, shaft.whirl)
     ]
     if not rows:
         return
     marks = ["fail" if row[-1].startswith("UNSTABLE") else "" for row in rows]
     yield Heading("Whirl over the speed", 2)
     if grown := marks.count("fail"):
-        text = f"{grown} of the modes below are unstable in the speed range."
-        yield Paragraph(text, "fail")
+        yield Paragraph(f"{grown} of the modes below are unstable in the speed range.", "fail")
     yield table(
         "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | < Whirl at the highest | "
-        "Minimum log. decrement | Speed [rpm] | < Stability",
+        "Minimum log. decrement:3 | Speed [rpm] | < Stability",
         rows,
         "Whirl over the speed range, by frequency; a negative logarithmic decrement is unstable",
         marks=marks,
     )
-    for count, shaft in enumerate(found, start=1):
-        over = shaft.whirl
-        if over is None or speeds is None:
+    for count, shaft in enumerate(shafts, start=1):
+        whirl = shaft.whirl
+        if whirl is None or speeds is None:
             continue
-        orders = sorted({1, *(one.order for one in shaft.critical)})
-        last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
+        orders = sorted({1, *(critical.order for critical in shaft.critical)})
+        last = float(whirl.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
         crossings = [
             (
-                one.speed * RPM,
-                one.frequency,
-                _inside(one, speeds),
-                f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} excites {number(one.frequency)} Hz",
+                critical.speed * RPM,
+                critical.frequency,
+                _inside(critical, speeds),
+                (
+                    f"critical speed of bending {rpm(critical.speed)} rpm: order {critical.order} excites "
+                    f"{number(critical.frequency)} Hz"
+                ),
             )
-            for one in _near(shaft, speeds)
+            for critical in _near(shaft, speeds)
         ]
         yield of_bending(
             shaft,
             frequencies_over_speed.whirl(
                 f"whirl-{count}",
                 f"Whirl of {shaft.name}: frequency over speed",
-                speed=over.speed * RPM,
-                frequency=over.frequency,
-                direction=over.direction,
-                unstable=unstable(over.log_decrement),
+                speed=whirl.speed * RPM,
+                frequency=whirl.frequency,
+                direction=whirl.direction,
+                unstable=unstable(whirl.log_decrement),
                 orders=[(order * last, f"order {order}") for order in orders],
                 crossings=crossings,
                 rated=rated_rpm(findings),
@@ -200,126 +200,112 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
         )
 
 
-def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
-    """Every mode by its frequency at the highest speed."""
-    speed = over.speed
-    ascending = np.argsort(over.frequency[-1], kind="stable")  # what does not oscillate last
-    for position, k in enumerate(ascending.tolist(), start=1):
-        decrement, grows = over.log_decrement[:, k], unstable(over.log_decrement[:, k])
+def _whirl_rows(name: str, whirl: Whirl) -> Iterator[tuple[Any, ...]]:
+    """Every mode by its frequency at the highest speed, what does not oscillate last."""
+    for position, k in enumerate(np.argsort(whirl.frequency[-1], kind="stable").tolist(), start=1):
+        decrement = whirl.log_decrement[:, k]
         if not np.isfinite(decrement).any():
             continue
-        at = int(np.nanargmin(decrement))
-        least = float(decrement[at])
+        row = int(np.nanargmin(decrement))
+        least, grows = float(decrement[row]), unstable(decrement)
         verdict = "stable" if least > -UNSTABLE else "undamped"
         if grows.any():
-            verdict = f"UNSTABLE from {rpm(float(speed[grows][0]))} rpm"
+            verdict = f"UNSTABLE from {rpm(float(whirl.speed[grows][0]))} rpm"
         yield (
-            shaft.name,
-            str(position),
-            number(float(over.frequency[0, k])),
-            number(float(over.frequency[-1, k])),
-            sense(float(over.direction[-1, k])),
-            number(0.0 if abs(least) <= -UNSTABLE else least, 3),
-            rpm(float(speed[at])),
+            name,
+            position,
+            whirl.frequency[0, k],
+            whirl.frequency[-1, k],
+            sense(float(whirl.direction[-1, k])),
+            0.0 if abs(least) <= -UNSTABLE else least,
+            whirl.speed[row],
             verdict,
         )
 
 
-def _answers(found: Shafts) -> Table:
+def _answers(shafts: Shafts) -> Table:
     """Largest displacement and bending moment of every order."""
-    stated = [(shaft, one) for shaft in found for one in shaft.answers]
-    unit = scale("N m", [highest(_sound(one, extent(one.moment))) for _, one in stated])
-    rows, marks = [], []
-    for shaft, one in stated:
-        bad = int((one.status != Status.OK).sum())
-        orbit = _worst(shaft, one, MICRO * one.orbit)
-        moment = _worst(shaft, one, unit.factor * extent(one.moment))
-        rows.append((shaft.name, one.order, *orbit, *moment, f"{bad} of {len(one.speed)}"))
-        marks.append("note" if bad else "")
+    rows = []
+    for shaft in shafts:
+        for answer in shaft.answers:
+            bad = int((answer.status != Status.OK).sum())
+            orbit, moment = (
+                _worst(answer, values, shaft.position)
+                for values in (answer.orbit, answer.largest_moment)
+            )
+            rows.append(
+                (shaft.name, answer.order, *orbit, *moment, f"{bad} of {len(answer.speed)}")
+            )
     return table(
-        f"< Shaft | Order | Maximum displacement [µm] | at [m] | at [rpm] | Maximum bending moment [{unit.unit}] | "
-        "at [m] | at [rpm] | Speeds without reliable value",
+        "< Shaft | Order | Maximum displacement [µm] | at [m]:4 | at [rpm] | Maximum bending moment [~N m] | "
+        "at [m]:4 | at [rpm] | Speeds without reliable value",
         rows,
         "Response to the secondary couples of the joints: amplitudes in the direction of their maximum; order 0 is "
         "static. An undamped resonance has no maximum; the figures mark its speeds",
-        marks=marks,
+        marks=["" if row[-1].startswith("0 ") else "note" for row in rows],
     )
 
 
-def _forces(found: Shafts) -> Table:
+def _forces(shafts: Shafts) -> Table:
     """Largest force of every order on every joint and support."""
-    sizes = [highest(_sound(one, extent(one.force))) for shaft in found for one in shaft.answers]
-    unit = scale("N", sizes)
-    rows = [
-        (
-            shaft.name,
-            held.name,
-            number(held.at, 4),
-            one.order,
-            *_worst(shaft, one, unit.factor * extent(one.force)[:, place : place + 1])[::2],
-        )
-        for shaft in found
-        for place, held in enumerate(shaft.point)
-        for one in shaft.answers
-    ]
-    columns = f"< Shaft | < On | At [m] | Order | Maximum force [{unit.unit}] | at [rpm]"
+    rows = []
+    for shaft in shafts:
+        for place, held in enumerate(shaft.point):
+            for answer in shaft.answers:
+                force = extent(answer.force)[:, place : place + 1]
+                size, _, speed = _worst(answer, force, shaft.position)
+                rows.append((shaft.name, held.name, held.at, answer.order, size, speed))
     return table(
-        columns, rows, "Forces of the shafts on their joints and supports by the secondary couples"
+        "< Shaft | < On | At [m]:4 | Order | Maximum force [~N] | at [rpm]",
+        rows,
+        "Forces of the shafts on their joints and supports by the secondary couples",
     )
 
 
-def _sound(answer: Answer, values: FloatArray) -> FloatArray:
+def _reliable(answer: Answer, values: FloatArray) -> FloatArray:
     """Values (speeds, ...) without those whose status is not ok."""
     return np.where(answer.status == Status.OK, values.T, np.nan).T
 
 
-def _worst(shaft: ShaftFound, answer: Answer, values: FloatArray) -> tuple[str, str, str]:
+def _worst(
+    answer: Answer, values: FloatArray, position: FloatArray
+) -> tuple[float | str, float | None, float | None]:
     """Value, place along the shaft and reference speed of the largest of (speeds, places)."""
-    at = largest(_sound(answer, values).ravel())
-    if at is None:
-        return NO_VALUE, NONE, NONE
-    row, place = divmod(at, values.shape[1])
-    speed = rpm(float(answer.speed[row]))
-    return number(float(values[row, place])), number(float(shaft.position[place]), 4), speed
+    index = largest(_reliable(answer, values).ravel())
+    if index is None:
+        return NO_VALUE, None, None
+    row, place = divmod(index, values.shape[1])
+    return float(values[row, place]), float(position[place]), float(answer.speed[row])
 
 
 def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) -> Figure:
     """Largest displacement, moment and force of the shaft over speed, every order apart."""
-
-    def over(of: Callable[[Answer], FloatArray]) -> list[FloatArray]:
-        return [of(one).max(axis=1) for one in shaft.answers]
-
-    moment = scale("N m", [highest(_sound(one, extent(one.moment))) for one in shaft.answers])
-    force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
-    orders = {answer.order for answer in shaft.answers}
+    panels = []
+    for quantity, unit, curves in (
+        ("displacement", "µm", [answer.orbit for answer in shaft.answers]),
+        ("bending moment", "N m", [answer.largest_moment for answer in shaft.answers]),
+        ("force on a joint or support", "N", [extent(answer.force) for answer in shaft.answers]),
+    ):
+        known = [_reliable(*pair) for pair in zip(shaft.answers, curves, strict=True)]
+        shown = Scale(unit, MICRO) if unit == "µm" else scale(unit, map(highest, known))
+        panels.append(
+            (quantity, shown.unit, [shown.factor * values.max(axis=1) for values in curves])
+        )
+    orders = [answer.order for answer in shaft.answers]
     return of_bending(
         shaft,
         curves_over_speed.bending(
             name,
             f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples",
-            speed=[one.speed * RPM for one in shaft.answers],
-            orders=[
-                f"order {one.order}" + ("" if one.order else ", static") for one in shaft.answers
-            ],
-            panels=[
-                ("displacement", "µm", over(lambda one: MICRO * one.orbit)),
-                (
-                    "bending moment",
-                    moment.unit,
-                    over(lambda one: moment.factor * extent(one.moment)),
-                ),
-                (
-                    "force on a joint or support",
-                    force.unit,
-                    over(lambda one: force.factor * extent(one.force)),
-                ),
-            ],
-            near=[one.status == Status.NEAR_SINGULAR for one in shaft.answers],
-            singular=[one.status == Status.SINGULAR for one in shaft.answers],
+            speed=[answer.speed * RPM for answer in shaft.answers],
+            orders=[f"order {order}" + ("" if order else ", static") for order in orders],
+            panels=panels,
+            near=[answer.status == Status.NEAR_SINGULAR for answer in shaft.answers],
+            singular=[answer.status == Status.SINGULAR for answer in shaft.answers],
             crossings=[
-                one.speed * RPM
-                for one in shaft.critical
-                if one.order in orders and _inside(one, speeds)
+                critical.speed * RPM
+                for critical in shaft.critical
+                if critical.order in orders and _inside(critical, speeds)
             ],
             rated=rated_rpm(findings),
         ),

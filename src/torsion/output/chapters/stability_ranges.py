@@ -1,26 +1,29 @@
 """Chapter: where small deviations of a train with joints grow: ranges of speed, the map, the tilt of driven shafts."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.stability.stability_map import StabilityMap
 from torsion.analyses.stability.stability_over_speed import Stability
-from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, filled, table
 from torsion.output.figures import curves_over_speed
+from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
+from torsion.output.numbers import RPM, counted, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, tilted, widened
 from torsion.rules.stable_motion import mean_speed_words
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.shaft_bending import ShaftFound
-    from torsion.analyses.lateral.tilt_stability import Tilting
+    from torsion.analyses.lateral.tilt_stability import TiltRange
+    from torsion.analyses.stability.unstable_ranges import UnstableRange
+
+    Unstable = UnstableRange | TiltRange
 
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle (parametric excitation). Small deviations "
@@ -38,15 +41,16 @@ MOST_VALUES = 13  # of a map, in the table
 MOST_NAMED = 6  # modes whose frequency is stated
 SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 BELOW, ABOVE = 0, 1  # the ends of a range
-GOES_ON, UNKNOWN = "+", "?"  # beside an end that is no boundary
-LEGEND = {GOES_ON: "continues beyond the requested speeds", UNKNOWN: "not computed beyond"}
 TILT = (
     "The secondary couple of a joint depends on the tilt of the driven shaft and varies its stiffness at "
     "twice the speed of the driving shaft. Small tilting motions can therefore grow. The model is a rigid "
     "shaft that tilts about the centre of its joint (Zhu and Wang); the driving shaft rotates uniformly with "
     "the mean torque."
 )
-TILT_ZONES = {"mean couple": "excited by the mean couple", "several": "several resonances together"}
+RANGE_TITLES = (
+    "From [rpm]:9 -> from rpm | To [rpm]:9 -> to rpm | < Type -> | Maximum growth [1/s] -> growth, 1/s | "
+    "Speed [rpm]:7 -> at rpm | < In the operating range -> operation | < Beyond the range ->"
+)
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -61,26 +65,53 @@ def chapter(findings: Findings) -> Iterator[Block]:
         if drift := mean_speed_words(found, findings.study):
             yield Paragraph(_sentence(drift), "note")
         if found.ranges:
-            yield _ranges(findings, found)
+            yield _range_table(findings, found.ranges, "Unstable ranges of speed", on_terminal=True)
         if found.unsolved.size:
-            yield _unsolved(found)
+            yield table(
+                "Speed [rpm]:d | < Remark",
+                [
+                    (speed, "no periodic motion was found; stability is not known")
+                    for speed in found.unsolved.tolist()
+                ],
+                "Speeds without a solution",
+                marks=["fail"] * found.unsolved.size,
+                most=MOST_ROWS,
+            )
         yield of_torsion(
             findings,
-            curves_over_speed.stability(
+            _growth_curve(
+                findings,
                 "stability-growth",
                 "Growth rate over the speed",
-                speed=found.speed * RPM,
-                growth=found.growth,
-                rated=rated_rpm(findings),
-                unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
+                (found.speed, found.growth),
+                found.ranges,
             ),
         )
     if mapped is not None:
         yield from _map(findings, mapped)
 
 
-def _sentence(words: str) -> str:
-    return words if words.endswith(".") else f"{words}."
+def _sentence(text: str) -> str:
+    return text if text.endswith(".") else f"{text}."
+
+
+def _growth_curve(
+    findings: Findings,
+    name: str,
+    caption: str,
+    curve: tuple[FloatArray, FloatArray],
+    ranges: "Sequence[Unstable]",
+) -> Figure:
+    """Growth rates over speed, with the unstable ranges; curve: speeds (rad/s) and growth (1/s)."""
+    speed, growth = curve
+    return curves_over_speed.stability(
+        name,
+        caption,
+        speed=speed * RPM,
+        growth=np.asarray(growth),
+        rated=rated_rpm(findings),
+        unstable=[(band.first * RPM, band.last * RPM, band.name) for band in ranges],
+    )
 
 
 def _introduction(findings: Findings, found: Stability) -> Paragraph:
@@ -109,147 +140,119 @@ def _introduction(findings: Findings, found: Stability) -> Paragraph:
 
 def _verdict(findings: Findings) -> Paragraph:
     check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
-    where = (
+    speeds = (
         "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
     )
     if check.verdict == "pass":
-        return Paragraph(f"No deviation grows at any speed in {where}.", "pass")
+        return Paragraph(f"No deviation grows at any speed in {speeds}.", "pass")
     if not np.isfinite(check.value):
-        return Paragraph(f"Stability is not known at every speed in {where}: {check.note}.", "fail")
-    if check.value <= 0:
-        return Paragraph(
-            f"No unstable range was found, but {where} is not covered completely: {check.note}.",
-            "fail",
+        text = f"Stability is not known at every speed in {speeds}: {check.note}."
+    elif check.value <= 0:
+        text = f"No unstable range was found, but {speeds} is not covered completely: {check.note}."
+    else:
+        fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+        text = f"The train is unstable in {speeds}: maximum growth {fastest}."
+    return Paragraph(text, "fail")
+
+
+def _range_table(
+    findings: Findings,
+    ranges: "Sequence[Unstable]",
+    caption: str,
+    names: Sequence[str] = (),
+    *,
+    on_terminal: bool = False,
+) -> Table:
+    """Unstable ranges of the train, or of the tilt of the shafts called `names`, one a range."""
+    speeds = findings.study.operation.speeds
+    inside = [speeds is None or band.meets(speeds.first, speeds.last) for band in ranges]
+    rows = [
+        (
+            *([names[k]] if names else []),
+            band.first,
+            band.last,
+            band.name,
+            band.growth,
+            band.at,
+            "UNSTABLE" if inside[k] else "outside",
+            "; ".join(_beyond(band)) or None,
         )
-    fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
-    return Paragraph(f"The train is unstable in {where}: maximum growth {fastest}.", "fail")
+        for k, band in enumerate(ranges)
+    ]
+    titles = f"{'< Shaft | ' if names else ''}{RANGE_TITLES}"
+    marks = ["fail" if is_inside else "note" for is_inside in inside]
+    short = caption if on_terminal else ""
+    return filled(table(titles, rows, caption, marks=marks, most=MOST_ROWS, short=short))
 
 
-def _ranges(findings: Findings, found: Stability) -> Table:
-    speeds, shown = findings.study.operation.speeds, found.ranges[:MOST_ROWS]
-    titles = (
-        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Maximum growth [1/s] -> growth, 1/s | "
-        "Speed [rpm] -> at rpm | Factor per revolution | < In the operating range -> operation"
-    )
-    further = any(_beyond(one) for one in shown)
-    rows, present = [], set[str]()
-    for one in shown:
-        marks = [_mark(one, side) for side in (BELOW, ABOVE)]
-        present.update(marks)
-        inside = speeds is None or one.meets(speeds.first, speeds.last)
-        factor = float(np.exp(min(one.growth * 2.0 * np.pi / one.at, 700.0)))
-        rows.append(
-            (
-                rpm(one.first, 9) + marks[BELOW],
-                rpm(one.last, 9) + marks[ABOVE],
-                one.name,
-                number(one.growth),
-                distinct_texts([one.first * RPM, one.at * RPM, one.last * RPM])[1],
-                number(factor, 4),
-                "UNSTABLE" if inside else "outside",
-                *(["; ".join(_beyond(one))] if further else []),
-            )
-        )
-    legend = "; ".join(f"{sign} {text}" for sign, text in LEGEND.items() if sign in present)
-    title = f"Unstable ranges of speed{f' ({legend})' if legend else ''}"
-    rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    titles += " | < Beyond the range" if further else ""
-    verdicts = ["fail" if "UNSTABLE" in row else "note" for row in rows]
-    return table(titles, rows, title + rest, marks=verdicts, short=title)
-
-
-def _mark(one: UnstableRange, side: int) -> str:
-    """'+' where the range goes on beyond the speeds requested, '?' where nothing is known beyond; '' of a boundary."""
-    if one.unknown[side] is not None:
-        return UNKNOWN
-    return GOES_ON if one.is_open[side] else ""
-
-
-def _beyond(one: UnstableRange) -> list[str]:
+def _beyond(band: "Unstable") -> list[str]:
     """What is said of the ends that are no boundaries, in sentences without their stop."""
     said = []
-    for side, (end, way) in enumerate(((one.first, "below"), (one.last, "above"))):
-        if (unknown := one.unknown[side]) is not None:
+    for side, (end, way) in enumerate(((band.first, "below"), (band.last, "above"))):
+        if (unknown := band.unknown[side]) is not None:
             low, high = sorted((end, unknown))
             said.append(f"{given_rpm(low)} to {given_rpm(high)} rpm not known")
-        elif one.is_open[side]:
+        elif band.is_open[side]:
             said.append(f"continues {way} {given_rpm(end)} rpm (not requested)")
     return said
 
 
 def restrictions(findings: Findings, found: Stability) -> list[str]:
     """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
-    requested = float(found.speed[0]), float(found.speed[-1])
-    stated = [
-        f"Unstable range: {words(one, requested)}. Not for operation." for one in found.ranges
-    ]
+    stated = [_restriction(band, found.speed) for band in found.ranges]
     if drift := mean_speed_words(found, findings.study):
         stated.append(_sentence(drift))
     nothing = [
-        check
+        f"Stability of the {check.where} not computed: {check.note}."
         for check in findings.need(Checks).lines
         if check.clause == "stability" and np.isinf(check.value)
     ]
-    if nothing:
-        return stated + [
-            f"Stability of the {check.where} not computed: {check.note}." for check in nothing
+    ends = [band.first for band in found.ranges if band.unknown[BELOW] is not None]
+    ends += [band.last for band in found.ranges if band.unknown[ABOVE] is not None]
+    return stated + (
+        nothing
+        or [
+            f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm; stability is not known "
+            "there."
+            for low, high in found.unknown
+            if not any(low <= end <= high for end in ends)
         ]
-    beside = [one.first for one in found.ranges if one.unknown[BELOW] is not None]
-    beside += [one.last for one in found.ranges if one.unknown[ABOVE] is not None]
-    return stated + [
-        f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm; stability is not known there."
-        for low, high in found.unknown
-        if not any(low <= end <= high for end in beside)
-    ]
+    )
 
 
 def tilt_restrictions(findings: Findings) -> list[str]:
     """Of the speed: the unstable ranges of the tilt of every shaft in words, the first of them."""
-    stated = []
-    for name, tilting in tilted(findings):
-        looked_at = float(tilting.speed[0]) * RPM, float(tilting.speed[-1]) * RPM
-        for zone in tilting.zones:
-            low, high = widened((zone.lower * RPM, zone.upper * RPM), looked_at)
-            kind = TILT_ZONES.get(zone.kind, zone.kind)
-            further = "; it continues beyond the computed speeds" if any(zone.is_open) else ""
-            stated.append(
-                f"Unstable range: {low} to {high} rpm, tilt of {name}, {kind}{further}. Not for operation."
-            )
+    stated = [
+        _restriction(band, tilting.speed, f"tilt of {name}, ")
+        for name, tilting in tilted(findings)
+        for band in tilting.zones
+    ]
     more = len(stated) - MOST_ROWS
-    return (
-        stated
-        if more <= 0
-        else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt in the table."]
-    )
+    rest = [f"{more} more unstable ranges of the tilt in the table."] if more > 0 else []
+    return stated[:MOST_ROWS] + rest
 
 
-def words(one: UnstableRange, requested: tuple[float, float]) -> str:
-    """The range for a restriction of speed: '772.3 to at least 780 rpm, principal of mode 1; from there ...'.
+def _restriction(band: "Unstable", speeds: FloatArray, subject: str = "") -> str:
+    requested = float(speeds[0]), float(speeds[-1])
+    return f"Unstable range: {words(band, requested, subject)}. Not for operation."
+
+
+def words(band: "Unstable", requested: tuple[float, float], subject: str = "") -> str:
+    """Return a range for a restriction of speed: '772.3 to at least 780 rpm, principal of mode 1; from there ...'.
 
     Boundaries are rounded so that the range grows, but not beyond the speeds requested (rad/s).
     """
-    stated = list(
-        widened((one.first * RPM, one.last * RPM), (requested[0] * RPM, requested[1] * RPM))
-    )
-    for side, (speed, limit) in enumerate(((one.first, "at most"), (one.last, "at least"))):
-        if one.grows_at_end[side]:
+    first, last = requested
+    stated = list(widened((band.first * RPM, band.last * RPM), (first * RPM, last * RPM)))
+    for side, (speed, limit) in enumerate(((band.first, "at most"), (band.last, "at least"))):
+        if band.unknown[side] is not None:
+            stated[side] = f"{limit} {given_rpm(speed)}"
+        elif band.is_open[side]:
             stated[side] = given_rpm(speed)
-        if one.unknown[side] is not None:
-            stated[side] = f"{limit} {stated[side]}"
-    band = (
-        f"at {given_rpm(one.first)} rpm"
-        if one.last <= one.first
-        else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
-    )
-    return "; ".join([f"{band}, {one.name}", *_beyond(one)])
-
-
-def _unsolved(found: Stability) -> Table:
-    stated = distinct_texts((found.unsolved[:MOST_ROWS] * RPM).tolist())
-    rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
-    rows = [(speed, "no periodic motion was found; stability is not known") for speed in stated]
-    caption = f"Speeds without a solution{rest}"
-    return table("Speed [rpm] | < Remark", rows, caption, marks=["fail"] * len(rows))
+    ends = f"{stated[BELOW]} to {stated[ABOVE]} rpm"
+    if band.last <= band.first:
+        ends = f"at {given_rpm(band.first)} rpm"
+    return "; ".join([f"{ends}, {subject}{band.name}", *_beyond(band)])
 
 
 def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
@@ -258,8 +261,17 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     text = (
         f"Growth over speed and {what}, on {found.modes} of {found.of_modes} elastic modes. At "
         f"{counted(found.checked, 'point')} the full model was also computed: maximum difference "
-        f"{number(found.error, 2)} 1/s.{_missed(findings, found)}"
+        f"{number(found.error, 2)} 1/s."
     )
+    ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
+    missed = sum(
+        not np.any((found.speed >= band.first) & (found.speed <= band.last)) for band in ranges
+    )
+    if missed:
+        text += (
+            f" The map has {counted(found.speed.size, 'speed')} only. It does not show {missed} of the "
+            f"{counted(len(ranges), 'unstable range')} above, between its speeds."
+        )
     if found.elsewhere:
         text += f" At {counted(found.elsewhere, 'point')} it settled in another periodic motion."
     if missing:
@@ -267,7 +279,7 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     value = np.degrees(found.value) if found.over == "angle" else found.value
     yield Heading(f"Map over speed and {what}", 2)
     yield Paragraph(text, "note" if missing else "plain")
-    yield _values(found, f"{what.capitalize()} [{unit}]", value)
+    yield _values(found, f"{what.capitalize()} [={unit}]" if unit else what.capitalize(), value)
     yield curves_over_speed.stability_map(
         "stability-map",
         f"Growth rate over speed and {what}; the line is growth 0",
@@ -280,64 +292,31 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     )
 
 
-def _missed(findings: Findings, found: StabilityMap) -> str:
-    """That unstable ranges lie between the speeds of the map."""
-    ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
-    missed = sum(
-        not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges
-    )
-    if not missed:
-        return ""
-    which = "the" if len(ranges) == 1 else f"{missed} of the {len(ranges)}"
-    return (
-        f" The map has {counted(found.speed.size, 'speed')} only. It does not show {which} unstable "
-        f"{'range' if len(ranges) == 1 else 'ranges'} above that {'lies' if missed == 1 else 'lie'} between them."
-    )
-
-
 def _values(found: StabilityMap, title: str, value: FloatArray) -> Table:
     """The fastest growth at values spread over the map."""
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():
         growth = found.growth[:, k]
         known = np.isfinite(growth)
-        unknown = 100.0 * float((~known).mean())
-        if not known.any():
-            rows.append(
-                (
-                    number(float(value[k])),
-                    NONE,
-                    NONE,
-                    NONE,
-                    number(unknown, 3),
-                    "no periodic motion",
-                )
-            )
-            marks.append("fail")
-            continue
-        at = int(np.nanargmax(growth))
-        grows = growth[known] > SMALL
-        where = (
-            f"{known.sum()} of {known.size} speeds"
-            if unknown
-            else f"the {counted(known.size, 'speed')} of the map"
-        )
-        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (
-            ", partly unknown" if unknown else ""
-        )
-        rows.append(
-            (
-                number(float(value[k]), 4),
-                number(float(growth[at]), 4),
-                rpm(float(found.speed[at])),
-                number(100.0 * float(grows.mean()), 3),
-                number(unknown, 3),
-                verdict,
-            )
-        )
+        unknown, grows = float((~known).mean()), growth[known] > SMALL
+        fastest, speed, unstable = None, None, None
+        verdict = "no periodic motion"
+        if known.any():
+            row = int(np.nanargmax(growth))
+            fastest, speed, unstable = float(growth[row]), float(found.speed[row]), grows.mean()
+            speeds = f"the {counted(known.size, 'speed')} of the map"
+            if unknown:
+                speeds = f"{known.sum()} of {known.size} speeds"
+            verdict = "UNSTABLE" if grows.any() else f"stable at {speeds}"
+            verdict += ", partly unknown" if unknown else ""
+        rows.append((float(value[k]), fastest, speed, unstable, unknown, verdict))
         marks.append("fail" if grows.any() or unknown else "")
-    columns = "| Maximum growth [1/s] | Speed [rpm] | Unstable speeds [%] | Unknown speeds [%] | < "
-    return table(f"{title} {columns}", rows, "Maximum growth in the map, by value", marks=marks)
+    return table(
+        f"{title}:4 | Maximum growth [1/s]:4 | Speed [rpm] | Unstable speeds [%]:3 | Unknown speeds [%]:3 | <",
+        rows,
+        "Maximum growth in the map, by value",
+        marks=marks,
+    )
 
 
 def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterator[Block]:
@@ -354,8 +333,8 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
             (
                 name,
                 tilting.joint,
-                tilting.shaft.inertia,
-                tilting.shaft.polar * tilting.shaft.inertia,
+                tilting.transverse_inertia,
+                tilting.polar_inertia,
                 *tilting.frequency.values(),
                 *(rate / 2.0 for rate in tilting.shaft.decay[::-1]),
             )
@@ -366,52 +345,15 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
     for check in findings.need(Checks).lines:
         if check.clause == "tilting":
             note = f" ({check.note})" if check.note else ""
-            at = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+            text = f"No tilting motion of {check.where} grows at the computed speeds{note}."
             if check.value > 0:
-                yield Paragraph(
-                    f"{check.where} is unstable: its tilt grows by up to {at}{note}.", "fail"
-                )
-            else:
-                text = f"No tilting motion of {check.where} grows at the computed speeds{note}."
-                yield Paragraph(text, "fail" if check.fails else "pass")
-    if any(tilting.zones for _, tilting in stated):
-        yield _tilt_zones(findings, stated)
+                fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+                text = f"{check.where} is unstable: its tilt grows by up to {fastest}{note}."
+            yield Paragraph(text, "fail" if check.value > 0 or check.fails else "pass")
+    if bands := [(name, band) for name, tilting in stated for band in tilting.zones]:
+        names, ranges = zip(*bands, strict=True)
+        yield _range_table(findings, ranges, "Unstable ranges of the tilt", names)
     for count, (name, tilting) in enumerate(stated, start=1):
         caption = f"{name}: growth rate of the tilt by the couple of {tilting.joint}"
-        yield curves_over_speed.stability(
-            f"tilting-{count}",
-            caption,
-            speed=tilting.speed * RPM,
-            growth=np.asarray(tilting.growth),
-            rated=rated_rpm(findings),
-            unstable=[(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
-        )
-
-
-def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Table:
-    speeds, rows = findings.study.operation.speeds, []
-    for name, tilting in stated:
-        for zone in tilting.zones:
-            low, worst, up = zone.lower, zone.worst, zone.upper
-            inside = speeds is None or (low < speeds.last and up > speeds.first)
-            ends = [
-                rpm(w, 9) + (" (open)" if zone.is_open[side] else "")
-                for side, w in enumerate((low, up))
-            ]
-            kind = TILT_ZONES.get(zone.kind, zone.kind)
-            rows.append(
-                (
-                    name,
-                    *ends,
-                    kind,
-                    number(zone.rate),
-                    rpm(worst),
-                    "UNSTABLE" if inside else "outside",
-                )
-            )
-    return table(
-        "< Shaft | From [rpm] | To [rpm] | < Type | Maximum growth [1/s] | Speed [rpm] | < In the operating range",
-        rows,
-        "Unstable ranges of the tilt (open: the range continues beyond the computed speeds)",
-        marks=["fail" if "UNSTABLE" in row else "note" for row in rows],
-    )
+        curve = tilting.speed, tilting.growth
+        yield _growth_curve(findings, f"tilting-{count}", caption, curve, tilting.zones)

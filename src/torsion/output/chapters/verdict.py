@@ -1,19 +1,20 @@
 """Chapters: the cover; the checks with barred ranges and remarks; remarks on the checks that pass."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from typing import Literal
 
 from torsion.findings import Findings
 from torsion.output import check_words
-from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.chapters import first_page
 from torsion.output.chapters.case_verdict import overview
 from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.headline import box, case_name
-from torsion.output.numbers import NONE, counted, number, rpm, symbols
-from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
+from torsion.output.numbers import counted, rpm, symbols
+from torsion.output.reported_values import band_words, barred, barred_rpm, mode_of, rated
 from torsion.results import listed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, BarredRange, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks
 
 MOST_NAMED = 12  # components without a source that are named
 UNCONFIRMED = (
@@ -23,24 +24,21 @@ UNCONFIRMED = (
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """The cover of every report, and the checks on the page after it."""
+    """Yield the cover of every report, and the checks on the page after it."""
     case = findings.study.case
     yield Heading("Verdict" if case is None else f"Verdict of the case {case.name}", at_end=True)
     yield from first_page.blocks(findings)
     if findings.cases:
         yield overview(findings.each)
-    yield from _details(
-        findings,
-        Heading(
-            f"Checks of the case {name}" if (name := case_name(findings)) else "Checks", at_end=True
-        ),
-    )
+    name = case_name(findings)
+    heading = f"Checks of the case {name}" if name else "Checks"
+    yield from _details(findings, Heading(heading, at_end=True))
     yield from _unjudged(findings)
     yield from _sources(findings)
 
 
 def judged(findings: Findings) -> Iterator[Block]:
-    """The verdict without pictures; nothing if no rule was applied."""
+    """Yield the verdict without pictures; nothing if no rule was applied."""
     if findings.need(Checks).lines:
         yield Heading("Verdict", at_end=True)
         yield box(findings)
@@ -53,74 +51,65 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
         return
     yield from heading
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
-    yield _checks(findings, listed_checks)
+    yield table(
+        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%]:4 -> util., % | "
+        "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
+        [_row(findings, check) for check in listed_checks],
+        "Checks, each at its worst point, worst first. Order: the main contribution",
+        marks=[check.verdict for check in listed_checks],
+        short="Checks, worst first",
+        rows_in_summary=5,
+    )
     if omitted := len(checks) - len(listed_checks):
-        yield Paragraph(
-            f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json."
-        )
+        yield check_words.omitted(omitted)
     if editions := check_words.editions(checks):
         yield Paragraph(editions)
     if any(check.standing == TO_BE_VERIFIED for check in checks):
         yield Paragraph(UNCONFIRMED)
     yield from barred_ranges(findings)
-    if remarks := _remarks(check for check in checks if check.verdict != "pass"):
-        yield Heading("Remarks", 2)
-        yield remarks
-
-
-def _checks(findings: Findings, checks: Sequence[Check]) -> Table:
-    return table(
-        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%] -> util., % | "
-        "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
-        [_row(findings, check) for check in checks],
-        "Checks, each at its worst point, worst first. Order: the main contribution",
-        marks=[check.verdict for check in checks],
-        short="Checks, worst first",
-        rows_in_summary=5,
-    )
+    yield from _remarks("Remarks", 2, [check for check in checks if check.verdict != "pass"])
 
 
 def remarks(findings: Findings) -> Iterator[Block]:
-    """Appendix of the full report: remarks on the checks that pass."""
-    if found := _remarks(check for check in findings.need(Checks).lines if check.verdict == "pass"):
-        yield Heading("Appendix: remarks on the checks")
-        yield found
+    """Yield an appendix of the full report: remarks on the checks that pass."""
+    checks = [check for check in findings.need(Checks).lines if check.verdict == "pass"]
+    yield from _remarks("Appendix: remarks on the checks", 1, checks)
 
 
-def _remarks(checks: Iterable[Check]) -> Points | None:
-    """Each remark once, with the components that it is about; None where there is none."""
+def _remarks(title: str, level: Literal[1, 2], checks: Iterable[Check]) -> Iterator[Block]:
+    """Yield each remark once, with the components that it is about; nothing where there is none."""
     about: dict[str, list[Check]] = {}
     for check in checks:
         if check.note:
             about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check)
-    found = (f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
-    return Points(tuple(found)) if about else None
+    if about:
+        yield Heading(title, level)
+        yield Points(
+            tuple(f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
+        )
 
 
 def _unjudged(findings: Findings) -> Iterator[Paragraph]:
-    """The shafts whose stress no rule judges, and why; nothing where the file names no rule."""
-    lines = findings.need(Checks).lines
-    judged = {check.where for check in lines if check.unit == STRESS}
+    """Yield the shafts whose stress no rule judges, and why; nothing where the file names no rule."""
+    checked = {check.where for check in findings.need(Checks).lines if check.unit == STRESS}
     reasons = {
         what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what
     }
     about: dict[str, list[str]] = {}
     for bar in findings.study.train.bars if findings.study.rules else ():
-        if bar.name not in judged:
-            about.setdefault(reasons.get(bar.name, "no rule of the file applies"), []).append(
-                quoted(bar.name)
-            )
+        if bar.name not in checked:
+            reason = reasons.get(bar.name, "no rule of the file applies")
+            about.setdefault(reason, []).append(quoted(bar.name))
     if about:
         words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
         yield Paragraph(f"Shaft stress not checked: {words}.", "note")
 
 
 def _sources(findings: Findings) -> Iterator[Paragraph]:
-    """How many components and excitations have no `source` for their data; nothing if all have one."""
-    parts = [part for part in findings.study.train.parts if part.kind != "branch"]
-    torques = [
-        torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)
-    ]
+    """Yield how many components and excitations have no `source` for their data; nothing if all have one."""
+    train = findings.study.train
+    parts = [part for part in train.parts if part.kind != "branch"]
+    torques = [torque for torque in train.torques if torque.path[:1] == ("excitations",)]
     bare = [quoted(part.name) for part in parts if part.source is None]
     lacking = [f"{len(bare):,} of {counted(len(parts), 'component')}"] if bare else []
     if 0 < len(bare) <= MOST_NAMED:
@@ -128,9 +117,7 @@ def _sources(findings: Findings) -> Iterator[Paragraph]:
     if count := sum(torque.source is None for torque in torques):
         lacking.append(f"{count} of {counted(len(torques), 'excitation')}")
     if lacking:
-        yield Paragraph(
-            f"No `source` for the data of {' and '.join(lacking)}.".replace("`", ""), "note"
-        )
+        yield Paragraph(f"No source for the data of {' and '.join(lacking)}.", "note")
 
 
 OVER_TOLERANCES = (
@@ -141,81 +128,72 @@ OVER_TOLERANCES = (
 
 
 def barred_ranges(findings: Findings) -> Iterator[Block]:
-    """Nothing if no range is barred."""
-    found, speed = barred(findings), rated(findings)
-    if not found:
+    """Yield the barred ranges and the transients in them; nothing if no range is barred."""
+    ranges, speed = barred(findings), rated(findings)
+    if not ranges:
         return
-    by = listed(dict.fromkeys(check.rule for check in findings.need(Checks).lines if check.barred))
+    checks = [check for check in findings.need(Checks).lines if check.barred]
+    by = listed(dict.fromkeys(check.rule for check in checks))
     yield Paragraph(
         f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. Pass the range rapidly, "
         "mark it on the tachometer and show it on a notice at every control station. The formula is 16 n_{c}/(18 − λ) "
         "to (18 − λ) n_{c}/16 with the critical speed n_{c} and λ = n_{c}/n_{rated}. The range is extended to every "
         f"speed at which the stress exceeds its limit, and by the tolerance of the tachometer ({by})."
     )
-    moved = any(math.isfinite(b.tolerance_lower) for b in found)
-    if moved:
+    has_tolerances = any(math.isfinite(band.tolerance_lower) for band in ranges)
+    if has_tolerances:
         yield Paragraph(OVER_TOLERANCES)
+    rows = [
+        (
+            band.shaft,
+            band.lower,
+            band.upper,
+            contributing(findings, band.order),
+            mode_of(findings, band),
+            band.critical,
+            band.critical / speed if speed else None,
+            band.formula_lower,
+            band.formula_upper,
+            *(band.tolerance_lower, band.tolerance_upper) * has_tolerances,
+        )
+        for band in ranges
+    ]
     yield table(
-        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "
+        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ:4 | "
         "From by formula [rpm] | To by formula [rpm]"
         + " | From, tolerances [rpm] | To, tolerances [rpm]"
-        * moved,
-        [
-            (
-                b.shaft,
-                rpm(b.lower),
-                rpm(b.upper),
-                contributing(findings, b.order),
-                _mode(findings, b),
-                rpm(b.critical),
-                number(b.critical / speed, 4) if speed else NONE,
-                rpm(b.formula_lower),
-                rpm(b.formula_upper),
-                *(rpm(b.tolerance_lower), rpm(b.tolerance_upper)) * moved,
-            )
-            for b in found
-        ],
+        * has_tolerances,
+        rows,
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
         short="Barred ranges",
     )
-    times = dict.fromkeys(
-        time for check in findings.need(Checks).lines for time in check.times if check.barred
-    )
-    if times:
-        cells = [
-            (
-                passage.motion or "the only",
-                rpm(passage.lower),
-                rpm(passage.upper),
-                number(passage.seconds, 3),
-                NONE if passage.share is None else number(100.0 * passage.share, 3),
-                "ends within" if passage.stays else "passes",
-            )
-            for passage in times
-        ]
-        titles = "< Transient | From [rpm] | To [rpm] | Time in the range [s] | Peak / steady resonance [%] | <"
+    if times := dict.fromkeys(time for check in checks for time in check.times):
         yield table(
-            titles, cells, "Transients in barred ranges (the rule has no limit of the time)"
+            "< Transient | From [rpm] | To [rpm] | Time in the range [s]:3 | Peak / steady resonance [%]:3 | <",
+            [
+                (
+                    time.motion or "the only",
+                    time.lower,
+                    time.upper,
+                    time.seconds,
+                    time.share,
+                    "ends within" if time.stays else "passes",
+                )
+                for time in times
+            ],
+            "Transients in barred ranges (the rule has no limit of the time)",
         )
 
 
-def _mode(findings: Findings, barred: BarredRange) -> str:
-    """The mode that the order of a barred range excites at its critical speed."""
-    if barred.order is None:
-        return NONE
-    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
-
-
-def _row(findings: Findings, check: Check) -> tuple[str, ...]:
-    used = NONE if check.utilisation is None else number(100.0 * check.utilisation, 4)
+def _row(findings: Findings, check: Check) -> tuple[object, ...]:
     return (
         check.what,
         check.where,
         check_words.value(check),
         check_words.limit(check),
         check_words.unit(check),
-        used,
-        rpm(check.speed),
+        check.utilisation,
+        check.speed,
         contributing(findings, check.order),
         f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
         f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",

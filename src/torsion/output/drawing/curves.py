@@ -34,11 +34,11 @@ def decimated(x: FloatArray, y: FloatArray, columns: int) -> IntArray:
 def path(x: FloatArray, y: FloatArray, columns: int) -> str:
     """Of points in tenths of px, NaN where the line is broken."""
     pieces = []
-    known = np.isfinite(x) & np.isfinite(y)
-    for first, last in runs(known):
-        own, up = x[first : last + 1], y[first : last + 1]
-        kept = decimated(own, up, max(1, round(columns * own.size / x.size)))
-        pieces.append(_piece(_whole(own[kept]), _whole(up[kept])))
+    finite = np.isfinite(x) & np.isfinite(y)
+    for first, last in runs(finite):
+        across, up = x[first : last + 1], y[first : last + 1]
+        kept = decimated(across, up, max(1, round(columns * across.size / x.size)))
+        pieces.append(_piece(_whole(across[kept]), _whole(up[kept])))
     return "".join(pieces)
 
 
@@ -46,10 +46,12 @@ def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
     """What lies between two lines over one coordinate."""
     pieces = []
     for first, last in runs(np.isfinite(x) & np.isfinite(y) & np.isfinite(base)):
-        own = x[first : last + 1]
-        upper, lower = (decimated(own, one[first : last + 1], columns) + first for one in (y, base))
-        there, back = np.append(x[upper], x[lower][::-1]), np.append(y[upper], base[lower][::-1])
-        pieces.append(_piece(_whole(there), _whole(back)) + "z")
+        across = x[first : last + 1]
+        upper, lower = (
+            decimated(across, line[first : last + 1], columns) + first for line in (y, base)
+        )
+        forth, back = np.append(x[upper], x[lower][::-1]), np.append(y[upper], base[lower][::-1])
+        pieces.append(_piece(_whole(forth), _whole(back)) + "z")
     return "".join(pieces)
 
 
@@ -67,7 +69,7 @@ def _piece(x: IntArray, y: IntArray) -> str:
     turns = np.append(across[:-1] * down[1:] != down[:-1] * across[1:], True)
     turns[:-1] |= (across[:-1] * across[1:] < 0) | (down[:-1] * down[1:] < 0)
     ends = np.flatnonzero(turns)
-    steps = [np.diff(np.concatenate([[0], np.cumsum(one)[ends]])) for one in (across, down)]
+    steps = [np.diff(np.concatenate([[0], np.cumsum(moved)[ends]])) for moved in (across, down)]
     return outline([(int(x[0]), int(y[0])), *np.column_stack(steps).tolist()])
 
 
@@ -78,5 +80,5 @@ def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
     'M10 20l5-3-1 0'
     """
     (x, y), *steps = start_and_steps
-    words = " ".join(str(one) for step in steps for one in step).replace(" -", "-")
+    words = " ".join(str(step_length) for step in steps for step_length in step).replace(" -", "-")
     return f"M{x} {y}l{words}"

@@ -12,7 +12,7 @@ from torsion.output.drawing.pens import GRADES
 WHITE, PAPER = "#ffffff", "#151a1f"  # on paper, on a dark screen
 BEHIND = 0.77  # lightness from which a colour is a tint or a thin line that lies behind
 AREAS = frozenset(
-    one.fill for one in GRADES.values() if not one.slopes
+    pattern.fill for pattern in GRADES.values() if not pattern.slopes
 )  # plain: what is drawn on them is ink
 CONTRAST = 4.6  # at least, of what stands out against the dark paper
 USED = re.compile(r'(fill|stroke)="(#[0-9A-Fa-f]{6})"')
@@ -35,7 +35,7 @@ OKLAB = np.array(
 
 def rules(drawings: Iterable[str]) -> str:
     """Style rules that give the colours of drawings their counterparts where the screen is dark."""
-    used = sorted({found for text in drawings for found in USED.findall(text)})
+    used = sorted({attribute for text in drawings for attribute in USED.findall(text)})
     return "\n".join(
         f'figure [{what}="{colour}"]{{{what}:light-dark({colour},{dark(colour)})}}'
         for what, colour in used
@@ -55,18 +55,20 @@ def dark(colour: str) -> str:
     if light >= BEHIND or colour in AREAS:
         return _word(np.array([0.24 + 0.75 * (1.0 - light), *hue]))
     light = max(light, 1.15 - light)
-    while contrast(found := _word(np.array([light, *hue])), PAPER) < CONTRAST:
+    while contrast(lighter := _word(np.array([light, *hue])), PAPER) < CONTRAST:
         light += 0.01
-    return found
+    return lighter
 
 
-def contrast(one: str, other: str) -> float:
+def contrast(first_colour: str, background: str) -> float:
     """Of two colours, from 1 to 21 (W3C, WCAG 2.1, relative luminance and contrast ratio).
 
     >>> round(contrast("#ffffff", "#000000"), 6)
     21.0
     """
-    low, high = sorted(float(_linear(colour) @ [0.2126, 0.7152, 0.0722]) for colour in (one, other))
+    low, high = sorted(
+        float(_linear(colour) @ [0.2126, 0.7152, 0.0722]) for colour in (first_colour, background)
+    )
     return (high + 0.05) / (low + 0.05)
 
 
@@ -77,8 +79,8 @@ def _linear(colour: str) -> FloatArray:
 
 
 def _oklab(colour: str) -> FloatArray:
-    found: FloatArray = OKLAB @ np.cbrt(CONES @ _linear(colour))
-    return found
+    lab: FloatArray = OKLAB @ np.cbrt(CONES @ _linear(colour))
+    return lab
 
 
 def _word(lab: FloatArray) -> str:

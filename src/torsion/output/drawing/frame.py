@@ -49,19 +49,22 @@ class Frame:
     def is_slanted(self) -> bool:
         """Whether names below the plot would meet if they stood level."""
         texts = [text for _, text in self.panel.x.places]
-        at = self.across(np.array([place for place, _ in self.panel.x.places])).tolist()
+        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
         half = [GROWTH * width(text) / 2 + 3 for text in texts]
         ends = any(
-            x - w < -self.left or x + w > self.wide + RIGHT for x, w in zip(at, half, strict=True)
+            x - w < -self.left or x + w > self.wide + RIGHT
+            for x, w in zip(middles, half, strict=True)
         )
-        return ends or any(at[k] + half[k] > at[k + 1] - half[k + 1] for k in range(len(at) - 1))
+        return ends or any(
+            middles[k] + half[k] > middles[k + 1] - half[k + 1] for k in range(len(middles) - 1)
+        )
 
     @property
     def beyond(self) -> float:
         """px by which slanted names run over the left edge of the figure."""
-        at = self.across(np.array([place for place, _ in self.panel.x.places])).tolist()
+        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
         long = [0.87 * GROWTH * width(text) for _, text in self.panel.x.places]
-        edge = [self.left + x - w for x, w in zip(at, long, strict=True)]
+        edge = [self.left + x - w for x, w in zip(middles, long, strict=True)]
         return max(0.0, -min(edge, default=0.0)) if self.is_slanted else 0.0
 
     @property
@@ -101,10 +104,15 @@ def horizontal(panel: Panel, wide: float) -> Scale:
 
 def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
     """The ends of an axis of numbers that leave room for the symbols of lines."""
-    each = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
-    if not any(x.size for x in each) or panel.x.places or panel.x.is_log or panel.x.low is not None:
+    columns = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
+    if (
+        not any(x.size for x in columns)
+        or panel.x.places
+        or panel.x.is_log
+        or panel.x.low is not None
+    ):
         return []
-    x = np.concatenate(each)
+    x = np.concatenate(columns)
     room = 7.0 / wide * np.ptp(x)  # px, half of the largest symbol
     return [np.array([x.min() - room, x.max() + room])]
 
@@ -133,16 +141,18 @@ def margin(panel: Panel, y: Scale) -> float:
 
 
 def grid(frame: Frame) -> str:
-    """Lines at the numbers, thin."""
-    left, top, wide, high = (shown(one) for one in (frame.left, frame.top, frame.wide, frame.high))
+    """Return thin lines at the numbers of both axes."""
+    left, top, wide, high = (
+        shown(length) for length in (frame.left, frame.top, frame.wide, frame.high)
+    )
     upright = (
         []
         if frame.panel.x.places
-        else frame.across(np.array([at for at, _ in frame.x.ticks])).tolist()
+        else frame.across(np.array([value for value, _ in frame.x.ticks])).tolist()
     )
-    level = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
-    lines = [f"M{shown(frame.left + at)} {top}v{high}" for at in upright]
-    lines += [f"M{left} {shown(frame.top + at)}h{wide}" for at in level]
+    level = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
+    lines = [f"M{shown(frame.left + x)} {top}v{high}" for x in upright]
+    lines += [f"M{left} {shown(frame.top + y)}h{wide}" for y in level]
     return (
         f'<path class="grid" stroke="{GRID}" stroke-width=".6" fill="none" d="{"".join(lines)}"/>'
     )
@@ -151,11 +161,11 @@ def grid(frame: Frame) -> str:
 def axes(frame: Frame, *, has_numbers: bool) -> str:
     """Two edges with numbers and titles; has_numbers: below the plot too."""
     left, foot = frame.left, frame.top + frame.high
-    down = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
+    down = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
     parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
     parts += [
-        words(left - 5, frame.top + at + 3.6, text, END)
-        for at, (_, text) in zip(down, frame.y.ticks, strict=True)
+        words(left - 5, frame.top + y + 3.6, text, END)
+        for y, (_, text) in zip(down, frame.y.ticks, strict=True)
     ]
     if has_numbers:
         parts += _below(frame)
@@ -171,11 +181,11 @@ def _edges(frame: Frame) -> str:
     """The left and the lower edge with their small marks."""
     left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
     small = [
-        f"M{shown(left - 3)} {shown(top + at)}h3"
-        for at in frame.down(np.array(frame.y.small)).tolist()
+        f"M{shown(left - 3)} {shown(top + y)}h3"
+        for y in frame.down(np.array(frame.y.small)).tolist()
     ]
     small += [
-        f"M{shown(left + at)} {foot}v3" for at in frame.across(np.array(frame.x.small)).tolist()
+        f"M{shown(left + x)} {foot}v3" for x in frame.across(np.array(frame.x.small)).tolist()
     ]
     line = f"M{shown(left)} {shown(top)}V{foot}h{shown(frame.wide)}{''.join(small)}"
     return f'<path d="{line}" fill="none" stroke="{GREY}" stroke-width=".8"/>'
@@ -185,13 +195,13 @@ def _below(frame: Frame) -> list[str]:
     """Numbers or names below the plot."""
     foot, made = frame.top + frame.high, []
     slanted = frame.is_slanted
-    for place, text in frame.x.ticks:
-        at = frame.left + float(frame.across(place))
+    for value, text in frame.x.ticks:
+        x = frame.left + float(frame.across(value))
         level = MIDDLE + ACROSS
         made.append(
-            _turned(at + 3, foot + 11, text, -SLANT, END)
+            _turned(x + 3, foot + 11, text, -SLANT, END)
             if slanted
-            else words(at, foot + 13, text, level)
+            else words(x, foot + 13, text, level)
         )
     return made
 

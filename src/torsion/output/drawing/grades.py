@@ -34,7 +34,7 @@ def hatched(box: Box, grade: Grade) -> tuple[Stroke, str]:
 
 def area(box: Box, grade: Grade) -> str:
     """A rectangle in tenths of px."""
-    left, top, right, foot = (round(one) for one in box)
+    left, top, right, foot = (round(edge) for edge in box)
     edges = f'x="{left}" y="{top}" width="{right - left}" height="{foot - top}"'
     look, path = hatched((left, top, right, foot), grade)
     inside = f'<path d="{path}" fill="none" {look.attributes(10.0)}/>' if path else ""
@@ -49,8 +49,8 @@ def marked(x: float, y: float, sign: str) -> str:
 
 def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
     """Height in px and elements of the key of the grades and marks that are there."""
-    every = list(uses)
-    grades, marks = {one.grade for one in every}, {one.mark for one in every}
+    known_uses = list(uses)
+    grades, marks = {use.grade for use in known_uses}, {use.mark for use in known_uses}
     box = (0.0, -50.0, 10 * SAMPLE, 50.0)
     entries = [(area(box, grade), "", GRADES[grade].words) for grade in GRADES if grade in grades]
     outline = f'<path d="M0-50h{10 * SAMPLE:g}v100h-{10 * SAMPLE:g}z" fill="none" {MARKED.attributes(10.0)}/>'
@@ -58,26 +58,26 @@ def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
         (outline, marked(SAMPLE / 2, 0.0, sign), MARKS[sign]) for sign in MARKS if sign in marks
     ]
     x, y, made = 4.0, top + KEY_ROW / 2, list[str]()
-    for sample, sign, said in entries:
-        need = SAMPLE + 5 + GROWTH * width(said) + 10
+    for sample, sign, label in entries:
+        need = SAMPLE + 5 + GROWTH * width(label) + 10
         if x + need > WIDTH and x > 4.0:
             x, y = 4.0, y + KEY_ROW
-        at = f'<g transform="translate({shown(x)} {shown(y)})">'
+        group = f'<g transform="translate({shown(x)} {shown(y)})">'
         made.append(
-            f'{at}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, said)}</g>'
+            f'{group}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, label)}</g>'
         )
         x += need
     text = f'<g class="key" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
     return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
 
 
-def shares(found: Shares, top: float) -> tuple[float, str]:
+def shares(shares_drawn: Shares, top: float) -> tuple[float, str]:
     """Height in px and elements of the shares below `top`."""
-    largest = max((one.share for one in found.rows if math.isfinite(one.share)), default=1.0)
+    largest = max((row.share for row in shares_drawn.rows if math.isfinite(row.share)), default=1.0)
     end = BEYOND * min(max(largest, 1.0), MOST)
     limit = LEFT + (RIGHT - LEFT) / end
-    foot = top + HEAD + ROW * len(found.rows)
-    rows = "".join(_row(one, end, top + HEAD + ROW * k) for k, one in enumerate(found.rows))
+    foot = top + HEAD + ROW * len(shares_drawn.rows)
+    rows = "".join(_row(row, end, top + HEAD + ROW * k) for k, row in enumerate(shares_drawn.rows))
     parts = [
         f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">',
         rows,
@@ -89,17 +89,17 @@ def shares(found: Shares, top: float) -> tuple[float, str]:
     return foot + 3.0 - top, "".join(parts)
 
 
-def _row(one: Share, end: float, top: float) -> str:
+def _row(share: Share, end: float, top: float) -> str:
     """A name, the area of its share, and its words; a share beyond the end is cut, which two strokes show."""
-    middle, shown_share = top + ROW / 2, min(one.share, end)
+    middle, shown_share = top + ROW / 2, min(share.share, end)
     right = LEFT + (RIGHT - LEFT) * shown_share / end
     box = (10 * LEFT, 10 * (top + 2.0), 10 * max(right, LEFT + 0.8), 10 * (top + ROW - 2.0))
     cut = ""
-    if one.share > end:
+    if share.share > end:
         x, y = shown(right - 14), shown(top + ROW - 1)
         cut = f'<path d="M{x} {y}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}" stroke="#ffffff" stroke-width="2"/>'
-    bold = BOLD + f' fill="{BAD}"' if one.use.is_bad else ""
-    room, clause = (LEFT - 8) / GROWTH, f", {one.clause}"
-    name = fitted(fitted(one.name, max(room - width(clause), FEWEST)) + clause, room)
-    said = words(RIGHT + 8, middle + 3.7, one.use.words, bold)
-    return f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, one.use.grade)}</g>{cut}{said}'
+    bold = BOLD + f' fill="{BAD}"' if share.use.is_bad else ""
+    room, clause = (LEFT - 8) / GROWTH, f", {share.clause}"
+    name = fitted(fitted(share.name, max(room - width(clause), FEWEST)) + clause, room)
+    label = words(RIGHT + 8, middle + 3.7, share.use.words, bold)
+    return f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, share.use.grade)}</g>{cut}{label}'

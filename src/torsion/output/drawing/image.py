@@ -27,13 +27,13 @@ Across = Callable[[FloatArray], FloatArray]
 
 def palette(*, is_log: bool = False) -> np.ndarray:
     """(SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
-    at = np.linspace(-1.0, 1.0, SHADES)
+    shares = np.linspace(-1.0, 1.0, SHADES)
     places, words = zip(*(LOG_STOPS if is_log else STOPS), strict=True)
     colours = np.array(
         [[int(word[k : k + 2], 16) for k in (1, 3, 5)] for word in words], dtype=float
     )
     return (
-        np.column_stack([np.interp(at, places, colours[:, k]) for k in range(3)])
+        np.column_stack([np.interp(shares, places, colours[:, k]) for k in range(3)])
         .round()
         .astype(np.uint8)
     )
@@ -62,24 +62,26 @@ def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
     )
 
 
-def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
+def cells(cells_drawn: Cells, across: Across, down: Across) -> Iterator[str]:
     """The image in tenths of px: every cell reaches half way to its neighbours; the zero line over it."""
-    x, y = _edges(found.x), _edges(found.y)
+    x, y = _edges(cells_drawn.x), _edges(cells_drawn.y)
     wide, high = (10 * float(np.ptp(scale(edges))) for scale, edges in ((across, x), (down, y)))
     left, top = 10 * float(across(x).min()), 10 * float(down(y).min())
     size = max(2, round(wide / 10)), max(2, round(high / 10))
     even = all(np.allclose(np.diff(edges), np.diff(edges)[0], rtol=1e-6) for edges in (x, y))
-    values = found.values
+    values = cells_drawn.values
     for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
         if not even or edges.size > n + 1:
             values = _by_px(values, axis, edges, n)
-    shade = np.where(np.isfinite(values), np.rint(_share(found, values) * (SHADES - 1)), SHADES)[
-        ::-1
-    ]
-    data = b64encode(png(shade, palette(is_log=bool(found.decades)))).decode()
-    place = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
-    yield f'<image {place} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
-    zeros = () if found.decades else level_line(found.x, found.y, found.values)
+    shade = np.where(
+        np.isfinite(values), np.rint(_share(cells_drawn, values) * (SHADES - 1)), SHADES
+    )[::-1]
+    data = b64encode(png(shade, palette(is_log=bool(cells_drawn.decades)))).decode()
+    box = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
+    yield f'<image {box} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
+    zeros = (
+        () if cells_drawn.decades else level_line(cells_drawn.x, cells_drawn.y, cells_drawn.values)
+    )
     line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
     if line:
         yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
@@ -93,24 +95,26 @@ def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> Floa
     px = np.linspace(edges[0], edges[-1], count + 1)
     first = np.clip(np.searchsorted(edges, (px[1:] + px[:-1]) / 2) - 1, 0, edges.size - 2)
     begin, end = np.searchsorted(edges[:-1], px[:-1]), np.searchsorted(edges[:-1], px[1:])
-    found = values.take(first, axis=axis)
-    for place in np.flatnonzero(end > begin + 1).tolist():
-        largest = np.fmax.reduce(values.take(range(begin[place], end[place]), axis=axis), axis=axis)
-        found[(slice(None), place) if axis else place] = largest
-    return found
+    columns = values.take(first, axis=axis)
+    for pixel in np.flatnonzero(end > begin + 1).tolist():
+        largest = np.fmax.reduce(values.take(range(begin[pixel], end[pixel]), axis=axis), axis=axis)
+        columns[(slice(None), pixel) if axis else pixel] = largest
+    return columns
 
 
-def _share(found: Cells, values: FloatArray) -> FloatArray:
+def _share(cells_drawn: Cells, values: FloatArray) -> FloatArray:
     """0 of the first colour, 1 of the last."""
-    size = np.nan_to_num(values / found.largest, nan=0.0)
-    if not found.decades:
+    size = np.nan_to_num(values / cells_drawn.largest, nan=0.0)
+    if not cells_drawn.decades:
         return np.asarray((np.clip(size, -1.0, 1.0) + 1.0) / 2.0)
-    return np.asarray(1.0 + np.log10(np.clip(size, 10.0**-found.decades, 1.0)) / found.decades)
+    return np.asarray(
+        1.0 + np.log10(np.clip(size, 10.0**-cells_drawn.decades, 1.0)) / cells_drawn.decades
+    )
 
 
-def _edges(at: FloatArray) -> FloatArray:
+def _edges(places: FloatArray) -> FloatArray:
     """Half way between the places, and as far beyond the ends."""
-    if at.size == 1:
-        return np.array([at[0] - 0.5, at[0] + 0.5])
-    middle = (at[1:] + at[:-1]) / 2
-    return np.concatenate([[2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]])
+    if places.size == 1:
+        return np.array([places[0] - 0.5, places[0] + 0.5])
+    middle = (places[1:] + places[:-1]) / 2
+    return np.concatenate([[2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]]])

@@ -35,29 +35,29 @@ class Page:
     def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
         """JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
         light = _light(figure)
-        found: dict[str, Any] = {
+        data: dict[str, Any] = {
             "plots": [
                 self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)
             ]
         }
         if light.plots:
-            found["file"], found["csv"] = (
+            data["file"], data["csv"] = (
                 file_name(figure),
-                [self._piece(one) for one in _pieces(figure, light)],
+                [self._piece(piece) for piece in _pieces(figure, light)],
             )
         if figure.criticals is not None:
-            found["criticals"] = self._criticals(figure.criticals)
+            data["criticals"] = self._criticals(figure.criticals)
         if lacks := _lacking(light):
-            found["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
+            data["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
         if (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS:
-            found["moving"] = {
+            data["moving"] = {
                 "x": self.array(moving.x),
                 "row": self.array(moving.row),
                 "angle": self.array(moving.angle),
                 "ends": self.array(moving.ends.ravel()),
                 "marked": self.array(np.flatnonzero(moving.marked)),
             }
-        return packed(found)
+        return packed(data)
 
     def numbers(self, level: int = 9) -> str:
         """JSON of the lengths of all arrays, of their numbers one after another, and of all lists of names.
@@ -65,8 +65,8 @@ class Page:
         The numbers are little-endian doubles; the first bytes of all come first, then the second and so on, which
         shortens them most (zlib, at that level), in base64.
         """
-        every = b"".join(self._arrays)
-        by_place = np.frombuffer(every, dtype=np.uint8).reshape(-1, 8).T.tobytes()
+        doubles_text = b"".join(self._arrays)
+        by_place = np.frombuffer(doubles_text, dtype=np.uint8).reshape(-1, 8).T.tobytes()
         lengths = [len(values) // 8 for values in self._arrays]
         doubles = b64encode(zlib.compress(by_place, level)).decode()
         return packed({"lengths": lengths, "names": list(self._names), "doubles": doubles})
@@ -75,14 +75,14 @@ class Page:
         """The place of an array among those of the page."""
         return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
 
-    def _criticals(self, found: Criticals) -> dict[str, Any]:
+    def _criticals(self, criticals: Criticals) -> dict[str, Any]:
         arrays = {
-            key: self.array(getattr(found, key)) for key in ("x", "frequency", "mode", "order")
+            key: self.array(getattr(criticals, key)) for key in ("x", "frequency", "mode", "order")
         }
         return {
-            "of": found.of,
-            "rated": found.rated,
-            "orders": self._listed(found.orders),
+            "of": criticals.of,
+            "rated": criticals.rated,
+            "orders": self._listed(criticals.orders),
             **arrays,
         }
 
@@ -90,40 +90,40 @@ class Page:
         return self._names.setdefault(names, len(self._names))
 
     def _plot(self, frame: Frame, panel: Panel) -> dict[str, Any]:
-        box = [round(one, 2) for one in (frame.left, frame.top, frame.wide, frame.high)]
-        found: dict[str, Any] = {
+        box = [round(edge, 2) for edge in (frame.left, frame.top, frame.wide, frame.high)]
+        plot: dict[str, Any] = {
             "box": box,
             "x": _axis(panel.x, frame.x),
             "y": _axis(panel.y, frame.y),
         }
-        found["lines"] = [
+        plot["lines"] = [
             {"name": plain(line.name), "x": self.array(line.x), "y": self.array(line.y)}
             for line in panel.lines
             if _is_read(line) and not panel.x.places
         ]
-        found["marks"] = [
+        plot["marks"] = [
             {
-                "name": plain(one.name),
-                "x": self.array(one.x),
-                "words": [plain(words) for words in one.words],
+                "name": plain(marks.name),
+                "x": self.array(marks.x),
+                "words": [plain(words) for words in marks.words],
             }
-            for one in panel.marks
-            if one.words
+            for marks in panel.marks
+            if marks.words
         ]
         if (stops := panel.stops) is not None and _is_short(stops):
-            found["stops"] = {
+            plot["stops"] = {
                 "x": self.array(stops.x),
                 "y": self.array(stops.y),
                 "names": self._listed(stops.names),
             }
         if not panel.lines and panel.cells is None and not panel.x.places:
             ranges = [
-                (plain(one.label or one.name), one.low, one.high)
-                for one in panel.bands
-                if one.axis == "x"
+                (plain(band.label or band.name), band.low, band.high)
+                for band in panel.bands
+                if band.axis == "x"
             ]
-            found.update({"ranges": ranges} if ranges else {})
-        return found
+            plot.update({"ranges": ranges} if ranges else {})
+        return plot
 
     def _piece(self, piece: Piece) -> Any:
         match piece:
@@ -143,12 +143,12 @@ def _pieces(figure: Figure, light: Figure) -> list[Piece]:
     made = list(pieces(light))
     notes = (
         [THINNED]
-        if any(line.x.size > MOST_POINTS for one in figure.plots for line in one.lines)
+        if any(line.x.size > MOST_POINTS for panel in figure.plots for line in panel.lines)
         else []
     )
-    large = [one for one in made if isinstance(one, Cells) and one.values.size > MOST_CELLS]
+    large = [piece for piece in made if isinstance(piece, Cells) and piece.values.size > MOST_CELLS]
     notes += [LEFT_OUT] if large else []
-    return [*notes, *(one for one in made if not any(one is other for other in large))]
+    return [*notes, *(piece for piece in made if not any(piece is dropped for dropped in large))]
 
 
 def _is_short(stops: Stops) -> bool:
@@ -157,36 +157,40 @@ def _is_short(stops: Stops) -> bool:
 
 def _lacking(figure: Figure) -> list[str]:
     """What the page does not do with a figure, as it has too many points."""
-    found = (
-        ["no cursor"] if any(one.stops and not _is_short(one.stops) for one in figure.plots) else []
+    lacks = (
+        ["no cursor"]
+        if any(panel.stops and not _is_short(panel.stops) for panel in figure.plots)
+        else []
     )
-    return [*found, "no motion"] if figure.moving and figure.moving.x.size > MOST_POINTS else found
+    return [*lacks, "no motion"] if figure.moving and figure.moving.x.size > MOST_POINTS else lacks
 
 
 def _light(figure: Figure) -> Figure:
     """A figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
-    every = [line for panel in figure.plots for line in panel.lines]
+    lines = [line for panel in figure.plots for line in panel.lines]
     return replace(
         figure,
         panels=tuple(
-            replace(one, lines=tuple(_thinned(line, every) for line in one.lines))
-            if isinstance(one, Panel)
-            else one
-            for one in figure.panels
+            replace(panel, lines=tuple(_thinned(line, lines) for line in panel.lines))
+            if isinstance(panel, Panel)
+            else panel
+            for panel in figure.panels
         ),
     )
 
 
-def _thinned(line: Line, every: Sequence[Line]) -> Line:
+def _thinned(line: Line, lines: Sequence[Line]) -> Line:
     if line.x.size <= MOST_POINTS:
         return line
     like = [
-        one for one in every if one.x is line.x or np.array_equal(one.x, line.x, equal_nan=True)
+        other_line
+        for other_line in lines
+        if other_line.x is line.x or np.array_equal(other_line.x, line.x, equal_nan=True)
     ]
     bins = max(LEAST_BINS, MOST_POINTS // 4 // len(like))
     kept = np.unique(
         np.concatenate(
-            [decimated(np.nan_to_num(one.x), np.nan_to_num(one.y), bins) for one in like]
+            [decimated(np.nan_to_num(alike.x), np.nan_to_num(alike.y), bins) for alike in like]
         )
     )
     return replace(

@@ -27,7 +27,7 @@ class Stroke:
 
     def attributes(self, unit: float = 1.0) -> str:
         """As SVG, where so many units are one px."""
-        dash = " ".join(f"{unit * float(one):g}" for one in self.dash.split())
+        dash = " ".join(f"{unit * float(part):g}" for part in self.dash.split())
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         return f'stroke="{self.colour}" stroke-width="{unit * self.width:.3g}"{dashed}'
 
@@ -102,6 +102,6 @@ SYMBOLS = {  # path around (0, 0) in tenths of px, filled or not; about 6 px wid
 def stroke(pen: Pen, weight: float = 1.0) -> Stroke:
     """Of a role, or of the line of that number: no two of the first 42 look alike."""
     if isinstance(pen, str):
-        found = ROLES[pen]
-        return Stroke(found.colour, found.width * weight, found.dash)
+        role = ROLES[pen]
+        return Stroke(role.colour, role.width * weight, role.dash)
     return Stroke(COLOURS[pen % len(COLOURS)], 1.3 * weight, DASHES[pen % len(DASHES)])

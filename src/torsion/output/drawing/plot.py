@@ -67,8 +67,8 @@ def symbols(symbol: Symbol, pen: Pen, x: FloatArray, y: FloatArray, weight: floa
     """A symbol at every place in tenths of px."""
     outline, is_filled = SYMBOLS[symbol]
     look = stroke(pen)
-    known = np.isfinite(x) & np.isfinite(y)
-    places = np.rint(np.column_stack([x[known], y[known]])).astype(np.int64)
+    finite = np.isfinite(x) & np.isfinite(y)
+    places = np.rint(np.column_stack([x[finite], y[finite]])).astype(np.int64)
     if len(places) > MOST_SYMBOLS:  # of those that cover each other the first
         places = places[np.sort(np.unique(places // COVERED, axis=0, return_index=True)[1])]
     shape = "".join(f"M{across} {down}{outline}" for across, down in places.tolist())
@@ -81,11 +81,11 @@ def _samples(frame: Frame) -> FloatArray:
     """(points, 2) px along all lines and upright levels in even steps, of which words keep clear."""
     along = np.arange(0.0, frame.high, STEP)
     upright = [level for level in frame.panel.levels if level.axis == "x" and is_on(frame, level)]
-    every = [
+    samples = [
         np.zeros((0, 2)),
         *(
-            np.column_stack([np.full(len(along), frame.across(one.value)), along])
-            for one in upright
+            np.column_stack([np.full(len(along), frame.across(level.value)), along])
+            for level in upright
         ),
     ]
     for line in frame.panel.lines:
@@ -96,9 +96,11 @@ def _samples(frame: Frame) -> FloatArray:
             )
         )
         if length.size and length[-1] > 0:
-            at = np.linspace(0.0, length[-1], min(int(length[-1] / STEP) + 2, SAMPLES))
-            every.append(np.column_stack([np.interp(at, length, x), np.interp(at, length, y)]))
-    return np.concatenate(every)
+            steps = np.linspace(0.0, length[-1], min(int(length[-1] / STEP) + 2, SAMPLES))
+            samples.append(
+                np.column_stack([np.interp(steps, length, x), np.interp(steps, length, y)])
+            )
+    return np.concatenate(samples)
 
 
 def _tip(text: str) -> str:
@@ -107,7 +109,7 @@ def _tip(text: str) -> str:
 
 def _band(frame: Frame, band: Band) -> str:
     """A range, hatched by its kind."""
-    fill, colour, apart, sign = BANDS[band.kind]
+    fill, colour, distance, sign = BANDS[band.kind]
     wide, high = round(TENTH * frame.wide), round(TENTH * frame.high)
     ends = TENTH * (frame.across if band.axis == "x" else frame.down)(
         np.array([band.low, band.high])
@@ -120,7 +122,7 @@ def _band(frame: Frame, band: Band) -> str:
     low, top = round(low), max(round(top), round(low) + LEAST)
     box = (low, 0, top, high) if band.axis == "x" else (0, low, wide, top)
     area_ = f'<rect x="{box[0]}" y="{box[1]}" width="{box[2] - box[0]}" height="{box[3] - box[1]}" fill="{fill}"/>'
-    lines = hatching(box, apart, sign)
+    lines = hatching(box, distance, sign)
     inside = (
         f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
         if colour
@@ -130,9 +132,9 @@ def _band(frame: Frame, band: Band) -> str:
     return f"<g {named}>{_tip(band.name)}{area_}{inside}</g>"
 
 
-def hatching(box: tuple[float, float, float, float], apart: float, sign: int) -> str:
+def hatching(box: tuple[float, float, float, float], distance: float, sign: int) -> str:
     """Lines aslant that fill a box in tenths of px, and its upright edges."""
-    if not apart:
+    if not distance:
         return ""
     left, top, right, foot = box
     wide, high, lines = (
@@ -140,21 +142,24 @@ def hatching(box: tuple[float, float, float, float], apart: float, sign: int) ->
         foot - top,
         [f"M{left:.0f} {top:.0f}V{foot:.0f}M{right:.0f} {top:.0f}V{foot:.0f}"],
     )
-    for start in np.arange(-high, wide, apart * TENTH * 2**0.5).tolist():
+    for start in np.arange(-high, wide, distance * TENTH * 2**0.5).tolist():
         first, last = max(0.0, start), min(wide, start + high)
         ends = [
-            (left + at, top + at - start if sign < 0 else foot - at + start) for at in (first, last)
+            (left + start_x, top + start_x - start if sign < 0 else foot - start_x + start)
+            for start_x in (first, last)
         ]
         lines.append("M{:.0f} {:.0f}L{:.0f} {:.0f}".format(*ends[0], *ends[1]))
     return "".join(lines)
 
 
 def _level(frame: Frame, level: Level) -> str:
-    """A line across the plot."""
+    """Return the line of a level across the plot."""
     across = level.axis == "x"
-    at = round(TENTH * float((frame.across if across else frame.down)(level.value)))
+    offset = round(TENTH * float((frame.across if across else frame.down)(level.value)))
     line = (
-        f"M{at} 0v{round(TENTH * frame.high)}" if across else f"M0 {at}h{round(TENTH * frame.wide)}"
+        f"M{offset} 0v{round(TENTH * frame.high)}"
+        if across
+        else f"M0 {offset}h{round(TENTH * frame.wide)}"
     )
     named = f' data-name="{clean(plain(level.name))}"' if level.name else ""
     return f'<path{named} d="{line}" {stroke(level.pen).attributes(TENTH)}/>'
@@ -184,17 +189,20 @@ def _line(frame: Frame, line: Line) -> str:
 def _marks(frame: Frame, marks: Marks, room: Room) -> str:
     """Symbols that are not cut at the edges of the plot, each with its words."""
     x, y = frame.across(marks.x), frame.down(marks.y)
-    on = (x >= -1) & (x <= frame.wide + 1) & (y >= -1) & (y <= frame.high + 1)
-    for across, down in zip(x[on].tolist(), y[on].tolist(), strict=True):
+    is_inside = (x >= -1) & (x <= frame.wide + 1) & (y >= -1) & (y <= frame.high + 1)
+    for across, down in zip(x[is_inside].tolist(), y[is_inside].tolist(), strict=True):
         room.taken.append((across - 4, down - 4, across + 4, down + 4))
+    x, y = TENTH * x, TENTH * y
+    inside = np.flatnonzero(is_inside)
+    if marks.words:
+        content = "".join(
+            f"<g>{_tip(marks.words[k])}{symbols(marks.symbol, marks.pen, x[[k]], y[[k]])}</g>"
+            for k in inside.tolist()
+        )
+    else:
+        content = symbols(marks.symbol, marks.pen, x[inside], y[inside])
     named = f' data-name="{clean(plain(marks.name))}"' if marks.name else ""
-    if not marks.words:
-        return f'<g{named} transform="scale(.1)">{symbols(marks.symbol, marks.pen, TENTH * x[on], TENTH * y[on])}</g>'
-    each = [
-        f"<g>{_tip(marks.words[k])}{symbols(marks.symbol, marks.pen, TENTH * x[k : k + 1], TENTH * y[k : k + 1])}</g>"
-        for k in np.flatnonzero(on).tolist()
-    ]
-    return f'<g{named} transform="scale(.1)">{"".join(each)}</g>'
+    return f'<g{named} transform="scale(.1)">{content}</g>'
 
 
 def _labels(frame: Frame, room: Room) -> Iterator[str]:
@@ -206,9 +214,9 @@ def _labels(frame: Frame, room: Room) -> Iterator[str]:
     for level in panel.levels:
         if level.label and is_on(frame, level):
             is_level = level.axis == "y"
-            at = np.linspace(0.0, frame.wide if is_level else frame.high, PLACES)
-            here = np.full(PLACES, float((frame.down if is_level else frame.across)(level.value)))
-            points = np.column_stack([at, here] if is_level else [here, at])
+            along = np.linspace(0.0, frame.wide if is_level else frame.high, PLACES)
+            across = np.full(PLACES, float((frame.down if is_level else frame.across)(level.value)))
+            points = np.column_stack([along, across] if is_level else [across, along])
             ways = ABOVE_OR_BELOW if is_level else BESIDE
             yield from _word(room.place(level.label, points, gap=2.0, ways=ways, elsewhere=0.0))
     for band in panel.bands:
@@ -232,23 +240,23 @@ def _points(frame: Frame, x: float, y: float) -> FloatArray:
 def _along(frame: Frame, line: Line) -> FloatArray:
     """(points, 2) px of the largest value of a line that is on the plot, or of its last, and of some others."""
     x, y = frame.across(line.x), frame.down(line.y)
-    on = np.flatnonzero((x >= 0) & (x <= frame.wide) & (y >= -1e-6) & (y <= frame.high + 1e-6))
-    if on.size == 0:
+    inside = np.flatnonzero((x >= 0) & (x <= frame.wide) & (y >= -1e-6) & (y <= frame.high + 1e-6))
+    if inside.size == 0:
         return np.zeros((0, 2))
-    best = on[np.argmin(y[on])] if line.label_at != "end" else on[-1]
-    others = on[np.linspace(on.size - 1, 0, PLACES).astype(np.int64)]
-    at = np.append(best, others) if on.size > PLACES else np.array([best])
-    return np.column_stack([x[at], y[at]])
+    best = inside[np.argmin(y[inside])] if line.label_at != "end" else inside[-1]
+    further = inside[np.linspace(inside.size - 1, 0, PLACES).astype(np.int64)]
+    chosen = np.append(best, further) if inside.size > PLACES else np.array([best])
+    return np.column_stack([x[chosen], y[chosen]])
 
 
-def _word(found: Word | None) -> Iterator[str]:
+def _word(word: Word | None) -> Iterator[str]:
     """A placed text, with a line to what it belongs to where that is apart."""
-    if found is None:
+    if word is None:
         return
-    left, top, right, foot = found.box
+    left, top, right, foot = word.box
     middle, base = (left + right) / 2, (top + foot) / 2 + 3.7
-    if found.foot is not None:
-        x, y = found.foot
+    if word.foot is not None:
+        x, y = word.foot
         end = top if y < top else foot
         yield f'<path d="M{shown(x)} {shown(y)}L{shown(middle)} {shown(end)}" stroke="#888888" stroke-width=".6"/>'
-    yield words(middle, base, found.text, MIDDLE + HALO)
+    yield words(middle, base, word.text, MIDDLE + HALO)

@@ -33,13 +33,13 @@ class Scale:
 
     def share(self, values: FloatArray | float) -> FloatArray:
         """0 at the low end, 1 at the high end; NaN where a logarithm has no value."""
-        at = np.asarray(values, dtype=float)
+        numbers = np.asarray(values, dtype=float)
         if self.is_log:
-            known = np.log(np.where(at > 0, at, np.nan))
-            found = (known - math.log(self.low)) / math.log(self.high / self.low)
+            logarithms = np.log(np.where(numbers > 0, numbers, np.nan))
+            share = (logarithms - math.log(self.low)) / math.log(self.high / self.low)
         else:
-            found = (at - self.low) / (self.high - self.low)
-        return 1.0 - found if self.is_reversed else found
+            share = (numbers - self.low) / (self.high - self.low)
+        return 1.0 - share if self.is_reversed else share
 
 
 def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool = True) -> Scale:
@@ -52,7 +52,7 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
         return Scale(low, high, False, axis.places, is_reversed=axis.is_reversed)
     if axis.is_log:
         ticks, small = log_ticks(low, high, most)
-        words = error_texts(ticks) if axis.is_error else [_power(one) for one in ticks]
+        words = error_texts(ticks) if axis.is_error else [_power(tick) for tick in ticks]
         return Scale(
             low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed
         )
@@ -62,21 +62,26 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
         low = math.floor(low / step * 2 + ROUND) * step / 2
     if axis.high is None and is_rounded:
         high = math.ceil(high / step * 2 - ROUND) * step / 2
-    at = ticks_of(low, high, step)
+    multiples = ticks_of(low, high, step)
     return Scale(
-        low, high, False, tuple(zip(at, texts(at, step), strict=True)), is_reversed=axis.is_reversed
+        low,
+        high,
+        False,
+        tuple(zip(multiples, texts(multiples, step), strict=True)),
+        is_reversed=axis.is_reversed,
     )
 
 
 def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
     """The stated ends, or those of the data; a range without width is widened."""
-    known = [
-        one[np.isfinite(one) & (one > 0)] if axis.is_log else one[np.isfinite(one)] for one in data
+    finite = [
+        column[np.isfinite(column) & (column > 0)] if axis.is_log else column[np.isfinite(column)]
+        for column in data
     ]
-    every = np.concatenate([one.ravel() for one in known]) if known else np.zeros(0)
+    all_values = np.concatenate([column.ravel() for column in finite]) if finite else np.zeros(0)
     least, most = (
-        (float(every.min()), float(every.max()))
-        if every.size
+        (float(all_values.min()), float(all_values.max()))
+        if all_values.size
         else (1.0, 10.0 if axis.is_log else 1.0)
     )
     if axis.is_log:
@@ -107,8 +112,8 @@ def step_of(span: float, most: int) -> float:
 
 def degree_step(span: float, most: int) -> float:
     """A step of an angle that a revolution holds a whole number of times."""
-    whole = next((step for step in DEGREES if span <= most * step * (1.0 + ROUND)), 0.0)
-    return (whole if span > 2 * DEGREES[0] else 0.0) or (
+    revolution_step = next((step for step in DEGREES if span <= most * step * (1.0 + ROUND)), 0.0)
+    return (revolution_step if span > 2 * DEGREES[0] else 0.0) or (
         360.0 * step_of(span / 360.0, most) if span > 360.0 else step_of(span, most)
     )
 
@@ -123,20 +128,20 @@ def ticks_of(low: float, high: float, step: float) -> list[float]:
 def log_ticks(low: float, high: float, most: int) -> tuple[list[float], tuple[float, ...]]:
     """Numbers and small marks of a logarithmic axis: decades, with 2 and 5 between them where there is room."""
     first, last = math.floor(math.log10(low) + ROUND), math.ceil(math.log10(high) - ROUND)
-    every = [digit * 10.0**power for power in range(first, last + 1) for digit in range(1, 10)]
-    inside = [one for one in every if low * (1 - ROUND) <= one <= high * (1 + ROUND)]
+    candidates = [digit * 10.0**power for power in range(first, last + 1) for digit in range(1, 10)]
+    inside = [tick for tick in candidates if low * (1 - ROUND) <= tick <= high * (1 + ROUND)]
     for digits in (range(1, 10), (1, 2, 5), (1, 3), (1,)):
-        stated = [one for one in inside if _digit(one) in digits]
+        stated = [tick for tick in inside if _digit(tick) in digits]
         if len(stated) <= most:
             break
     else:
         jump = -(-len(stated) // most)
-        stated = [one for one in stated if round(math.log10(one)) % jump == 0]
+        stated = [tick for tick in stated if round(math.log10(tick)) % jump == 0]
     if len(stated) < FEW_DECADES:  # less than a decade
         step = step_of(high - low, most)
         return ticks_of(low, high, step), ()
-    small = inside if last - first <= 6 else [one for one in inside if _digit(one) == 1]
-    return stated, tuple(one for one in small if one not in stated)
+    small = inside if last - first <= 6 else [tick for tick in inside if _digit(tick) == 1]
+    return stated, tuple(tick for tick in small if tick not in stated)
 
 
 def _digit(value: float) -> int:
@@ -149,19 +154,21 @@ def texts(values: Sequence[float], step: float) -> list[str]:
     >>> texts([0.0, 0.5, 1.0], 0.5), texts([0.0, 2e6], 2e6)
     (['0', '0.5', '1'], ['0', '2·10⁶'])
     """
-    largest = max((abs(one) for one in values), default=0.0)
+    largest = max((abs(value) for value in values), default=0.0)
     power = math.floor(math.log10(largest) + ROUND) if largest else 0
     plain = largest < PLAIN[1] and step >= PLAIN[0]
     unit = 1.0 if plain else 10.0**power
     decimals = max(0, -math.floor(math.log10(step / unit) + 1e-6))
     behind = "" if plain else f"·10{str(power).translate(SUPERSCRIPT)}"
-    found = [
-        f"{one / unit:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{one / unit:.0f}"
-        for one in values
+    decimals_text = [
+        f"{value / unit:.{decimals}f}".rstrip("0").rstrip(".")
+        if decimals
+        else f"{value / unit:.0f}"
+        for value in values
     ]
     return [
-        "0" if not one else f"{text}{behind}".replace("-", "−")
-        for one, text in zip(values, found, strict=True)
+        "0" if not value else f"{text}{behind}".replace("-", "−")
+        for value, text in zip(values, decimals_text, strict=True)
     ]
 
 
@@ -181,5 +188,5 @@ def error_texts(values: Sequence[float]) -> list[str]:
     (['10⁻⁵', '0.1 %', '10 %'], ['10⁻¹²', '10⁻⁴', '1', '10³'])
     """
     if max(values, default=0.0) > WHOLE:
-        return [_power(one, (1.0, 10.0)) for one in values]
-    return [f"{100.0 * one:g} %" if one > LEAST_SHARE else _power(one) for one in values]
+        return [_power(value, (1.0, 10.0)) for value in values]
+    return [f"{100.0 * value:g} %" if value > LEAST_SHARE else _power(value) for value in values]

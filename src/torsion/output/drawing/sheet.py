@@ -39,21 +39,21 @@ class Sheet:
     def line(
         self, points: Points, width: float, dash: str = "", colour: str = INK, near: float = 2.0
     ) -> None:
-        """A line through places."""
+        """Draw a line through places in units of the layout."""
         look = Look(Stroke(colour, width * self.thickness, dash), near=near)
         self.drawn.setdefault(look, []).append(self._path(points))
 
     def area(
         self, points: Points, fill: str, width: float, dash: str = "", near: float = 3.0
     ) -> None:
-        """A filled polygon."""
+        """Draw a filled polygon in units of the layout."""
         look = Look(Stroke(INK, width * self.thickness, dash), fill, near)
         self.drawn.setdefault(look, []).append(self._path(points) + "z")
 
     def graded(self, corners: Points, use: Use, *, near: float) -> None:
         """A polygon in the colour and the pattern of a grade; its hatching fills the middle of its corners' heights."""
         self.area(corners, GRADES[use.grade].fill, 1.1, near=near)
-        places = np.array([[10.0 * one for one in self.at(x, y)] for x, y in corners])
+        places = np.array([[10.0 * length for length in self.at(x, y)] for x, y in corners])
         x, y = np.sort(places[:, 0]), np.sort(places[:, 1])
         look, path = hatched((x[1], y[1], x[2], y[2]), use.grade)
         if path:
@@ -62,7 +62,7 @@ class Sheet:
             self.drawn.setdefault(Look(MARKED, near=5.0), []).append(self._path(corners) + "z")
 
     def _path(self, points: Points) -> str:
-        places = np.rint([[10.0 * one for one in self.at(x, y)] for x, y in points]).astype(
+        places = np.rint([[10.0 * length for length in self.at(x, y)] for x, y in points]).astype(
             np.int64
         )
         return outline([places[0].tolist(), *np.diff(places, axis=0).tolist()])

@@ -11,8 +11,7 @@ from torsion.output.drawing.text import shown
 from torsion.output.drawing.words import SIZE
 from torsion.output.figures.figure import Disc, Link, Sketch
 
-MANY = 60  # points and links from which lines are drawn thinner, and only some have words
-MOST_LABELS = 24  # of points, and of links, where there are many
+MANY = 60  # points and links from which lines are drawn thinner
 WIDEST = 95.0  # px of a unit across, at most
 WEB, PIN = (
     0.42,
@@ -46,13 +45,7 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
         DRAWINGS[link.kind](sheet, link)
     for disc in sketch.discs:
         _disc(sheet, disc)
-    if sketch.is_graded:
-        spread, texts = sketch_words.by_rank(sheet, sketch)
-    else:
-        number = len(sketch.discs) + len(sketch.links)
-        spread, texts = sketch_words.in_steps(
-            sheet, sketch, MOST_LABELS if number > MANY else number
-        )
+    spread, texts = sketch_words.place_words(sheet, sketch)
     upper, lower = spread[0] - 3.0, spread[1] + 3.0
     below, legend = key(
         [link.use for link in sketch.links if link.use is not None], lower - upper + top
@@ -65,8 +58,8 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
 
 def _sheet(sketch: Sketch) -> Sheet:
     """As wide as the figure, or less where the train is short."""
-    places = [(one.x, one.row) for one in sketch.discs] + [
-        end for one in sketch.links for end in (one.start, one.end)
+    places = [(disc.x, disc.row) for disc in sketch.discs] + [
+        end for link in sketch.links for end in (link.start, link.end)
     ]
     x, rows = [x for x, _ in places] or [0.0, 1.0], [row for _, row in places] or [0.0]
     number, wide = len(sketch.discs) + len(sketch.links), max(x) - min(x) + 1.0
@@ -92,7 +85,7 @@ def _disc(sheet: Sheet, disc: Disc) -> None:
 
 def _box(
     sheet: Sheet,
-    place: tuple[float, float],
+    middle: tuple[float, float],
     width: float,
     half: float,
     fill: str,
@@ -100,8 +93,8 @@ def _box(
     dash: str = "",
     near: float = 3.0,
 ) -> None:
-    """A rectangle around a place."""
-    left, right, y = place[0] - width / 2, place[0] + width / 2, place[1]
+    """Draw a rectangle around a place, as wide and half as high as given."""
+    left, right, y = middle[0] - width / 2, middle[0] + width / 2, middle[1]
     sheet.area(_corners(left, right, y, half), fill, 1.1, dash, near)
 
 
@@ -120,7 +113,7 @@ def _ground(sheet: Sheet, x: float, y: float, half: float, *, vertical: bool) ->
 def _zigzag(
     sheet: Sheet, start: tuple[float, float], end: tuple[float, float], size: float = 0.16
 ) -> None:
-    """A spring between two places."""
+    """Draw a spring as a zigzag between two places."""
     along = np.array([0.0, 0.2, 0.26, 0.38, 0.5, 0.62, 0.74, 0.8, 1.0])
     across = np.array([0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0]) * size
     span = np.subtract(end, start)
@@ -168,23 +161,6 @@ def _shaft(sheet: Sheet, link: Link) -> None:
         sheet.line(ends, 0.7, "3 2", near=3.0)
 
 
-def _run(sheet: Sheet, link: Link) -> None:
-    """Very many components: a row of thin discs with a break in the middle."""
-    (x0, row), (x1, _), y = link.start, link.end, height(link.start[1])
-    cut, wide = 0.08 * (x1 - x0), x1 - x0
-    middle = (x0 + x1) / 2
-    if link.use is not None:
-        sheet.graded(_corners(x0, x1, y, BED), link.use, near=1.5)
-    for first, last in ((x0, middle - cut / 2), (middle + cut / 2, x1)):
-        sheet.line([(first, y), (last, y)], 1.4)
-    for share in (0.12, 0.24, 0.36, 0.64, 0.76, 0.88):
-        _box(sheet, (x0 + share * wide, height(row)), 0.1, 0.35, FILLS["disc"])
-    for side in (-0.5, 0.5):
-        sheet.line(
-            [(middle + side * cut - 0.05, y - 0.3), (middle + side * cut + 0.05, y + 0.3)], 1.2
-        )
-
-
 def _gear(sheet: Sheet, link: Link) -> None:
     """Two wheels that mesh; their heights follow the ratio."""
     (x0, row0), (x1, row1) = link.start, link.end
@@ -214,7 +190,7 @@ def _gear(sheet: Sheet, link: Link) -> None:
 
 
 def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
-    """A wheel with its teeth."""
+    """Draw a wheel with its teeth around a place."""
     _box(sheet, (x, y), 0.14, half, "#fbe3c8")
     for tooth in np.arange(-half + 0.08, half - 0.04, 0.08).tolist():
         sheet.line([(x - 0.07, y + tooth), (x + 0.07, y + tooth)], 0.7, near=3.1)
@@ -257,5 +233,4 @@ DRAWINGS = {
     "crank": _crank,
     "rigid": _line,
     "tie": _line,
-    "run": _run,
 }

@@ -67,44 +67,44 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
 
 def description(figure: Figure) -> str:
     """The plots in words: what runs over what, the largest value of every line, and how much of a limit is used."""
-    found = []
+    sentences = []
     for panel in figure.panels:
         if isinstance(panel, Sketch):
-            found += [
+            sentences += [
                 f"{link.label}: {link.use.words}."
                 for link in panel.links
                 if link.use is not None and link.label
             ]
         if isinstance(panel, Shares):
-            found += [f"{one.label}: {one.use.words}." for one in panel.rows]
+            sentences += [f"{row.label}: {row.use.words}." for row in panel.rows]
     for panel in figure.plots:
-        found.append(f"{panel.y.title} over {panel.x.title}.")
+        sentences.append(f"{panel.y.title} over {panel.x.title}.")
         for line in panel.lines:
-            known = np.isfinite(line.y)
-            if line.name and known.any():
-                at = int(np.nanargmax(line.y))
-                largest = f"{number(float(line.y[at]), 3)} {panel.y.unit}".strip()
-                found.append(
-                    f"{line.name}: largest {largest} at {number(float(line.x[at]), 4)} {panel.x.unit}.".replace(
+            finite = np.isfinite(line.y)
+            if line.name and finite.any():
+                peak = int(np.nanargmax(line.y))
+                largest = f"{number(float(line.y[peak]), 3)} {panel.y.unit}".strip()
+                sentences.append(
+                    f"{line.name}: largest {largest} at {number(float(line.x[peak]), 4)} {panel.x.unit}.".replace(
                         " .", "."
                     )
                 )
-    return " ".join(found)
+    return " ".join(sentences)
 
 
 def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
     """Every plot, and whether its x axis has numbers: not where the next one has the same."""
-    for place, panel in enumerate(figure.panels):
-        below = figure.panels[place + 1] if place + 1 < len(figure.panels) else None
-        same = isinstance(panel, Panel) and isinstance(below, Panel) and panel.x == below.x
-        yield panel, not same
+    for position, panel in enumerate(figure.panels):
+        below = figure.panels[position + 1] if position + 1 < len(figure.panels) else None
+        shares_axis = isinstance(panel, Panel) and isinstance(below, Panel) and panel.x == below.x
+        yield panel, not shares_axis
 
 
 def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
     """A plot under what stands already, as far to the right as the widest numbers of all need."""
-    left = max(margin(one, vertical(one)) for one in figure.plots)
+    left = max(margin(panel_drawn, vertical(panel_drawn)) for panel_drawn in figure.plots)
     left += min(
-        max(_framed(one, left, foot).beyond for one in figure.plots), WIDTH / 3.0
+        max(_framed(panel_drawn, left, foot).beyond for panel_drawn in figure.plots), WIDTH / 3.0
     )  # names of any length
     return _framed(panel, left, foot)
 
@@ -122,9 +122,9 @@ def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
     for frame in frames:
         panel = frame.panel
         keyed: tuple[Keyed, ...] = (*panel.lines, *panel.marks, *panel.levels, *panel.bands)
-        for one in keyed:
-            if one.name and (not isinstance(one, Marks) or one.x.size):
-                entries.setdefault(_name(frame, one), (SAMPLE, _sample(one)))
+        for entry in keyed:
+            if entry.name and (not isinstance(entry, Marks) or entry.x.size):
+                entries.setdefault(_name(frame, entry), (SAMPLE, _sample(entry)))
         if panel.cells is not None:
             entries.setdefault(*_colours(panel.cells))
     if not entries:
@@ -134,26 +134,26 @@ def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
         need = long + 5 + GROWTH * width(plain(name)) + 12
         if x + need > WIDTH and x > frames[0].left:
             x, y = frames[0].left, y + KEY_ROW
-        at = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
-        made.append(f"{at}{sample}{words(long + 5, 3.7, name)}</g>")
+        group = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
+        made.append(f"{group}{sample}{words(long + 5, 3.7, name)}</g>")
         x += need
     return [*made, "</g>"], y + 9.0
 
 
-def _name(frame: Frame, one: Keyed) -> str:
+def _name(frame: Frame, entry: Keyed) -> str:
     """In the key; of a limit that is off the scale also its value."""
-    if isinstance(one, Level) and not is_on(frame, one):
-        axis = frame.panel.y if one.axis == "y" else frame.panel.x
-        return f"{one.name}: {number(one.value, 4)} {axis.unit}, not on this scale"
-    return one.name
+    if isinstance(entry, Level) and not is_on(frame, entry):
+        axis = frame.panel.y if entry.axis == "y" else frame.panel.x
+        return f"{entry.name}: {number(entry.value, 4)} {axis.unit}, not on this scale"
+    return entry.name
 
 
-def _sample(one: Keyed) -> str:
+def _sample(entry: Keyed) -> str:
     """27 px wide, around the middle of a row."""
-    match one:
+    match entry:
         case Band():
-            fill, colour, apart, sign = BANDS[one.kind]
-            lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(apart, 5.0), sign)
+            fill, colour, distance, sign = BANDS[entry.kind]
+            lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(distance, 5.0), sign)
             inside = (
                 f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
                 if colour
@@ -162,22 +162,24 @@ def _sample(one: Keyed) -> str:
             area = f'<rect y="-50" width="{10 * SAMPLE:g}" height="100" fill="{fill}"/>'
             return f'<g transform="scale(.1)" fill="none">{area}{inside}</g>'
         case Marks():
-            at = np.array([5 * SAMPLE])
-            return f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>'
+            middle = np.array([5 * SAMPLE])
+            return f'<g transform="scale(.1)">{symbols(entry.symbol, entry.pen, middle, 0 * middle)}</g>'
         case Level():
-            return f'<path d="M0 0h{SAMPLE:g}" fill="none" {stroke(one.pen).attributes()}/>'
+            return f'<path d="M0 0h{SAMPLE:g}" fill="none" {stroke(entry.pen).attributes()}/>'
         case Line():
-            look, at = stroke(one.pen, one.weight), np.array([5 * SAMPLE])
+            look, middle = stroke(entry.pen, entry.weight), np.array([5 * SAMPLE])
             fill = f'<rect y="-5" width="{SAMPLE:g}" height="10" fill="{look.colour}" fill-opacity=".3"/>'
             line = (
-                f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>' if one.weight else ""
-            )
-            dot = (
-                f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>'
-                if one.symbol
+                f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>'
+                if entry.weight
                 else ""
             )
-            return (fill if one.base is not None else "") + line + dot
+            dot = (
+                f'<g transform="scale(.1)">{symbols(entry.symbol, entry.pen, middle, 0 * middle)}</g>'
+                if entry.symbol
+                else ""
+            )
+            return (fill if entry.base is not None else "") + line + dot
 
 
 def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:

@@ -24,7 +24,7 @@ def clean(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Without the marks of subscripts."""
+    """Return a text without the marks of subscripts."""
     return SUBSCRIPT.sub(r"\1", text)
 
 

@@ -1,5 +1,6 @@
 """Words in a drawing: their widths, and places at which they cover neither each other nor the lines."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,102 +14,19 @@ GROWTH = (
     1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
 )
 # Adobe, Helvetica AFM (1990): widths of the signs 32 to 126 in 1/1000 of the size
-WIDTHS = (
-    278,
-    278,
-    355,
-    556,
-    556,
-    889,
-    667,
-    191,
-    333,
-    333,
-    389,
-    584,
-    278,
-    333,
-    278,
-    278,
-    556,
-    556,
-    556,
-    556,
-    556,
-    556,
-    556,
-    556,
-    556,
-    556,
-    278,
-    278,
-    584,
-    584,
-    584,
-    556,
-    1015,
-    667,
-    667,
-    722,
-    722,
-    667,
-    611,
-    778,
-    722,
-    278,
-    500,
-    667,
-    556,
-    833,
-    722,
-    778,
-    667,
-    778,
-    722,
-    667,
-    611,
-    722,
-    667,
-    944,
-    667,
-    667,
-    611,
-    278,
-    278,
-    278,
-    469,
-    556,
-    333,
-    556,
-    556,
-    500,
-    556,
-    556,
-    278,
-    556,
-    556,
-    222,
-    222,
-    500,
-    222,
-    833,
-    556,
-    556,
-    556,
-    556,
-    333,
-    500,
-    278,
-    556,
-    500,
-    722,
-    500,
-    500,
-    500,
-    334,
-    260,
-    334,
-    584,
+WIDTHS = tuple(
+    map(
+        int,
+        re.findall(
+            r"\d+",
+            """
+    278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556
+    556 556 278 278 584 584 584 556 1015 667 667 722 722 667 611 778 722 278 500 667 556 833 722 778
+    667 778 722 667 611 722 667 944 667 667 611 278 278 278 469 556 333 556 556 500 556 556 278 556
+    556 222 222 500 222 833 556 556 556 556 333 500 278 556 500 722 500 500 500 334 260 334 584
+""",
+        ),
+    )
 )
 SUPERSCRIPTS, LATIN = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", 0x0500  # signs behind the second are as wide as high
 DIRECTIONS = (
@@ -176,11 +94,11 @@ class Room:
         """curves: (points, 2) px, over which words had better not stand."""
         self.box = np.array(box)
         self.taken: list[Box] = []
-        on = np.isfinite(curves).all(axis=1)
-        places = ((curves[on] - self.box[:2]) / MESH).astype(np.int64)
+        finite = np.isfinite(curves).all(axis=1)
+        places = ((curves[finite] - self.box[:2]) / MESH).astype(np.int64)
         size = (
             np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH).astype(np.int64) + 1, 1)
-            if on.any()
+            if finite.any()
             else (1, 1)
         )
         inside = ((places >= 0) & (places < size)).all(axis=1)
@@ -209,19 +127,19 @@ class Room:
         half = np.array([GROWTH * max(map(width, rows)) / 2 + 1, GROWTH * SIZE * len(rows) / 2])
         allowed, rank = np.array([DIRECTIONS[way] for way in ways]), np.arange(len(points))
         cost = np.where(rank > 0, elsewhere + 0.3 * rank, 0.0)[:, None] + 0.3 * np.arange(len(ways))
-        best, least = None, np.inf
+        best, lowest = None, np.inf
         for row in range(reach):
             feet = points if row == 0 else points[:1]
             covered, boxes = self._tried(feet, half, gap + 2.0 * half[1] * row, allowed)
-            every = COVERED * covered + cost[: len(feet)].ravel() + APART * row
-            at = int(np.argmin(every))
-            if every[at] < least:
-                least = float(every[at])
-                left, top, right, foot = boxes[at].tolist()
+            costs = COVERED * covered + cost[: len(feet)].ravel() + APART * row
+            choice = int(np.argmin(costs))
+            if costs[choice] < lowest:
+                lowest = float(costs[choice])
+                left, top, right, foot = boxes[choice].tolist()
                 best = Word(
                     text, (left, top, right, foot), tuple(points[0].tolist()) if row else None
                 )
-            if least < APART * (row + 1):
+            if lowest < APART * (row + 1):
                 break
         if best is not None:
             self.taken.append(best.box)
@@ -231,17 +149,17 @@ class Room:
         self, feet: FloatArray, half: FloatArray, away: float, ways: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Of every point and direction how many points of curves are covered, infinite without room, and the box."""
-        beside = np.where(ways[:, 1] == 0, away, 0.0)
-        offset = ways * np.column_stack([half[0] + beside, np.full(len(ways), half[1] + away)])
+        sideways = np.where(ways[:, 1] == 0, away, 0.0)
+        offset = ways * np.column_stack([half[0] + sideways, np.full(len(ways), half[1] + away)])
         middle = (feet[:, None, :] + offset).reshape(-1, 2)
         boxes = np.hstack([middle - half, middle + half])
         free = (boxes[:, :2] >= self.box[:2]).all(axis=1) & (boxes[:, 2:] <= self.box[2:]).all(
             axis=1
         )
         if self.taken:
-            others = np.array(self.taken)
-            apart = (boxes[:, None, :2] >= others[:, 2:]) | (boxes[:, None, 2:] <= others[:, :2])
-            free &= np.logical_and.reduce(np.logical_or.reduce(apart, axis=2), axis=1)
+            placed = np.array(self.taken)
+            clear = (boxes[:, None, :2] >= placed[:, 2:]) | (boxes[:, None, 2:] <= placed[:, :2])
+            free &= np.logical_and.reduce(np.logical_or.reduce(clear, axis=2), axis=1)
         covered = self._covered(middle - half / GROWTH, middle + half / GROWTH)
         return np.where(free, covered, np.inf), boxes
 
@@ -252,7 +170,7 @@ class Room:
             np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T
             for corner in (first, last)
         )
-        found = (
+        count = (
             self.before[x1, y1] - self.before[x0, y1] - self.before[x1, y0] + self.before[x0, y0]
         )
-        return np.asarray(found)
+        return np.asarray(count)

@@ -15,11 +15,11 @@ Curve = tuple[
 
 def curves(name: str, caption: str, drawn: Mapping[str, Curve], quantity: str, unit: str) -> Figure:
     """One line a case, the first heavier; of many cases it and those that reach highest."""
-    first, *others = drawn
-    others = sorted(others, key=lambda key: -float(np.nanmax(np.append(drawn[key][1], 0.0))))[
-        : MOST_LINES - 1
-    ]
-    chosen = [key for key in drawn if key == first or key in others]
+    first, *highest_cases = drawn
+    highest_cases = sorted(
+        highest_cases, key=lambda key: -float(np.nanmax(np.append(drawn[key][1], 0.0)))
+    )[: MOST_LINES - 1]
+    chosen = [key for key in drawn if key == first or key in highest_cases]
     lines = tuple(
         Line(key, *drawn[key], pen, weight=MAIN if key == first else 1.0)
         for pen, key in enumerate(chosen)

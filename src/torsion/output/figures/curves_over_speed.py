@@ -26,6 +26,7 @@ SHARE = 0.98  # of the points lie within the colours of a map; the others have t
 HEAD = 0.25  # of the height: room above a growth rate for the names of the ranges
 SMALL = 0.1  # of the limit: a smaller stress has a plot of its own, as it would lie on the axis
 STRESS = ("shear stress amplitude", "N/mm²")
+TOTAL = "total vibratory torque"
 NEAR = 4.0  # times the largest value: a limit up to there is on the axis
 
 
@@ -43,32 +44,26 @@ def torque(
     barred: Bands = (),
     unstable: Bands = (),
 ) -> Figure:
-    """speed, bad: (speeds,) rpm; lines: (name, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
+    """Return the torque of one element over the speed: its orders, and their total where there is one.
+
+    speed, bad: (speeds,) rpm; lines: (name, (speeds,)) and synthesis in `unit`, NaN where there is no answer.
+    """
     hidden, bands = unanswered(speed, bad)
     drawn = orders(speed, lines, hidden)
     values = [line.y for line in drawn]
     if synthesis is not None:
         values = [np.where(hidden, np.nan, synthesis)]
-        drawn = (Line("total vibratory torque", speed, values[0], "synthesis"), *drawn)
-    top = max(
-        (float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in values), default=0.0
-    )
-    near = [limit for _, limit in limits if limit <= NEAR * top]
-    y = amplitudes("torque amplitude", unit, values, near)
+        drawn = (Line(TOTAL, speed, values[0], "synthesis"), *drawn)
+    near = [limit for _, limit in limits if limit <= NEAR * max(map(_highest, values), default=0.0)]
     levels = tuple(Level(words, limit, is_reached=limit in near) for words, limit in limits)
-    return Figure(
-        name,
-        caption,
-        (
-            Panel(
-                span(SPEED, speed),
-                y,
-                drawn,
-                levels + rated_level(rated),
-                barred_bands(barred, unstable) + bands,
-            ),
-        ),
+    panel = Panel(
+        span(SPEED, speed),
+        amplitudes("torque amplitude", unit, values, near),
+        drawn,
+        levels + rated_level(rated),
+        barred_bands(barred, unstable) + bands,
     )
+    return Figure(name, caption, (panel,))
 
 
 def stress(
@@ -84,9 +79,9 @@ def stress(
     rated: float | None = None,
     barred: Bands = (),
 ) -> Figure:
-    """Shear stress of one shaft; speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit.
+    """Return the shear stress of one shaft; a stress far below its limit has a plot of its own below the other.
 
-    lines: (name, (speeds,)) of single orders. A stress far below its limit has a plot of its own below the other.
+    speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit; lines: (name, (speeds,)) of orders.
     """
     hidden, bands = unanswered(speed, bad)
     total = Line("total stress", speed, np.where(hidden, np.nan, synthesis), "synthesis")
@@ -100,22 +95,24 @@ def stress(
         for words, values, pen in given
         if values is not None and np.any(np.isfinite(values))
     )
-    x, behind, rated_at = span(SPEED, speed), barred_bands(barred) + bands, rated_level(rated)
-    largest = float(np.max(total.y, where=np.isfinite(total.y), initial=0.0))
-    least = min((float(np.nanmin(line.y)) for line in limits), default=0.0)
-    if not largest < SMALL * least:
+    x, levels, behind = span(SPEED, speed), rated_level(rated), barred_bands(barred) + bands
+    lowest = min((float(np.nanmin(line.y)) for line in limits), default=0.0)
+    if not _highest(total.y) < SMALL * lowest:
         y = amplitudes(*STRESS, [total.y], [float(np.nanmax(line.y)) for line in limits])
-        return Figure(name, caption, (Panel(x, y, stresses + limits, rated_at, behind),))
-    y = amplitudes(*STRESS, [total.y])
-    both = Panel(
-        x,
-        Axis("stress and limits", "N/mm²", low=0.0),
-        (total, *limits),
-        rated_at,
-        behind,
-        height=75.0,
+        return Figure(name, caption, (Panel(x, y, stresses + limits, levels, behind),))
+    both, y = Axis("stress and limits", "N/mm²", low=0.0), amplitudes(*STRESS, [total.y])
+    return Figure(
+        name,
+        caption,
+        (
+            Panel(x, both, (total, *limits), levels, behind, height=75.0),
+            Panel(x, y, stresses, levels, behind, height=105.0),
+        ),
     )
-    return Figure(name, caption, (both, Panel(x, y, stresses, rated_at, behind, height=105.0)))
+
+
+def _highest(values: FloatArray) -> float:
+    return float(np.max(values, where=np.isfinite(values), initial=0.0))
 
 
 def gear(
@@ -131,34 +128,25 @@ def gear(
     rated: float | None = None,
     barred: Bands = (),
 ) -> Figure:
-    """Vibratory against mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
+    """Return vibratory and mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
     hidden, bands = unanswered(speed, bad)
-    good = np.where(hidden, np.nan, vibratory)
-    lines = [Line("total vibratory torque", speed, good, "synthesis")]
+    total = np.where(hidden, np.nan, vibratory)
+    lines = [Line(TOTAL, speed, total, "synthesis")]
     if mean is not None:
         lines.append(Line("mean torque", speed, mean, 0))
-        over = np.where(good > mean, good, np.nan)
+        over = np.where(total > mean, total, np.nan)
         if np.isfinite(over).any():
             lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
-    levels = (
-        [Level("limit of the vibratory torque", limit, is_reached=True)]
-        if limit is not None
-        else []
+    limits = [] if limit is None else [limit]
+    levels = [Level("limit of the vibratory torque", value, is_reached=True) for value in limits]
+    panel = Panel(
+        span(SPEED, speed),
+        amplitudes("mesh torque", unit, [total], limits),
+        tuple(lines),
+        (*levels, *rated_level(rated)),
+        barred_bands(barred) + bands,
     )
-    y = amplitudes("mesh torque", unit, [good], [] if limit is None else [limit])
-    return Figure(
-        name,
-        caption,
-        (
-            Panel(
-                span(SPEED, speed),
-                y,
-                tuple(lines),
-                (*levels, *rated_level(rated)),
-                barred_bands(barred) + bands,
-            ),
-        ),
-    )
+    return Figure(name, caption, (panel,))
 
 
 def frequency(
@@ -172,7 +160,10 @@ def frequency(
     unit: str,
     natural: Sequence[float] = (),
 ) -> Figure:
-    """frequency: (frequencies,) Hz; lines: (name, (frequencies,)) in `unit`; natural: Hz."""
+    """Return the strongest curves over the frequency.
+
+    frequency: (frequencies,) Hz; lines: (name, (frequencies,)) in `unit`; natural: Hz.
+    """
     hidden, bands = unanswered(frequency, bad)
     drawn = [np.where(hidden | (values <= 0), np.nan, values) for _, values in lines[:MOST_LINES]]
     curves = tuple(
@@ -180,9 +171,9 @@ def frequency(
         for pen, ((words, _), values) in enumerate(zip(lines, drawn, strict=False))
     )
     levels = tuple(
-        Level("natural frequencies", at, "natural", "x")
-        for at in natural
-        if frequency[0] <= at <= frequency[-1]
+        Level("natural frequencies", hertz, "natural", "x")
+        for hertz in natural
+        if frequency[0] <= hertz <= frequency[-1]
     )
     x = span(Axis("frequency", "Hz"), frequency)
     return Figure(
@@ -206,24 +197,17 @@ def periodic(
     unstable: Bands = (),
     rated: float | None = None,
 ) -> Figure:
-    """Speeds in rpm; lines: (name, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
+    """Return torque orders by the first order and by the exact periodic motion.
+
+    Speeds in rpm; lines: (name, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
 
     none, coarse, grows: (speeds,) no periodic motion, not resolved, unstable.
     """
     _, bands = unanswered(speed, none, NO_MOTION)
     drawn, marks = list[Line](), list[Marks]()
     for k, (words, first, exact) in enumerate(lines):
-        drawn.append(
-            Line(
-                f"{words}, exact",
-                speed,
-                exact,
-                2 * k,
-                words.removeprefix("order "),
-                weight=1.7,
-                symbol="dot",
-            )
-        )
+        label = words.removeprefix("order ")
+        drawn.append(Line(f"{words}, exact", speed, exact, 2 * k, label, weight=1.7, symbol="dot"))
         if first is not None:
             drawn.append(Line(f"{words}, first order", first_speed, first, 2 * k + 1))
         marks.append(Marks("unstable motion", speed[grows], exact[grows], "cross", "unstable"))
@@ -254,25 +238,25 @@ def bending(
     rated: float | None,
     crossings: Sequence[float],
 ) -> Figure:
-    """Curves of every order over its own speeds, rpm; panels: (quantity, unit, a curve for each order).
+    """Return curves of every order over its own speeds, rpm; panels: (quantity, unit, a curve for each order).
 
     near, singular: of every order (speeds,), its speeds that are not to be trusted. crossings: rpm of critical speeds.
     """
     levels = tuple(
-        Level("critical speeds of these orders", at, "natural", "x") for at in crossings
+        Level("critical speeds of these orders", critical, "natural", "x") for critical in crossings
     ) + rated_level(rated)
     bands = tuple(
         band
-        for at, none in zip(speed, singular, strict=True)
-        for band in unanswered(at, none, NO_ANSWER)[1]
+        for speeds, unanswerable in zip(speed, singular, strict=True)
+        for band in unanswered(speeds, unanswerable, NO_ANSWER)[1]
     )
     made, x = [], span(SPEED, np.concatenate(list(speed)))
     for quantity, unit, curves in panels:
         lines, marks = [], []
-        for k, (words, at, curve) in enumerate(zip(orders, speed, curves, strict=True)):
+        for k, (words, speeds, curve) in enumerate(zip(orders, speed, curves, strict=True)):
             sound = np.where(near[k] | singular[k], np.nan, curve)
-            lines.append(Line(words, at, sound, k, words.split(",")[0].removeprefix("order ")))
-            marks.append(Marks(STANDING, at[near[k]], curve[near[k]], "cross", "unstable"))
+            lines.append(Line(words, speeds, sound, k, words.split(",")[0].removeprefix("order ")))
+            marks.append(Marks(STANDING, speeds[near[k]], curve[near[k]], "cross", "unstable"))
         y = amplitudes(quantity, unit, curves)
         made.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=90.0))
     return Figure(name, caption, tuple(made))
@@ -287,37 +271,27 @@ def stability(
     unstable: Sequence[tuple[float, float, str]],
     rated: float | None = None,
 ) -> Figure:
-    """speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name."""
+    """Return the growth rate over the speed, with room above it for the names of the unstable ranges.
+
+    speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name.
+    """
     _, missing = unanswered(speed, ~np.isfinite(growth), NO_MOTION)
-    ranges = tuple(
-        Band("unstable range", low, high, "unstable", label=words) for low, high, words in unstable
-    )
-    inside = np.array(
-        [any(low <= n <= high for low, high, _ in unstable) for n in speed.tolist()], dtype=bool
-    )
-    grows = inside & (growth > 0)
-    line = Line("growth rate", speed, growth, "plain", symbol="dot")
-    marks = (Marks("unstable", speed[grows], growth[grows], "disc", "unstable"),)
-    levels = (Level("", 0.0, "zero", is_reached=True), *rated_level(rated))
+    grows, ranges = np.zeros(len(speed), dtype=bool), list[Band]()
+    for low, high, words in unstable:
+        ranges.append(Band("unstable range", low, high, "unstable", label=words))
+        grows |= (speed >= low) & (speed <= high) & (growth > 0)
+    values = np.append(growth[np.isfinite(growth)], 0.0)
+    room = HEAD * float(np.ptp(values))
     panel = Panel(
         span(SPEED, speed),
-        _growth_axis(growth, has_names=bool(unstable)),
-        (line,),
-        levels,
-        ranges + missing,
-        marks,
+        Axis("growth rate", "1/s", high=float(values.max()) + room if room and ranges else None),
+        (Line("growth rate", speed, growth, "plain", symbol="dot"),),
+        (Level("", 0.0, "zero", is_reached=True), *rated_level(rated)),
+        (*ranges, *missing),
+        (Marks("unstable", speed[grows], growth[grows], "disc", "unstable"),),
         height=200.0,
     )
     return Figure(name, caption, (panel,))
-
-
-def _growth_axis(growth: FloatArray, *, has_names: bool) -> Axis:
-    """From the data, with room for names above them."""
-    known = growth[np.isfinite(growth)]
-    if not has_names or known.size == 0:
-        return Axis("growth rate", "1/s")
-    top, low = max(float(known.max()), 0.0), min(float(known.min()), 0.0)
-    return Axis("growth rate", "1/s", high=top + HEAD * (top - low))
 
 
 def stability_map(
@@ -331,7 +305,7 @@ def stability_map(
     unit: str,
     rated: float | None = None,
 ) -> Figure:
-    """speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s, NaN where there is no periodic motion."""
+    """Return the growth rate as colours; speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s or NaN."""
     known = growth[np.isfinite(growth)]
     largest = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
     cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)

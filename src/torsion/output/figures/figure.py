@@ -65,7 +65,7 @@ class Axis:
 
     @property
     def title(self) -> str:
-        """Quantity and unit."""
+        """The quantity with its unit, as a reader sees it."""
         return f"{self.quantity}, {self.unit}" if self.unit else self.quantity
 
 
@@ -185,7 +185,7 @@ class Use:
 
     @property
     def is_bad(self) -> bool:
-        """A limit is not kept."""
+        """Whether a limit is exceeded, this one or another."""
         return bool(self.mark)
 
 
@@ -193,7 +193,7 @@ class Use:
 class Link:
     """A link of the train in its sketch."""
 
-    kind: str  # shaft, coupling, gear, joint, crank, rigid, tie (down to a branch), run (of very many)
+    kind: str  # shaft, coupling, gear, joint, crank, rigid, tie (down to a branch)
     start: Place  # x, row
     end: Place
     label: str = ""
@@ -212,12 +212,6 @@ class Sketch:
     links: tuple[Link, ...]
     worst: tuple[Place, Use] | None = None  # x and row of what is pointed at
     height: float | None = None  # px from the lowest to the highest axis, at most
-    beside: tuple[str, ...] = ()  # what fails in parts that are not drawn, in words below it
-
-    @property
-    def is_graded(self) -> bool:
-        """Its links are coloured by their use."""
-        return any(link.use is not None for link in self.links)
 
 
 @dataclass(frozen=True)
@@ -281,17 +275,17 @@ class Figure:
 
     @property
     def plots(self) -> tuple[Panel, ...]:
-        """Its plots with axes."""
-        return tuple(one for one in self.panels if isinstance(one, Panel))
+        """The panels that are plots with axes."""
+        return tuple(panel for panel in self.panels if isinstance(panel, Panel))
 
     @property
     def lines(self) -> dict[str, Line]:
         """The lines of all plots by name; of several of one name the first."""
-        found: dict[str, Line] = {}
+        by_name: dict[str, Line] = {}
         for panel in self.plots:
             for line in panel.lines:
-                found.setdefault(line.name, line)
-        return found
+                by_name.setdefault(line.name, line)
+        return by_name
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:

@@ -1,14 +1,13 @@
-"""Universal joints: quantities over the revolution of the driving shaft, and the index of fluctuation of a line."""
+"""Universal joints: quantities over the revolution of the driving shaft."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel, Role, Symbol
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.figures.ranges import MOST_LINES, Lines, span
 
-Point = tuple[float, float]  # deg, %
 Drawn = tuple[str, str, float, Lines]  # quantity, unit, the size rounding is judged by, lines
 WEIGHTS = (2.0, 1.1)  # of the first and the last line, so that lines that coincide are both seen
 FLAT = 1e-9  # of the size by which rounding is judged: a smaller range is shown as a level line
@@ -50,40 +49,3 @@ def _range(quantity: str, unit: str, size: float, lines: Lines) -> Axis:
         0.1 * max(abs(low), size) or 1.0
     )  # of values and a size that are all nothing: any, so that it is a range
     return Axis(quantity, unit, low - room, high + room)
-
-
-def joint_index(
-    name: str,
-    caption: str,
-    *,
-    values: FloatArray,
-    index: FloatArray,
-    quantity: str,
-    present: Point,
-    best: Point,
-) -> Figure:
-    """Index of fluctuation against a phase, plane or angle of a line. values: (values,) deg; index: (values,) %."""
-    points: tuple[tuple[str, Point, Symbol, Role], ...] = (
-        ("present", present, "square", "unstable"),
-        ("best", best, "disc", "best"),
-    )
-    marks = tuple(
-        Marks(
-            f"{words}: {at:.4g}°, {size:.4g} %",
-            np.array([at]),
-            np.array([size]),
-            symbol,
-            pen,
-            labels=(words,),
-        )
-        for words, (at, size), symbol, pen in points
-    )
-    line = Line("index of fluctuation", values, index, 0, weight=1.3)
-    ends = np.append(values, [present[0], best[0]])
-    panel = Panel(
-        span(Axis(quantity, "deg"), ends),
-        Axis("index of fluctuation", "%", low=0.0),
-        (line,),
-        marks=marks,
-    )
-    return Figure(name, caption, (panel,))

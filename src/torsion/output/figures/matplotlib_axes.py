@@ -85,9 +85,12 @@ def _draw(panel: Panel, axes: "Axes") -> None:
             label=_text(band.name) or None,
         )
     for line in panel.lines:
-        style = {"color": COLOURS.get(line.pen)} if isinstance(line.pen, str) else {}
         (drawn,) = axes.plot(
-            line.x, line.y, linewidth=1.2 * line.weight, label=_text(line.name) or None, **style
+            line.x,
+            line.y,
+            linewidth=1.2 * line.weight,
+            label=_text(line.name) or None,
+            color=COLOURS.get(line.pen) if isinstance(line.pen, str) else None,
         )
         if line.base is not None:
             axes.fill_between(line.x, line.base, line.y, color=drawn.get_color(), alpha=0.2)

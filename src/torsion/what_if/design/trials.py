@@ -13,6 +13,7 @@ from torsion.findings import Work
 from torsion.study import Study, Variation
 from torsion.train import Train
 from torsion.what_if.design.design_settings import DesignSettings, Kept
+from torsion.what_if.variants.frequencies import frequencies
 from torsion.what_if.variants.one_by_one import (
     TO_BE_VERIFIED,
     Answer,
@@ -21,7 +22,6 @@ from torsion.what_if.variants.one_by_one import (
     analyses_of_variant,
     solved,
 )
-from torsion.what_if.variants.side_by_side import frequencies
 
 FEWEST = 16  # trains of which the frequencies are found side by side
 DIGITS = 6  # of the range of a figure, in which its values are chosen

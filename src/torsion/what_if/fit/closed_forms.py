@@ -1,13 +1,12 @@
-"""What a train gives at any values of its figures, with exact slopes, without its file being read again.
+"""Modes and responses of a train at any values of its parameters, with exact slopes, from a train in columns.
 
-Of trains of springs, dampers and lumped inertias whose numbers are products or sums of the figures, as trials show: the
-slopes of frequencies are shares of energy, those of amplitudes follow from one adjoint response (`sensitivities`).
+The slopes of the train's rows follow from a complex step through its lowering. The slopes of frequencies are shares of
+energy, those of amplitudes follow from one adjoint response (`sensitivities`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,9 @@ from torsion.analyses.response.harmonic_components import Excitation, excitation
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.assembly import as_divided
 from torsion.assembly.system import System
+from torsion.columns import NotInColumns, picker
 from torsion.errors import SolveError
 from torsion.kernels.loops import Chords, graph_modes, looped_response
 from torsion.kernels.mode_shapes import TreeModes
@@ -35,12 +36,13 @@ from torsion.kernels.tree_response import (
     tree_response,
 )
 from torsion.study import Study, Variation
-from torsion.what_if.fit.fit_results import OUTSIDE
 from torsion.what_if.fit.measurements import Curve
-from torsion.what_if.variants.products import Products, Rows, products
+from torsion.what_if.variants.train_rows import Numbers, TrainRows, rows_on_tree
 
-OWN = 7  # blocks of rows that do not follow the speed: four of the tree, three of the chords
-ACTING = 3  # blocks of rows of an order: torques, twists, twists of chords
+COMPLEX_STEP = 1e-20  # relative: no difference is formed, so that no digit is lost
+STEP = (
+    1e-3  # of logarithms, of the differences of fourth order of what acts; their error is STEP^4/30
+)
 
 
 @dataclass(frozen=True)
@@ -48,59 +50,75 @@ class Target:
     """What a curve is of, on the tree."""
 
     is_torque: bool
-    at: int  # span or station of the tree
+    position: int  # span or station of the tree
     factor: ComplexArray  # (points,) or one: what it is over that of the tree
 
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """The numbers of the train of a file, and how figures enter them."""
+    """A train whose parameters are columns, and what was measured of it."""
 
+    variation: Variation
     system: System
     curves: tuple[Curve, ...]
-    targets: tuple["Target", ...]  # of each curve
-    found: tuple[Excitation, ...]
+    targets: tuple[Target, ...]  # of each curve
+    excitations: tuple[Excitation, ...]
     speed: FloatArray  # (speeds,) rad/s, of all curves
-    base: Rows  # (rows, speeds) in blocks
-    enters: Products
     count: int  # of the modes
 
-    def blocks(self, rows: Rows) -> list[Rows]:
-        """The rows of each block."""
-        size, chords = self.system.condensed.tree.size, len(self.system.condensed.extra)
-        each = (
-            [size] * 4
-            + [chords] * 3
-            + [size] * bool(self.curves)
-            + [size, size, chords] * len(self.found)
-        )
-        return np.split(rows, np.cumsum(each)[:-1])
-
-    def line(self, place: int) -> int:
-        """Which of the excitations a curve is of."""
-        return next(
-            k for k, one in enumerate(self.found) if one.line.order == self.curves[place].order
-        )
-
     @cached_property
-    def at(self) -> Callable[[tuple[float, ...]], "AtFigures"]:
-        """What it gives with the figures at factors."""
-        return lru_cache(maxsize=8)(lambda factors: AtFigures(self, np.array(factors)))
+    def evaluated(self) -> Callable[[tuple[float, ...]], "Evaluated"]:
+        """The function from factors of the parameters to modes, responses and slopes, with a cache of eight."""
+        return lru_cache(maxsize=8)(lambda factors: Evaluated(self, np.array(factors)))
+
+    def studies(self, factors: FloatArray) -> Iterator[tuple[Study, System]]:
+        """Yield the study and the system of each row of factors (variants, figures)."""
+        train = self.variation.in_columns(factors)
+        study_of = self.variation.studies(train)
+        for variant in range(len(factors)):
+            study = study_of(variant)
+            divided = as_divided(self.system, study.train)
+            if extra := self.system.condensed.extra.tolist():
+                # The stiffest spans of a variant may be others.
+                is_extra = np.isin(np.arange(len(divided.spans)), extra)
+                divided = replace(divided, in_tree=~is_extra)
+            yield study, divided
+
+    def acting(self, study: Study, system: System) -> Numbers:
+        """Return what acts on the tree and what damps it to ground (rows, speeds): block by block as `blocks` cuts it."""
+        steady = steady_if_known(study, system, self.speed)
+        size, extra = system.condensed.tree.size, len(system.condensed.extra)
+        ground = np.zeros((size, len(self.speed)))
+        damping = ground_damping(system, self.speed, steady)
+        ground[system.condensed.node] = damping * (system.speed_ratio**2)[:, None]
+        rows: list[Numbers] = [ground]
+        orders = {curve.order for curve in self.curves}
+        for excitation in excitations(system, orders):
+            if excitation.line.order in orders:
+                source = sources(system, excitation, self.speed, steady)
+                none = np.zeros((size, len(self.speed))), np.zeros((extra, len(self.speed)))
+                rows.append(source.force)
+                rows.append(none[0] if source.twist is None else source.twist)
+                rows.append(none[1] if source.loop_twist is None else source.loop_twist)
+        return np.vstack(rows)
+
+    def blocks(self, rows: Numbers, curve: int) -> tuple[Numbers, ...]:
+        """Return damping to ground, force, twist and twist of chords for one curve, at all speeds or figures."""
+        size, extra = self.system.condensed.tree.size, len(self.system.condensed.extra)
+        order = self.curves[curve].order
+        line = next(k for k, one in enumerate(self.excitations) if one.line.order == order)
+        begin = size + line * (2 * size + extra)
+        force, twist, loop_twist = np.split(
+            rows[begin : begin + 2 * size + extra], [size, 2 * size]
+        )
+        return rows[:size], force, twist, loop_twist
 
 
 def closed_forms(
-    variation: Variation,
-    system: System,
-    curves: tuple[Curve, ...],
-    count: int,
-    assembled: Callable[[Study], System],
+    variation: Variation, system: System, curves: tuple[Curve, ...], count: int
 ) -> ClosedForms | None:
-    """None where the train is another one, or a figure enters otherwise; assembled: a study, divided as the file is."""
-    study, orders = (
-        variation.study([one.nominal for one in variation.figures]),
-        {curve.order for curve in curves},
-    )
-    train = study.train
+    """Return the closed forms of a train of springs, dampers and lumped inertias; None of any other train."""
+    train, orders = system.train, {curve.order for curve in curves}
     if (
         system.tables
         or system.bars is not None
@@ -111,141 +129,116 @@ def closed_forms(
         or (np.isinf(system.flexibility) & (system.viscous == 0.0)).any()
     ):
         return None
-    found = tuple(one for one in excitations(system, orders) if one.line.order in orders)
+    lines = tuple(line for line in excitations(system, orders) if line.line.order in orders)
     targets = tuple(_target(system, curve) for curve in curves)
-    if any(len(one.apart) > 1 for one in found) or any(
-        one.at < 0 for one in targets
+    if any(len(line.apart) > 1 for line in lines) or any(
+        target.position < 0 for target in targets
     ):  # the torque of a chord
         return None
     speed = np.unique(np.concatenate([[], *(curve.speed for curve in curves)]))
-
-    def rows(other: Study, own: System) -> Rows | None:
-        lines = [one for one in excitations(own, orders) if one.line.order in orders]
-        return (
-            np.vstack([*_rows(other, own, lines, speed)])
-            if _alike(own, system, lines, found)
-            else None
-        )
-
-    base = rows(study, system)
-    deviation = np.array([one.law.lognormal for one in variation.figures])
-    ends = np.exp(OUTSIDE * np.outer([-1.0, 1.0], deviation))
-    enters = (
-        None
-        if base is None
-        else products(variation, ends, lambda other: rows(other, assembled(other)))
-    )
-    if base is None or enters is None:
+    forms = ClosedForms(variation, system, curves, targets, lines, speed, count)
+    try:
+        _ = Evaluated(forms, np.ones(len(variation.figures))).slopes
+    except NotInColumns:
         return None
-    return ClosedForms(system, curves, targets, found, speed, base, enters, count)
+    return forms
 
 
 def no_value(curve: Curve) -> SolveError:
-    """At a resonance without damping."""
+    """Return the error of a resonance without damping."""
     return SolveError(
         f"the response of order {curve.order} has no finite value at a speed", "give damping"
     )
 
 
-def spot(system: System, curve: Curve) -> int:
-    """The span of a torque, the first of its component; the station of anything else."""
+def target_position(system: System, curve: Curve) -> int:
+    """Return the span of a torque, the first of its component, or the station of anything else."""
     if curve.quantity == "torque":
-        return next(
-            k for k, one in enumerate(system.spans) if system.train.parts[one.part].name == curve.at
-        )
-    return next(k for k, one in enumerate(system.stations) if one.name == curve.at)
+        parts = (system.train.parts[span.part].name for span in system.spans)
+        return next(k for k, name in enumerate(parts) if name == curve.at)
+    return next(k for k, station in enumerate(system.stations) if station.name == curve.at)
 
 
 def _target(system: System, curve: Curve) -> Target:
-    condensed, at = system.condensed, spot(system, curve)
+    condensed, position = system.condensed, target_position(system, curve)
     if curve.quantity == "torque":
-        return Target(
-            True, int(condensed.span[at]), np.array(condensed.sign[at] / system.span_ratio[at])
-        )
+        factor = np.array(condensed.sign[position] / system.span_ratio[position])
+        return Target(True, int(condensed.span[position]), factor)
     factor = 1j * float(curve.order) * curve.speed if curve.quantity == "speed" else np.array(1.0)
-    return Target(False, int(condensed.node[at]), np.asarray(system.speed_ratio[at] * factor))
-
-
-def _rows(
-    study: Study, system: System, found: Sequence[Excitation], speed: FloatArray
-) -> Iterator[Rows]:
-    """All numbers of a train (rows, speeds), block by block."""
-    condensed, extra = system.condensed, system.condensed.extra
-    ratio = system.span_ratio[extra] ** 2
-    own = (
-        condensed.tree.flexibility,
-        condensed.tree.moving_inertia,
-        condensed.viscous,
-        condensed.loss_factor,
-    )
-    chords = (
-        system.flexibility[extra] / ratio,
-        system.viscous[extra] * ratio,
-        system.loss_factor[extra],
-    )
-    for each in chain(own, chords):  # a damper alone, whose flexibility is infinite, has 0
-        yield np.repeat(np.where(np.isinf(each), 0.0, each)[:, None], max(1, len(speed)), axis=1)
-    if not len(speed):
-        return
-    known, ground = (
-        steady_if_known(study, system, speed),
-        np.zeros((condensed.tree.size, len(speed))),
-    )
-    ground[condensed.node] = ground_damping(system, speed, known) * (system.speed_ratio**2)[:, None]
-    yield ground
-    for one in found:
-        acting = sources(system, one, speed, known)
-        none = np.zeros_like(acting.force), np.zeros((len(extra), len(speed)))
-        yield acting.force
-        yield none[0] if acting.twist is None else acting.twist
-        yield none[1] if acting.loop_twist is None else acting.loop_twist
-
-
-def _alike(
-    own: System, base: System, lines: Sequence[Excitation], found: Sequence[Excitation]
-) -> bool:
-    """Two trains differ in numbers alone."""
-    mine, theirs = own.condensed, base.condensed
-    pairs = [
-        (getattr(mine, key), getattr(theirs, key)) for key in ("node", "span", "sign", "extra")
-    ]
-    pairs += [
-        (mine.tree.parent, theirs.tree.parent),
-        (own.speed_ratio, base.speed_ratio),
-        (own.held, base.held),
-    ]
-    pairs.append((np.isinf(own.flexibility), np.isinf(base.flexibility)))
-    return [one.line for one in lines] == [one.line for one in found] and all(
-        np.array_equal(*pair) for pair in pairs
+    return Target(
+        False, int(condensed.node[position]), np.asarray(system.speed_ratio[position] * factor)
     )
 
 
-class AtFigures:
-    """The train with its figures at factors (figures,)."""
+def _log_slopes(values: Numbers, derivative: Numbers) -> Numbers:
+    """Return derivatives over values; 0 where there is no finite value."""
+    used = (values != 0.0) & np.isfinite(values) & np.isfinite(derivative)
+    return np.where(used, derivative, 0.0) / np.where(used, values, 1.0)
+
+
+class Evaluated:
+    """The train with its parameters at factors (figures,)."""
 
     def __init__(self, forms: ClosedForms, factors: FloatArray) -> None:
         self.forms, self.factors = forms, factors
-        self.rows = forms.blocks(forms.base * forms.enters.factors(factors[None]))
-        own = [block[:, 0].real for block in self.rows[:OWN]]
-        self.flexibility, self.inertia, self.viscous, self.loss, *self.chords = own
-        system, tree = forms.system, forms.system.condensed.tree
-        self.flexibility[np.isinf(tree.flexibility)] = np.inf
-        self.chords[0][np.isinf(system.flexibility[system.condensed.extra])] = np.inf
-        self.tree = replace(
-            tree,
-            flexibility=self.flexibility,
-            inertia=np.where(tree.held, tree.inertia, self.inertia),
+        ((self.study, self.system),) = forms.studies(factors[None])
+        condensed, extra = self.system.condensed, self.system.condensed.extra
+        ratio2 = self.system.span_ratio[extra] ** 2
+        self.tree = condensed.tree
+        self.chords = (
+            self.system.flexibility[extra] / ratio2,
+            self.system.viscous[extra] * ratio2,
+            self.system.loss_factor[extra],
         )
-        self.responses = dict[int, tuple[TreeResponse, dict[str, Any], list[Rows]]]()
+        self.responses = dict[int, tuple[TreeResponse, dict[str, Any], tuple[Numbers, ...]]]()
 
     @cached_property
-    def slopes(self) -> list[Rows]:
-        """Of the logarithm of each row of a block by that of each figure."""
-        return self.forms.blocks(self.forms.enters.slopes(self.factors))
+    def acting(self) -> Numbers:
+        """(rows, speeds) of `ClosedForms.acting`."""
+        return self.forms.acting(self.study, self.system)
+
+    @cached_property
+    def slopes(self) -> TrainRows:
+        """Slopes of the logarithms of the train's rows by those of the parameters, for the variants of `TrainRows`."""
+        count = len(self.factors)
+        steps = self.factors * (1.0 + 1j * COMPLEX_STEP * np.eye(count))
+        train = self.forms.variation.in_columns(steps)
+        rows = rows_on_tree(self.system, train, count, complex)
+        by_row = (
+            _log_slopes(row.real, row.imag / COMPLEX_STEP)
+            for row in (
+                rows.flexibility,
+                rows.inertia,
+                rows.viscous,
+                rows.loss_factor,
+                rows.closing,
+            )
+        )
+        return TrainRows(*by_row)
+
+    @cached_property
+    def acting_slopes(self) -> Numbers:
+        """(figures, rows, speeds) slopes of the logarithms of `acting`; 0 if no parameter acts.
+
+        By differences of fourth order: what acts is a polynomial of the parameters, or turns with a phase.
+        """
+        forms, count = self.forms, len(self.factors)
+        train = forms.variation.in_columns(self.factors[None])
+        errors = tuple(mesh.error for mesh in train.constraints)
+        loads = train.parts if self.study.has_mean_torque else ()
+        slopes = np.zeros((count, *self.acting.shape), dtype=complex)
+        if picker((train.dampers, train.torques, errors, loads)) is None:
+            return slopes
+        steps = STEP * np.array([-2.0, -1.0, 1.0, 2.0])[:, None, None] * np.eye(count)
+        factors = (self.factors * np.exp(steps)).reshape(-1, count)
+        ends = np.array([forms.acting(*changed) for changed in forms.studies(factors)])
+        far_below, below, above, far_above = ends.reshape(4, *slopes.shape)
+        change = 8.0 * (above - below) - (far_above - far_below)
+        return _log_slopes(np.broadcast_to(self.acting, slopes.shape), change / (12.0 * STEP))
 
     @cached_property
     def modes(self) -> TreeModes:
-        """The lowest."""
+        """The lowest `count` natural modes at these parameters."""
         tree, (first, second), holds = self.springs, self.ends, np.isfinite(self.chords[0])
         if not holds.any():
             return tree_modes(tree, self.forms.count)
@@ -255,98 +248,102 @@ class AtFigures:
 
     @property
     def springs(self) -> Tree:
-        """Without the spans that have no stiffness."""
-        return self.tree.cut(np.isinf(self.flexibility))
+        """The tree without the spans that have no stiffness."""
+        return self.tree.cut(np.isinf(self.tree.flexibility))
 
     @property
     def ends(self) -> tuple[IntArray, IntArray]:
         """Tree stations at both ends of each chord."""
-        system = self.forms.system
-        node, extra = system.condensed.node, system.condensed.extra
-        return node[system.driving[extra]], node[system.driven[extra]]
+        node, extra = self.system.condensed.node, self.system.condensed.extra
+        return node[self.system.driving[extra]], node[self.system.driven[extra]]
 
     def mode_slopes(self, numbers: Sequence[int]) -> FloatArray:
-        """(modes, figures): d ln f/d ln factor."""
-        holds, each = np.isfinite(self.chords[0]), list(numbers)
+        """Return d ln f/d ln factor (modes, figures)."""
+        holds, chosen = np.isfinite(self.chords[0]), list(numbers)
         moved = frequency_sensitivity(self.springs, self.modes, self.chords[0][holds])
-        flexibility, inertia, _, _, chord, *_ = (np.real(one) for one in self.slopes)
-        found = moved.inertia[:, each].T @ inertia - moved.stiffness[:, each].T @ flexibility
-        return np.asarray(found - moved.chord[:, each].T @ chord[holds])
+        slopes = moved.inertia[:, chosen].T @ self.slopes.inertia
+        slopes -= moved.stiffness[:, chosen].T @ self.slopes.flexibility
+        return np.asarray(slopes - moved.chord[:, chosen].T @ self.slopes.closing[0][holds])
 
-    def amplitude(self, place: int) -> ComplexArray:
-        """Of a curve (points,) in SI; raises SolveError where the response has no value there."""
-        found, target = self._response(place)[0], self.forms.targets[place]
-        if (status(found.amplification, found.residual) == Status.SINGULAR).any():
-            raise no_value(self.forms.curves[place])
-        values = found.torque[target.at] if target.is_torque else found.angle[target.at]
-        return np.asarray(values * target.factor)
+    def amplitude(self, curve: int) -> ComplexArray:
+        """Return the amplitudes of a curve (points,) in SI; raises SolveError if the response has no value there."""
+        response, target = self._response(curve)[0], self.forms.targets[curve]
+        if (status(response.amplification, response.residual) == Status.SINGULAR).any():
+            raise no_value(self.forms.curves[curve])
+        return np.asarray(self._value(curve) * target.factor)
 
-    def amplitude_slopes(self, place: int) -> ComplexArray:
-        """(points, figures): slopes of the logarithms of `amplitude`."""
-        found, given, acting = self._response(place)
-        target, w = self.forms.targets[place], given.pop("w")
-        chords, at = given.pop("chords"), {"span" if target.is_torque else "station": target.at}
-        by = response_sensitivity(self.tree, w, found, chords=chords, **at, **given)
-        first = OWN + 1 + ACTING * self.forms.line(place)
-        terms = [
-            *self._compliance_terms(
-                by.compliance, w, (self.flexibility, self.viscous, self.loss), (0, 2, 3)
-            ),
-            *self._compliance_terms(by.chord, w, self.chords, (4, 5, 6)),
-            (by.inertia * self.inertia[:, None], 1),
-            (by.ground_damping * given["ground_damping"], OWN),
-            *(
-                (one * rows, first + k)
-                for k, (one, rows) in enumerate(
-                    zip((by.force, by.twist, by.chord_twist), acting, strict=True)
-                )
-            ),
-        ]
-        value = found.torque[target.at] if target.is_torque else found.angle[target.at]
-        return np.asarray(sum(one.T @ self.slopes[block] for one, block in terms) / value[:, None])
-
-    def _compliance_terms(
-        self,
-        by: ComplexArray,
-        w: FloatArray,
-        own: Sequence[FloatArray],
-        blocks: tuple[int, int, int],
-    ) -> Iterator[tuple[ComplexArray, int]]:
-        """Of spans of flexibility, damper and loss factor: the slopes by the logarithms of these, each with its block.
-
-        by: slopes by the complex compliance; none of rigid spans.
-        """
-        flexibility, viscous, loss = own
-        moves = (flexibility > 0.0)[:, None]
-        stiffness = 1.0 / np.where(flexibility > 0.0, flexibility, 1.0)
-        by_stiffness, by_loss, by_viscous = compliance_slopes(
-            stiffness, viscous, loss, 1j * w.astype(np.complex128)
-        )
-        each = -by_stiffness, by_viscous * viscous[:, None], by_loss * loss[:, None]
-        yield from (
-            (np.where(moves, by * one, 0.0), block) for one, block in zip(each, blocks, strict=True)
+    def _value(self, curve: int) -> ComplexArray:
+        response, target = self._response(curve)[0], self.forms.targets[curve]
+        return np.asarray(
+            (response.torque if target.is_torque else response.angle)[target.position]
         )
 
-    def _response(self, place: int) -> tuple[TreeResponse, dict[str, Any], list[Rows]]:
-        """At the points of a curve, what it was computed with, and what acts."""
-        if place not in self.responses:
-            curve = self.forms.curves[place]
-            w, at = float(curve.order) * curve.speed, np.searchsorted(self.forms.speed, curve.speed)
-            first = OWN + 1 + ACTING * self.forms.line(place)
-            force, twist, loop_twist = acting = [
-                one[:, at] for one in self.rows[first : first + ACTING]
-            ]
+    def amplitude_slopes(self, curve: int) -> ComplexArray:
+        """Return the slopes (points, figures) of the logarithms of `amplitude`."""
+        response, given, acting = self._response(curve)
+        target, w, chords = self.forms.targets[curve], given.pop("w"), given.pop("chords")
+        position = {"span" if target.is_torque else "station": target.position}
+        by = response_sensitivity(self.tree, w, response, chords=chords, **position, **given)
+        condensed, slopes = self.system.condensed, self.slopes
+        own = (condensed.tree.flexibility, condensed.viscous, condensed.loss_factor)
+        own_slopes = (slopes.flexibility, slopes.viscous, slopes.loss_factor)
+        total = (by.inertia * self.tree.moving_inertia[:, None]).T @ slopes.inertia
+        total = total + _compliance_terms(by.compliance, w, own, own_slopes)
+        total += _compliance_terms(by.chord, w, self.chords, tuple(slopes.closing))
+
+        # What acts, and what damps to ground, have slopes of their own at every speed.
+        speeds = np.searchsorted(self.forms.speed, self.forms.curves[curve].speed)
+        for figure, by_row in enumerate(self.acting_slopes[..., speeds]):
+            for derivative, rows, row_slopes in zip(
+                (by.ground_damping, by.force, by.twist, by.chord_twist),
+                acting,
+                self.forms.blocks(by_row, curve),
+                strict=True,
+            ):
+                total[:, figure] += (derivative * rows * row_slopes).sum(axis=0)
+        return np.asarray(total / self._value(curve)[:, None])
+
+    def _response(self, curve: int) -> tuple[TreeResponse, dict[str, Any], tuple[Numbers, ...]]:
+        """Return the response at the points of a curve, what it was computed with, and what acts."""
+        if curve not in self.responses:
+            measured = self.forms.curves[curve]
+            w = float(measured.order) * measured.speed
+            speeds = np.searchsorted(self.forms.speed, measured.speed)
+            acting = self.forms.blocks(self.acting[:, speeds], curve)
+            ground, force, twist, loop_twist = acting
+            condensed = self.system.condensed
+            elastic = condensed.tree.flexibility, condensed.viscous, condensed.loss_factor
             given: dict[str, Any] = {
-                "ground_damping": self.rows[OWN][:, at].real,
-                "compliance": complex_compliance(self.flexibility, self.viscous, self.loss, w),
+                "ground_damping": ground.real,
+                "compliance": complex_compliance(*elastic, w),
             }
             chords = None
             if len(loop_twist):
-                compliance = complex_compliance(self.chords[0], self.chords[1], self.chords[2], w)
-                chords = Chords(*self.ends, compliance, loop_twist)
-                found = looped_response(self.tree, chords, w, force, twist=twist, **given)
+                chords = Chords(*self.ends, complex_compliance(*self.chords, w), loop_twist)
+                response = looped_response(self.tree, chords, w, force, twist=twist, **given)
             else:
-                found = tree_response(self.tree, w, force, twist=twist, **given)
-            self.responses[place] = found, given | {"w": w, "chords": chords}, acting
-        found, given, acting = self.responses[place]
-        return found, dict(given), acting
+                response = tree_response(self.tree, w, force, twist=twist, **given)
+            self.responses[curve] = response, given | {"w": w, "chords": chords}, acting
+        response, given, acting = self.responses[curve]
+        return response, dict(given), acting
+
+
+def _compliance_terms(
+    by: ComplexArray, w: FloatArray, own: Sequence[FloatArray], slopes: Sequence[Numbers]
+) -> ComplexArray:
+    """Return the sum (points, figures) over spans of flexibility, damper and loss factor `own`; none of rigid spans.
+
+    by: slopes (spans, points) by the complex compliance; slopes: (spans, figures) of the logarithms of `own`.
+    """
+    flexibility, viscous, loss = own
+    moves = (flexibility > 0.0)[:, None]
+    stiffness = 1.0 / np.where(flexibility > 0.0, flexibility, 1.0)
+    by_stiffness, by_loss, by_viscous = compliance_slopes(
+        stiffness, viscous, loss, 1j * w.astype(np.complex128)
+    )
+    terms = -by_stiffness, by_viscous * viscous[:, None], by_loss * loss[:, None]
+    return np.asarray(
+        sum(
+            np.where(moves, by * term, 0.0).T @ row for term, row in zip(terms, slopes, strict=True)
+        )
+    )

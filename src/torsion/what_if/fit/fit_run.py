@@ -1,14 +1,13 @@
 """A fit: the figures of a file, each with what is known of it beforehand, that agree best with measurements."""
 
 from collections.abc import Iterator, Sequence
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Fault, InputError
 from torsion.findings import Progress, Work
 from torsion.kernels.fitting import FARTHEST, Fitted, fitted, identified
 from torsion.results import listed
@@ -32,7 +31,6 @@ FAR = 2.0  # deviations that a figure may move without a remark
 CURVE_POINTS = 201
 USUAL_STEPS = 10  # of a search, of which there is one and two for each figure
 DIGITS = 7  # of a factor in the fitted file
-AS_READ = 1e-6  # deviations of a measurement, by which closed forms may miss the file read with the same figures
 SHOWN = 4  # of one in words
 
 
@@ -50,9 +48,6 @@ def run(work: Work) -> None:
         train = Train(variation, resolved_for(system, made), made, count)
         problem = Problem(train, settings, work.progress)
         found = problem.fitted()
-        if train.closed is not None and not problem.is_as_read(found):
-            problem = Problem(train.by_reading(), settings, work.progress)
-            found = problem.fitted()
         deviation = problem.deviation
         values = [float(f"{value:.{DIGITS}g}") for value in np.exp(found.values * deviation)]
         solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
@@ -92,18 +87,6 @@ class Problem:
     def fitted(self) -> Fitted:
         """The least sum of squares."""
         return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
-
-    def is_as_read(self, found: Fitted) -> bool:
-        """The file with the figures of every minimum gives the residuals of that minimum."""
-        other = copy(self)
-        other.train = self.train.by_reading()
-        try:
-            return all(
-                np.abs(other.residual(one.values) - one.residual).max() < AS_READ
-                for one in found.minima
-            )
-        except SolveError:
-            return False
 
     def residual(self, values: FloatArray) -> FloatArray:
         """(measurements,) of figures (figures,)."""

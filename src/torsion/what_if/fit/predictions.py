@@ -16,7 +16,7 @@ from torsion.assembly.system import System
 from torsion.errors import InputError, SolveError
 from torsion.kernels.tree_response import Status
 from torsion.study import Study, Variation
-from torsion.what_if.fit.closed_forms import closed_forms, no_value, spot
+from torsion.what_if.fit.closed_forms import closed_forms, no_value, target_position
 from torsion.what_if.fit.measurements import Curve
 
 STEP = 1e-5  # of the logarithm of a factor: a central difference errs by some 1e-10 of its square and 1e-11 of rounding
@@ -31,7 +31,7 @@ class Train:
         self.variation, self.curves, self.count = variation, curves, count
         self.system = system  # of the file, as finely as all that was measured needs
         self._known = lru_cache(maxsize=64)(self._read)
-        self.closed = closed_forms(variation, system, curves, count, self._assembled)
+        self.closed = closed_forms(variation, system, curves, count)
 
     def by_reading(self) -> "Train":
         """The same with its file read again for all figures."""
@@ -67,7 +67,7 @@ class Train:
         """(modes,) Hz of these."""
         if self.closed is None:
             return self.modes(factors).frequency
-        return np.asarray(self.closed.at(tuple(factors)).modes.frequency / (2.0 * math.pi))
+        return np.asarray(self.closed.evaluated(tuple(factors)).modes.frequency / (2.0 * math.pi))
 
     def amplitudes(
         self, factors: Sequence[float], curve: Curve, speed: FloatArray | None = None
@@ -80,8 +80,8 @@ class Train:
         if (found.status[:, line] == Status.SINGULAR).any():
             raise no_value(curve)
         if curve.quantity == "torque":
-            return found.torque[:, line, spot(system, curve)]
-        angle = found.angle[:, line, spot(system, curve)]
+            return found.torque[:, line, target_position(system, curve)]
+        angle = found.angle[:, line, target_position(system, curve)]
         return (
             angle * (2j * math.pi * found.frequency[:, line])
             if curve.quantity == "speed"
@@ -92,7 +92,7 @@ class Train:
         """ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
         found = [np.log(self.frequencies(factors)[list(numbers)])] if len(numbers) else []
         for place, curve in enumerate(self.curves):
-            closed = None if self.closed is None else self.closed.at(tuple(factors))
+            closed = None if self.closed is None else self.closed.evaluated(tuple(factors))
             values = np.log(
                 self.amplitudes(factors, curve) if closed is None else closed.amplitude(place)
             )
@@ -117,7 +117,7 @@ class Train:
         if self.curves and self.closed is None:
             found.append(self._differences(logs, lambda factors: self.logarithms(factors, ()), 0))
         elif self.closed is not None:
-            closed = self.closed.at(tuple(np.exp(logs).tolist()))
+            closed = self.closed.evaluated(tuple(np.exp(logs).tolist()))
             for place, curve in enumerate(self.curves):
                 slopes = closed.amplitude_slopes(place)
                 found += [slopes.real, slopes.imag] if curve.has_phase else [slopes.real]
@@ -130,7 +130,7 @@ class Train:
         one (Rayleigh 1877, 1, art. 90).
         """
         if self.closed is not None:
-            return self.closed.at(tuple(np.exp(logs).tolist())).mode_slopes(numbers)
+            return self.closed.evaluated(tuple(np.exp(logs).tolist())).mode_slopes(numbers)
         each = list(numbers)
         moved = [
             [self._known(tuple(np.exp(ends).tolist()))[1] for ends in pair]

@@ -14,10 +14,10 @@ from torsion.what_if.sweep.sweep_points import Points
 from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.sweep.sweep_summary import summed
 from torsion.what_if.variants.chunks import Chunk, Pace, Part, chunks, duration, joined
+from torsion.what_if.variants.frequencies import frequencies
 from torsion.what_if.variants.one_by_one import Answers, solved
-from torsion.what_if.variants.side_by_side import frequencies, together
 
-JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 65536  # variants of a kept chunk
+JUDGED_AT_ONCE, FREQUENCIES_AT_ONCE = 16, 16384  # variants of a chunk that is kept
 MOST_CHUNKS = 4096  # of variants that are judged
 
 
@@ -43,15 +43,11 @@ def run(work: Work) -> None:
 
 def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
     """The chunks of a sweep, which follow from its file alone; where nobody keeps them one of what fits the memory."""
-    judged = work.settings("sweep", SweepSettings).judges(work.study)
-    points = _points(work, variation)
-    count = points.count
-    if work.answered is None and (judged or count <= TOGETHER_AT_ONCE):
-        return chunks(count, count)
-    if judged:
-        return chunks(count, max(JUDGED_AT_ONCE, count // MOST_CHUNKS))
-    _, alone = together(work, variation, points.values(slice(0, 2)), _modes(work))
-    return chunks(count, ALONE_AT_ONCE if alone.size else TOGETHER_AT_ONCE)
+    count = _points(work, variation).count
+    if not work.settings("sweep", SweepSettings).judges(work.study):
+        return chunks(count, FREQUENCIES_AT_ONCE)
+    in_turn = work.answered is None
+    return chunks(count, count if in_turn else max(JUDGED_AT_ONCE, count // MOST_CHUNKS))
 
 
 def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:

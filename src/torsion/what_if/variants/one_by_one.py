@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.columns import NotInColumns
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.processes import shared_out
@@ -133,18 +134,21 @@ def solved(
     if solve is None or not columns:
         return answers
     only = analyses_of_variant(work, judged=judged)
+    rows = values[columns]
+    try:
+        study_of = variation.studies(variation.in_columns(rows))
+    except NotInColumns:
+        study_of = lambda variant: variation.study(rows[variant].tolist())  # noqa: E731
 
-    def answer_of(row: Sequence[float]) -> Answer:
+    def answer_of(variant: int) -> Answer:
         try:
-            study = variation.study(row)
+            study = study_of(variant)
             return Answer.of(solve(study if judged else replace(study, rules=()), only=only))
         except (InputError, SolveError) as error:
             return Answer(np.empty(0), fault=reason(error))
 
-    rows = values[columns].tolist()
-    for number, (column, answer) in enumerate(
-        zip(columns, shared_out(answer_of, rows), strict=True), start=1
-    ):
+    found = shared_out(answer_of, range(len(rows)))
+    for number, (column, answer) in enumerate(zip(columns, found, strict=True), start=1):
         answers.keep(column, answer)
         work.progress(f"variant {number} of {len(rows)}", number / len(rows))
     return answers

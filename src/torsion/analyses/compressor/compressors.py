@@ -1,8 +1,18 @@
-"""What is found of a reciprocating compressor: balance of mean torque, its ends, harmonics of its throws."""
+"""Reciprocating compressors of the train: balance of torque, pressures of their ends, harmonics of their throws."""
 
+import math
+
+import numpy as np
+
+from torsion.analyses.engine.engine_analysis import VARYING, running_point, varying_inertia
 from torsion.analyses.engine.engine_results import VaryingInertia
 from torsion.arrays import FloatArray
+from torsion.findings import Work
+from torsion.model.compressor.record import CompressorRecord, ThrowRecord
+from torsion.model.lowering import Part
 from torsion.results import derived, reported, result
+
+DRAWN = 361  # points of the effort over a revolution
 
 
 @reported
@@ -33,7 +43,7 @@ class ThrowHarmonic:
 
     @derived("N*m", (), "of gas and masses together")
     def total(self) -> complex:
-        """Their sum."""
+        """Phasor of the whole torque of the order."""
         return self.gas + self.masses
 
 
@@ -87,7 +97,7 @@ class CompressorFound:
 
     @derived("N*m", (), "torque at the shaft that the pressures need: indicated / efficiency")
     def needed(self) -> float:
-        """That of the pressures."""
+        """Torque at the shaft that the pressures need."""
         return self.indicated / self.efficiency
 
 
@@ -96,3 +106,76 @@ class Compressors:
     """The reciprocating compressors of the train."""
 
     each: tuple[CompressorFound, ...] = result("", (), "in the order of the train", key="")
+
+
+def run(work: Work) -> None:
+    """Put the results of every compressor."""
+    with work.log.step("compressors", "the train has one") as step:
+        compressors = tuple(
+            _compressor(work, part, part.compressor)
+            for part in work.study.train.parts
+            if part.compressor
+        )
+        step.method = "harmonics by quadrature over the pieces of the pressures"
+        count = sum(len(compressor.throws) for compressor in compressors)
+        step.size = f"{len(compressors)} with {count} throws"
+        work.put(compressors=Compressors(compressors))
+
+
+def _compressor(work: Work, part: Part, record: CompressorRecord) -> CompressorFound:
+    speed, torque = running_point(work, part, {throw.station for throw in record.throws})
+    turned: FloatArray = np.linspace(0.0, 2.0 * math.pi, DRAWN)
+    order = np.arange(len(record.throws[0].gas))
+    phasors = np.array([[throw.phasor(k) for k in order.tolist()] for throw in record.throws])
+    harmonics = np.array(
+        [throw.gas + throw.inertia * (speed or 0.0) ** 2 for throw in record.throws]
+    )
+    harmonics = harmonics * phasors  # (throws, orders) N m
+    inertias = [
+        (throw.station, throw.inertia_over_angle[1 : VARYING + 1] * phase[1 : VARYING + 1])
+        for throw, phase in zip(record.throws, phasors, strict=True)
+    ]
+    return CompressorFound(
+        name=part.name,
+        speed=speed,
+        indicated=-float(sum(throw.gas[0].real for throw in record.throws)),
+        efficiency=record.efficiency,
+        mean_torque=None if torque is None else -torque,
+        throws=tuple(_throw(work, throw, speed) for throw in record.throws),
+        rigid=tuple(harmonics.sum(axis=0)[1:].tolist()),
+        turned=turned,
+        effort=-(harmonics @ np.exp(1j * np.outer(order, turned))).real,
+        varying=tuple(varying_inertia(work, inertias)),
+        words=record.words,
+    )
+
+
+def _throw(work: Work, throw: ThrowRecord, speed: float | None) -> ThrowFound:
+    ends = []
+    for end in throw.ends:
+        torque = -float(end.torque[0].real)
+        ends.append(
+            EndFound(
+                end=end.end,
+                given=end.given,
+                area=end.cylinder.area,
+                clearance=end.clearance,
+                imep=end.cylinder.imep(torque),
+                power=None if speed is None else torque * speed,
+                angle=end.diagram.angle,
+                pressure=end.diagram.pressure,
+            )
+        )
+    masses = throw.inertia * (speed or 0.0) ** 2
+    return ThrowFound(
+        number=throw.number,
+        station=work.system.stations[throw.station].name,
+        angle=throw.angle,
+        mean_torque=-float(throw.gas[0].real),
+        inertia=float(throw.inertia_over_angle[0].real),
+        ends=tuple(ends),
+        harmonics=tuple(
+            ThrowHarmonic(order, complex(throw.gas[order]), complex(masses[order]))
+            for order in range(1, len(throw.gas))
+        ),
+    )

@@ -1,0 +1,166 @@
+"""A parameter with a value for every variant, which takes part in the lowering of components as one number does.
+
+The components of a file take a `Column` where they take a number, so that `lower` itself says how a parameter enters
+the train. A column is no float: what cannot take one (`float`, `math.sqrt`, an array, a comparison that variants answer
+differently) raises an error, and the file is then read for each variant. Nothing is dropped silently.
+"""
+
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+
+class NotInColumns(Exception):
+    """The variants are not one train with other numbers; the file has to be read for each of them."""
+
+
+def _operation(apply: Callable[[Any, Any], Any], *, reflected: bool = False) -> Any:
+    def method(column: "Column", other: object) -> Any:
+        if not isinstance(other, int | float | complex | Fraction | Column):
+            return NotImplemented
+        left, right = column.values, plain(other)
+        return Column(apply(right, left) if reflected else apply(left, right))
+
+    return method
+
+
+def _comparison(compare: Callable[[Any, Any], Any]) -> Any:
+    def method(column: "Column", other: object) -> Any:
+        if not isinstance(other, int | float | complex | Fraction | Column):
+            return NotImplemented
+        # The imaginary part is the step of a slope, no number of the file.
+        return _common_answer(compare(np.real(column.values), np.real(plain(other))))
+
+    return method
+
+
+def _common_answer(answers: np.ndarray) -> bool:
+    if answers.any() != answers.all():
+        raise NotInColumns("the variants answer a question of the lowering differently")
+    return bool(answers.all())
+
+
+class Column:
+    """Values of one parameter, (variants,) real or complex; + - * / ** and comparisons work as on a number."""
+
+    __slots__ = ("values",)
+    __array_ufunc__ = None  # numpy leaves mixed operations to this class
+    __hash__ = object.__hash__
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values = values
+
+    def __repr__(self) -> str:
+        return f"Column of {len(self.values)} values"
+
+    def __array__(self, *_: object, **__: object) -> np.ndarray:
+        raise TypeError("a column is not an element of an array")
+
+    def __bool__(self) -> bool:
+        return _common_answer(self.values != 0.0)
+
+    def __neg__(self) -> "Column":
+        return Column(-self.values)
+
+    def __abs__(self) -> "Column":
+        return -self if self < 0.0 else self
+
+    __add__, __radd__ = _operation(operator.add), _operation(operator.add, reflected=True)
+    __sub__, __rsub__ = _operation(operator.sub), _operation(operator.sub, reflected=True)
+    __mul__, __rmul__ = _operation(operator.mul), _operation(operator.mul, reflected=True)
+    __truediv__ = _operation(operator.truediv)
+    __rtruediv__ = _operation(operator.truediv, reflected=True)
+    __pow__, __rpow__ = _operation(operator.pow), _operation(operator.pow, reflected=True)
+    __lt__, __le__ = _comparison(operator.lt), _comparison(operator.le)
+    __gt__, __ge__ = _comparison(operator.gt), _comparison(operator.ge)
+    __eq__, __ne__ = _comparison(operator.eq), _comparison(operator.ne)
+
+
+def plain(value: Any) -> Any:
+    """Return what numpy takes: the values of a column, a float in place of a fraction.
+
+    >>> plain(2.0 * Column(np.array([1.0, 1.5]))), plain(Fraction(1, 2))
+    (array([2., 3.]), 0.5)
+    """
+    if isinstance(value, Column):
+        return value.values
+    return float(value) if isinstance(value, Fraction) else value
+
+
+def field_names(record: Any) -> list[str]:
+    """Return the fields of a dataclass or a declaration; none of anything else."""
+    if is_dataclass(record):
+        return [field.name for field in fields(record)]
+    return list(getattr(type(record), "model_fields", ()))
+
+
+def copied(record: Any, **values: Any) -> Any:
+    """Return a record, a dataclass or a declaration, with other values of its fields."""
+    if is_dataclass(record) and not isinstance(record, type):
+        return replace(record, **values)
+    copy = record.model_copy(update=values)
+    # `model_copy` keeps what cached properties computed from the old values.
+    for name in vars(copy).keys() - type(copy).model_fields.keys():
+        del vars(copy)[name]
+    return copy
+
+
+Picker = Callable[[int], Any]
+
+
+def picker(value: Any) -> Picker | None:
+    """Return the function from the number of a variant to the record with its numbers; None without columns.
+
+    >>> picker((1.0, Column(np.array([2.0, 3.0]))))(1)
+    (1.0, 3.0)
+    """
+    if isinstance(value, Column):
+        return lambda variant: value.values[variant].item()
+    if isinstance(value, Mapping):
+        inner = {key: pick for key, item in value.items() if (pick := picker(item))}
+        return (lambda variant: {**value, **_picked(inner, variant)}) if inner else None
+    if isinstance(value, tuple):
+        places = {place: pick for place, item in enumerate(value) if (pick := picker(item))}
+        make = getattr(type(value), "_make", tuple)
+        return (lambda variant: make(_replaced(value, places, variant))) if places else None
+    if isinstance(value, type):
+        return None
+    named = {name: pick for name in field_names(value) if (pick := picker(getattr(value, name)))}
+    return (lambda variant: copied(value, **_picked(named, variant))) if named else None
+
+
+def _picked(pickers: Mapping[Any, Picker], variant: int) -> dict[Any, Any]:
+    return {key: pick(variant) for key, pick in pickers.items()}
+
+
+def _replaced(values: tuple[Any, ...], pickers: Mapping[int, Picker], variant: int) -> list[Any]:
+    return [
+        pickers[place](variant) if place in pickers else value for place, value in enumerate(values)
+    ]
+
+
+def joined(alternatives: list[Any], combine: Callable[[np.ndarray], np.ndarray]) -> Any:
+    """Return one record of alternatives that differ in numbers, each of which becomes a column.
+
+    combine: from a number of all alternatives (alternatives,) to its values (variants,). Texts of origin (`source`,
+    `note`) may differ; NotInColumns is raised if anything else does.
+
+    >>> joined([(1.0, 2.0), (1.0, 3.0)], lambda numbers: numbers[[1, 0, 1]])[1].values
+    array([3., 2., 3.])
+    """
+    first, kinds = alternatives[0], {type(item) for item in alternatives}
+    if len(kinds) == 1 and all(item is first or item == first for item in alternatives):
+        return first
+    if kinds == {float}:
+        return Column(combine(np.array(alternatives)))
+    if kinds == {tuple} and len({len(item) for item in alternatives}) == 1:
+        return tuple(joined(list(items), combine) for items in zip(*alternatives, strict=True))
+    names = [name for name in field_names(first) if name not in ("source", "note")]
+    if len(kinds) > 1 or not names:
+        raise NotInColumns("alternatives differ in more than their numbers")
+    values = {name: [getattr(item, name) for item in alternatives] for name in names}
+    return copied(first, **{name: joined(items, combine) for name, items in values.items()})

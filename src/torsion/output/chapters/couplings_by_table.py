@@ -1,0 +1,283 @@
+"""Chapters: couplings and dampers whose stiffness follows a table or law, and what follows over the speed."""
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from torsion.analyses.modes.coupling_tables import CouplingTables
+from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
+from torsion.analyses.response.vibratory_torques import VibratoryTorque, VibratoryTorques
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.figures.coupling_table import coupling_table
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
+from torsion.output.figures.ranges import SPEED
+from torsion.output.numbers import RPM, given, number, rpm, scale
+
+LINEAR = "Stiffness k and loss factor η are interpolated linearly between the points of a table."
+BEYOND = {True: "constant outside the table", False: "not computed outside the table"}
+BY_FREQUENCY = (
+    "Every harmonic component has k and η at its frequency. Every mode has k at its natural frequency and its"
+    " own Holzer table. These modes are not orthogonal. On every interval of a table d ln k/d ln ω is at most"
+    " {}. Below 2 every mode has exactly one frequency, which Sturm counts prove."
+)
+BY_TORQUE = (
+    "A table over mean torque gives the tangent stiffness. Every speed has k at its mean torque. Modes have k"
+    " at {} rpm."
+)
+BY_VIBRATION = (
+    "A table over vibratory torque gives k and η at the total torque amplitude of each speed. Modes have the "
+    "first stiffness of the table (small vibration)."
+)
+LOSS = (
+    "The modal loss factor is the sum of elastic energy share times loss factor over all components. The "
+    "damping ratio is about half of it."
+)
+NO_COMPLEX = " A table gives k and η only at real frequencies. Complex modes are not computed."
+LAW = (
+    "A viscoelastic law holds at every complex s. Harmonic components use K(iω) = k (1 + iη), modes use k(ω),"
+    " and damped modes use K(s) with one state for each relaxing term. The points below are samples of the "
+    "law. In N m/rad:"
+)
+AXES = {
+    "frequency": Axis("frequency", "Hz"),
+    "mean torque": Axis("mean torque of the coupling", "N m"),
+    "vibratory torque": Axis("vibratory torque of the coupling", "N m"),
+}
+MOST_SPEEDS, MOST_MODES = 13, 8  # of the table of frequencies
+OVER_SPEED = (
+    "Every coupling with a table over mean torque has the tangent stiffness at the mean torque of each speed."
+    " The natural frequencies therefore depend on the speed, and an order can have no, one or several "
+    "critical speeds. The program searches the speed range."
+)
+OF_PENDULUMS = (
+    "The restoring force of a pendulum grows with the square of the speed. The natural frequencies therefore "
+    "depend on the speed. The program searches the speed range for critical speeds."
+)
+WARMING = (
+    "A coupling softens with temperature, and its power loss depends on its stiffness. At thermal equilibrium"
+    " the coupling loses as much heat as it generates. The table lists all equilibria up to the permissible "
+    "temperature. A run-up reaches the lowest; a coast-down can stay at the highest. Without a stable "
+    "equilibrium above the last unstable one, the coupling overheats. Each coupling is computed with the "
+    "others cold. All other results are for cold couplings."
+)
+VIBRATING = (
+    "At every speed the stiffness and the loss factor follow from the total torque amplitude T, which depends"
+    " on them. The program finds all solutions T of every interval of the table. The report shows the largest"
+    " solution, and every check uses the worst. The residual compares T with the amplitude of the whole train"
+    " at this stiffness. If it stays above 10⁻⁹ or T does not converge, no check passes at this speed."
+)
+MOST_VIBRATING = 9  # speeds evenly through the range, besides those that matter
+
+
+def input_and_modes(findings: Findings) -> Iterator[Block]:
+    """Yield tables and laws as given, their curves, and their values at the modes."""
+    result = findings.need(CouplingTables)
+    yield Heading("Couplings and dampers with tables or laws")
+
+    tables = result.tables
+    linear = [f"{law.coupling}: {BEYOND[law.holds]}" for law in tables if law.law is None]
+    if linear:
+        yield Paragraph(f"{LINEAR} {'; '.join(linear)}.")
+    for law in (law for law in tables if law.law is not None and not law.is_complex):
+        yield Paragraph(f"{law.coupling}: {law.law}.")
+    if laws := [f"{law.coupling}: {law.law}" for law in tables if law.is_complex]:
+        yield Paragraph(f"{LAW} {'; '.join(laws)}.")
+    if steepest := [law.steepest for law in tables if law.over == "frequency"]:
+        yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
+    if result.speed is not None:
+        yield Paragraph(BY_TORQUE.format(rpm(result.speed)))
+    if any(law.over == "vibratory torque" for law in tables):
+        yield Paragraph(BY_VIBRATION)
+
+    yield table(
+        "< Coupling -> | < Over -> | At -> | k own [N m/rad]:8g -> k | Loss factor η:8g -> η | "
+        "Viscous c [N m s/rad]:8g",
+        [
+            (
+                law.coupling,
+                law.over,
+                f"{given(x, 8)} {AXES[law.over].unit}",
+                k,
+                eta or None,
+                c or None,
+            )
+            for law in tables
+            for x, k, eta, c in np.transpose([law.at, law.stiffness, law.loss_factor, law.viscous])
+        ],
+        "Couplings and dampers with tables: input data",
+    )
+    for place, law in enumerate(tables, 1):
+        unit = scale("N m/rad", law.stiffness.tolist())
+        marks = [
+            (
+                mode.frequency,
+                mode.stiffness * unit.factor,
+                f"mode {mode.mode}: {number(mode.frequency)} Hz",
+            )
+            for mode in result.at_modes
+            if mode.coupling == law.coupling
+            and law.over == "frequency"
+            and law.at[0] <= mode.frequency <= law.at[-1]
+        ]
+        axis = AXES[law.over]
+        yield coupling_table(
+            f"coupling-table-{place}",
+            f"{law.coupling}: stiffness and loss factor over {axis.quantity}",
+            over=axis,
+            at=np.asarray(law.at),
+            stiffness=law.stiffness * unit.factor,
+            unit=unit.unit,
+            loss_factor=law.loss_factor,
+            modes=marks,
+        )
+
+    if result.at_modes:
+        yield Paragraph(LOSS + NO_COMPLEX * any(not law.is_complex for law in tables))
+        yield table(
+            "Mode -> | Frequency [Hz]:7 -> Hz | < Component -> | k own [N m/rad]:7 -> k | Loss factor η -> η | "
+            "Share of the elastic energy [%]:4 -> share, % | Modal loss factor of the train -> modal η",
+            [
+                (
+                    mode.mode,
+                    mode.frequency,
+                    mode.coupling,
+                    mode.stiffness,
+                    mode.loss_factor,
+                    mode.share,
+                    result.modal_loss_factor[mode.mode - 1],
+                )
+                for mode in sorted(result.at_modes, key=lambda mode: mode.mode)
+            ],
+            "Couplings and dampers with tables: values at the modes",
+        )
+
+
+def frequencies(findings: Findings) -> Iterator[Block]:
+    """Yield the natural frequencies at speeds evenly through the range."""
+    result = findings.need(FrequenciesOverSpeed)
+    couplings, modes = result.couplings, result.frequency[:MOST_MODES]
+    yield Heading("Frequencies over the speed")
+    yield Paragraph(OVER_SPEED if couplings else OF_PENDULUMS)
+    chosen = np.linspace(0, len(result.speed) - 1, MOST_SPEEDS).round().astype(int)
+    columns = [result.speed]
+    columns += chain.from_iterable((coupling.torque, coupling.stiffness) for coupling in couplings)
+    titles = ["Speed [rpm] -> rpm"]
+    titles += [
+        f"Mean torque of {coupling.coupling} [~N m] | k of {coupling.coupling} [N m/rad]:7"
+        for coupling in couplings
+    ]
+    titles += [f"Mode {mode} [Hz]:7" for mode in range(1, len(modes) + 1)]
+    yield table(
+        " | ".join(titles),
+        np.transpose([*columns, *modes])[np.unique(chosen)],
+        "Natural frequencies over the speed",
+    )
+
+
+def temperatures(findings: Findings) -> Iterator[Block]:
+    """Yield the equilibria of every coupling that warms, and its temperatures over the speed."""
+    couplings = findings.need(CouplingTemperatures).each
+    yield Heading("Temperatures of couplings")
+    yield Paragraph(WARMING)
+    for coupling in couplings:
+        hot = coupling.speed[np.isnan(coupling.highest)]
+        if hot.size:
+            text = f"{coupling.coupling} overheats at {hot.size} of {coupling.speed.size} speeds, from "
+            yield Paragraph(f"{text}{rpm(float(hot[0]))} to {rpm(float(hot[-1]))} rpm.", "note")
+    yield table(
+        "< Coupling -> | Speed [rpm] -> rpm | Temperature [°C]:6 -> °C | Power loss [W] -> W | "
+        "k own [N m/rad]:7 | Loss factor η | < Equilibrium -> is",
+        [
+            (
+                coupling.coupling,
+                state.speed,
+                state.temperature,
+                state.heat,
+                state.stiffness,
+                state.loss_factor,
+                "stable" if state.is_stable else "unstable",
+            )
+            for coupling in couplings
+            for state in coupling.equilibria
+        ],
+        "Equilibrium temperatures of couplings, at the worst speed and at speeds with several equilibria",
+        short="Temperatures of couplings",
+    )
+    for place, coupling in enumerate(couplings, 1):
+        curves = ("lowest", coupling.lowest), ("highest", coupling.highest)
+        panel = Panel(
+            SPEED,
+            Axis("temperature", "°C", low=min(0.0, coupling.surroundings)),
+            tuple(
+                Line(name, coupling.speed * RPM, curve, k) for k, (name, curve) in enumerate(curves)
+            ),
+            (
+                Level("permissible", coupling.permissible, is_reached=True),
+                Level("surroundings", coupling.surroundings, "pale"),
+            ),
+        )
+        caption = f"{coupling.coupling}: equilibrium temperatures"
+        yield Figure(f"coupling-temperature-{place}", caption, (panel,))
+
+
+def vibratory_torques(findings: Findings) -> Iterator[Block]:
+    """Yield every coupling over vibratory torque at its worst speed, through the range, and with several solutions."""
+    couplings = findings.need(VibratoryTorques).each
+    yield Heading("Couplings with a table over vibratory torque")
+    yield Paragraph(VIBRATING)
+    for coupling in couplings:
+        if lost := int(np.count_nonzero(~coupling.settled)):
+            text = f"{coupling.coupling}: {lost} of {coupling.speed.size} speeds did not converge."
+            yield Paragraph(text, "note")
+    yield table(
+        "< Coupling -> | Speed [rpm] -> rpm | T [~N m] -> T | Solutions -> solutions | Smallest [~N m] | "
+        "k own [N m/rad]:7 -> k | Loss factor η -> η | Residual:2 | Rounds | < Status",
+        [
+            (
+                coupling.coupling,
+                coupling.speed[k],
+                coupling.torque[k],
+                coupling.number[k],
+                coupling.smallest[k],
+                coupling.stiffness[k],
+                coupling.loss_factor[k],
+                coupling.residual[k],
+                coupling.rounds[k],
+                "converged" if coupling.settled[k] else "not converged",
+            )
+            for coupling in couplings
+            for k in _telling_speeds(coupling)
+        ],
+        "Couplings with a table over vibratory torque, at the worst speeds and over the range",
+        short="Couplings with a table over vibratory torque",
+    )
+    for place, coupling in enumerate(couplings, 1):
+        torque, stiffness = (
+            scale(unit, values.tolist())
+            for unit, values in (("N m", coupling.torque), ("N m/rad", coupling.stiffness))
+        )
+        speed = coupling.speed * RPM
+        lines = [Line("largest solution", speed, coupling.torque * torque.factor, 0)]
+        if (coupling.number > 1).any():
+            lines.append(Line("smallest solution", speed, coupling.smallest * torque.factor, 1))
+        curve = Line("k", speed, coupling.stiffness * stiffness.factor, 0)
+        yield Figure(
+            f"coupling-vibration-{place}",
+            f"{coupling.coupling}: total vibratory torque and stiffness",
+            (
+                Panel(SPEED, Axis("total vibratory torque", torque.unit, low=0.0), tuple(lines)),
+                Panel(SPEED, Axis("stiffness", stiffness.unit, low=0.0), (curve,)),
+            ),
+        )
+
+
+def _telling_speeds(coupling: VibratoryTorque) -> list[int]:
+    """Return speeds through the range, the worst, the ends of those with several solutions, the first without any."""
+    count = coupling.speed.size
+    through = np.linspace(0, count - 1, min(MOST_VIBRATING, count)).round().astype(int)
+    several, lost = np.flatnonzero(coupling.number > 1), np.flatnonzero(~coupling.settled)
+    marked = [*through, *several[:1], *several[-1:], *lost[:1], int(np.argmax(coupling.torque))]
+    return sorted({int(k) for k in marked})

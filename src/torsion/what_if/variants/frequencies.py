@@ -1,0 +1,160 @@
+"""Natural frequencies of variants that differ in numbers alone, all at once, from a train in columns."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.analyses.discretisation import highest_excited
+from torsion.analyses.undamped_modes import modes, undamped_tree
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly import as_divided, of_train
+from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
+from torsion.assembly.system import System
+from torsion.columns import NotInColumns, plain
+from torsion.errors import InputError, SolveError
+from torsion.findings import Work
+from torsion.primitives import Bar
+from torsion.study import Variation
+from torsion.train import Train
+from torsion.what_if.variants.one_by_one import Answers, reason, solved
+from torsion.what_if.variants.train_rows import chord_rows, distributed_factors, rows_on_tree
+
+ROUNDS = 3  # with the segments that lumped shafts have for the last mode of a variant
+ONE_SEGMENT = 4.0 * SHARE_OF_ERROR  # relative, over segments: as far may one segment move a mode
+FEW = 16  # variants with the same segments: fewer are sooner solved separately
+
+
+def frequencies(
+    work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1
+) -> Answers:
+    """Return the `count` lowest frequencies of variants (variants, figures): all at once if possible.
+
+    Variants of another layout, and all if there are fewer than `least`, are solved separately.
+    """
+    answers = Answers.unknown(count, len(values))
+    for places, rows, numbers in _groups(variation, values) if count else ():
+        if len(places) < least or "system" not in work.results:
+            continue
+        try:
+            group = variation.fixed(rows) if rows else variation
+            train = group.in_columns(numbers)
+            system = of_train(work.system, group.base.train)
+            highest = highest_excited(work.study, work.system, work.ruled)
+            answers.frequency[:, places] = certified(system, train, len(places), count, highest)
+        except (NotInColumns, SolveError):
+            continue
+        except InputError as error:
+            answers.faults.update(dict.fromkeys(places.tolist(), reason(error)))
+
+    unknown = np.flatnonzero(np.isnan(answers.frequency).any(axis=0))
+    left = np.setdiff1d(unknown, list(answers.faults))
+    if not count or left.size == len(values):
+        left, answers.method = np.arange(len(values)), "every variant solved separately"
+    else:
+        separate = f"; {left.size} variant{'s' * (left.size > 1)} solved separately" * (
+            left.size > 0
+        )
+        answers.method = f"frequencies of all variants at once, each certified by counts{separate}"
+    return solved(work, variation, values, count, judged=False, known=answers, places=left.tolist())
+
+
+def _groups(
+    variation: Variation, values: FloatArray
+) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
+    """Yield the places of variants of one layout, the rows of lists that they have, and the values of other figures.
+
+    All variants are one group unless the rows of a list differ in more than numbers.
+    """
+    try:
+        variation.in_columns(values)
+    except NotInColumns:
+        yield from variation.by_rows(values)
+    else:
+        yield np.arange(len(values)), {}, values
+
+
+def certified(
+    system: System, train: Train, variants: int, count: int, highest: float = 0.0
+) -> FloatArray:
+    """Return frequencies (count, variants) Hz of a train in columns by the kernels of many trains.
+
+    system: of one of the variants. Lumped shafts are divided as for every variant alone, for its last mode and for
+    `highest` (Hz); NaN for variants of which few have these segments, or that are near a change of them. Raises
+    NotInColumns, and SolveError as the kernels do.
+    """
+    if system.tables:
+        raise NotInColumns("a stiffness follows a table")
+    base = modes(system, count).system.whole
+    if base.bars is not None:
+        return _as_divided(base, train, variants, count)
+    found = np.full((count, variants), np.nan)
+    refined = tuple(bar for bar in train.bars if is_refined(bar))
+    travel = np.array([_travel(bar) + np.zeros(variants) for bar in refined])
+    more = np.array([excess(bar) for bar in refined], dtype=float).reshape(-1, 1)
+    waiting = {tuple(base.segments[bar.name] for bar in refined): np.arange(variants)}
+
+    for _ in range(ROUNDS):
+        left = dict[tuple[int, ...], list[IntArray]]()
+        for numbers, places in waiting.items():
+            names = (bar.name for bar in refined)
+            segments = {**base.segments, **dict(zip(names, numbers, strict=True))}
+            divided = as_divided(replace(base, segments=segments), base.train)
+            hertz = _as_divided(divided, train, variants, count, places)
+            if not refined:
+                return hertz
+
+            # A variant alone may have one segment more or less where its last mode is near a change of them.
+            near = 1.0 + np.array([-1.0, 0.0, 1.0])[:, None] * ONE_SEGMENT / min(numbers)
+            top = np.maximum(highest, hertz[-1] * near)
+            needed = segments_along(travel[:, None, places] * top, more[..., None]).astype(np.int64)
+            is_right = (needed[:, 1] == np.array(numbers)[:, None]).all(axis=0)
+            is_sure = is_right & (needed[:, 0] == needed[:, 2]).all(axis=0)
+            found[:, places[is_sure]] = hertz[:, is_sure]
+            for other in {*map(tuple, needed[:, 1, ~is_right].T.tolist())}:
+                is_same = (needed[:, 1] == np.array(other)[:, None]).all(axis=0)
+                left.setdefault(other, []).append(places[is_same])
+        enough = min(FEW, variants // 2)
+        groups = {numbers: np.concatenate(each) for numbers, each in left.items()}
+        waiting = {numbers: each for numbers, each in groups.items() if len(each) >= enough}
+    return found
+
+
+def _travel(bar: Bar) -> FloatArray:
+    """Return the phase (rad) along a shaft for 1 Hz, of each variant if the shaft varies."""
+    slowness = np.sqrt(plain(bar.density) / plain(bar.shear_modulus))
+    return np.asarray(2.0 * np.pi * plain(bar.length) * slowness)
+
+
+def _as_divided(
+    system: System,
+    train: Train,
+    variants: int,
+    count: int,
+    places: IntArray | slice = slice(None),
+) -> FloatArray:
+    """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
+    rows = rows_on_tree(system, train, variants)
+    (begin, end), chord = chord_rows(system, rows)
+    factors = distributed_factors(system, train, variants)
+    tree = undamped_tree(system)
+    is_root = (tree.parent < 0)[:, None]
+    flexibility, inertia = (
+        np.where(is_root, 0.0, rows.flexibility)[:, places],
+        rows.inertia[:, places],
+    )
+    try:
+        if len(chord) or factors is not None:
+            from torsion.kernels.variant_networks import network_modes
+
+            chosen = None if factors is None else factors[:, places]
+            found = network_modes(
+                tree, flexibility, inertia, count, (begin, end), chord[:, places], chosen
+            )
+        else:
+            from torsion.kernels.variant_modes import variant_modes
+
+            found = variant_modes(tree, flexibility, inertia, count)
+    except (SolveError, ValueError):  # a variant has too few modes, or needs shorter pieces
+        return np.full((count, flexibility.shape[1]), np.nan)
+    return found.frequency / (2.0 * np.pi)

@@ -1,0 +1,117 @@
+"""Every number of every example as a column of two values: the train of the file read again, or refused aloud."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses import VARYING
+from torsion.columns import Column, NotInColumns
+from torsion.errors import InputError
+from torsion.schema import figures_by_name, overlay, scene_reader
+from torsion.schema.train_in_columns import SECTIONS
+from torsion.schema.variation import Variation
+from torsion.schema.varied_figure import Figure
+from torsion.what_if.variants.laws import Law
+
+ROOT = Path(__file__).parents[2]
+SCENES = sorted((ROOT / "shafting_specs").glob("*.yaml"))
+FACTOR = 1.03
+MOST = 60  # numbers of an example, evenly spread over it
+RECORDS = (
+    "stations",
+    "inertias",
+    "springs",
+    "bars",
+    "constraints",
+    "dampers",
+    "torques",
+    "parts",
+    "materials",
+)
+
+
+def numbers(node: Any, path: tuple[Any, ...]) -> Iterator[tuple[Any, ...]]:
+    if isinstance(node.value, dict | list):
+        for step, inner in node.parts.items():
+            yield from numbers(inner, (*path, step))
+    elif overlay.multiplied(node.value, Fraction(repr(FACTOR))) is not None:
+        yield path
+
+
+def difference(first: Any, second: Any) -> float:
+    """The largest relative difference of two records; infinite if they differ in kind or a column is left."""
+    if isinstance(first, Column) or isinstance(second, Column):
+        return np.inf
+    if isinstance(first, float | int | complex) and isinstance(second, float | int | complex):
+        is_same = first == second or bool(np.isnan(first) and np.isnan(second))
+        return 0.0 if is_same else abs(first - second) / max(abs(first), abs(second))
+    if isinstance(first, np.ndarray):
+        is_alike = first.shape == second.shape
+        return difference(first.ravel().tolist(), second.ravel().tolist()) if is_alike else np.inf
+    if isinstance(first, Mapping):
+        first, second = tuple(first.items()), tuple(second.items())
+    if isinstance(first, tuple | list):
+        pairs = zip(first, second, strict=True) if len(first) == len(second) else ((0.0, np.inf),)
+        return max((difference(*pair) for pair in pairs), default=0.0)
+    if type(first) is type(second) and (
+        is_dataclass(first) or hasattr(type(first), "model_fields")
+    ):
+        names = (
+            [field.name for field in fields(first)]
+            if is_dataclass(first)
+            else type(first).model_fields
+        )
+        each = (difference(getattr(first, name), getattr(second, name)) for name in names)
+        return max(each, default=0.0)
+    return 0.0 if first == second else np.inf
+
+
+def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -> Any:
+    changed = figures_by_name.overlay_of(study, source)
+    for name in VARYING:
+        changed.remove(("analyses", name))
+    node = overlay.node_at(source.root, path)
+    value = overlay.multiplied(node.value, Fraction(repr(FACTOR)))
+    changed.put(path, replace(node, value=value), (node.line, node.column))
+    return scene_reader._study(changed.applied()).train
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=[scene.stem for scene in SCENES])
+def test_a_column_is_the_file_read_again_or_is_refused(scene: Path) -> None:
+    study = scene_reader.read(scene)
+    source, read = scene_reader.reread(study)
+    nodes = [(name, overlay.node_at(source.root, (name,))) for name in SECTIONS]
+    paths = [path for name, node in nodes if node for path in numbers(node, (name,))]
+    answers = Counter[str]()
+    for path in paths[:: len(paths) // MOST + 1]:
+        try:
+            expected = train_read_again(study, source, path)
+        except InputError:
+            continue
+        law = Law.model_construct(uniform=0.05)
+        figure = Figure("any", law, ((path, 1),), 0, 1.0)
+        variation = Variation((figure,), source, read, study, scene_reader.declarations)
+        try:
+            train = variation.in_columns(np.array([[1.0], [FACTOR]]))
+            found = variation.studies(train)(1).train
+        except NotInColumns:
+            answers["refused"] += 1
+            continue
+        apart = max(difference(getattr(found, name), getattr(expected, name)) for name in RECORDS)
+        assert apart < 1e-12, path
+        answers["equal"] += 1
+    assert answers
+
+
+def test_a_component_asks_what_a_number_is_not() -> None:
+    """`isinstance(value, float)` would take the branch of no number for a column, silently."""
+    model = ROOT / "src" / "torsion" / "model"
+    texts = {path: path.read_text(encoding="utf-8") for path in model.rglob("*.py")}
+    assert not [path.name for path, text in texts.items() if ", float) else 0.0" in text]
