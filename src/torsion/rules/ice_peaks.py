@@ -70,7 +70,7 @@ class InIce:
 
     @property
     def words(self) -> str:
-        """What it computes."""
+        """What the motion computes: its cases or contact angles, and its name."""
         contacts = (
             f"case {ice.case}"
             if ice.case

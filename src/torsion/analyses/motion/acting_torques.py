@@ -28,7 +28,7 @@ class ActingTorques:
 
     @property
     def words(self) -> str:
-        """Both lists in one line."""
+        """Both lists in one line for a reader."""
         without = f" Not acting: {'; '.join(self.not_acting)}." if self.not_acting else ""
         return f"Acting: {'; '.join(self.acting) or 'no torque'}.{without}"
 

@@ -81,7 +81,7 @@ class Band:
 
     @property
     def words(self) -> str:
-        """For the plan."""
+        """What the plan says of the band; empty if all modes are kept."""
         if not self.change:
             return ""
         return f"; {self.modes} modes of the parts, half as many change torques by {100.0 * self.change:.2g} %"

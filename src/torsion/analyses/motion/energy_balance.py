@@ -28,9 +28,9 @@ def residual(motion: Motion, time: FloatArray) -> float:
     shares = np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
     times = starts[:, None] + (ends - starts)[:, None] * shares
     times[:, -1] = ends
-    place, speed = motion.at(times.ravel())
+    position, speed = motion.at(times.ravel())
     loads = motion.loads_at(times.ravel())
-    energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0).reshape(CHECKED, -1)
+    energy = 0.5 * (speed**2 + (w[:, None] * position) ** 2).sum(axis=0).reshape(CHECKED, -1)
     power = ((motion.force @ loads - damping @ speed) * speed).sum(axis=0).reshape(CHECKED, -1)
     work = (ends - starts) / 2.0 * (power[:, 1:-1] @ weights)
     error = float(np.abs(energy[:, -1] - energy[:, 0] - work).max())

@@ -86,9 +86,9 @@ class EventDrivenCurves(Curves):
     def rows(self) -> tuple[FloatArray, ...]:
         """(spans, state) N m of every regime."""
         loaded, train = self.loaded, self.built.train
-        _, place, speed, _, _ = train.layout
+        _, position, speed, _, _ = train.layout
         linear = np.zeros((len(loaded.slowed), train.size))
-        linear[:, place] = loaded.modes.torque / train.w
+        linear[:, position] = loaded.modes.torque / train.w
         linear[:, speed] = loaded.slowed
         linear += train.rows(self.direct)
         regimes = self.motion.regimes
@@ -118,10 +118,10 @@ class EventDrivenCurves(Curves):
 
     def _read(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places of the modes, behind angles of rigid motions where these are known, and speeds of all motions."""
-        _, place, speed, _, turned = self.built.train.layout
-        return np.concatenate([z[turned], z[place] / self.built.train.w[:, None]]), z[speed]
+        _, position, speed, _, turned = self.built.train.layout
+        return np.concatenate([z[turned], z[position] / self.built.train.w[:, None]]), z[speed]
 
-    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
         (z, regime), rows = self.motion.at(time), self.built.train.layout[2]
         regimes = self.motion.regimes
         columns = [regimes[r].matrix[rows] @ z[:, k] for k, r in enumerate(regime.tolist())]
@@ -157,7 +157,7 @@ def event_driven_curves(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     damping_ratio: float | None = None,
     progress: Progress = silent,
 ) -> tuple[EventDrivenCurves, EventDrivenCurves, EnergyBalance, Switching, Marched | None]:
@@ -165,7 +165,7 @@ def event_driven_curves(
 
     Last stands how it was marched, where torques follow it.
     """
-    built = build(study, system, settings, place, damping_ratio=damping_ratio)
+    built = build(study, system, settings, path, damping_ratio=damping_ratio)
     motion, marched = built.run(settings.duration, 1.0, progress)
     curves = curves_of(built, motion)
     balance = energy_balance(motion)
@@ -174,7 +174,7 @@ def event_driven_curves(
     late = np.flatnonzero(_changes(curves, fine, time) > TOLERANCE)
     change = 0.0
     if built.is_band:
-        half = build(study, system, settings, place, damping_ratio=damping_ratio, halved=True)
+        half = build(study, system, settings, path, damping_ratio=damping_ratio, halved=True)
         half_curves = curves_of(half, half.run(settings.duration)[0])
         change = float(_changes(curves, half_curves, time).max())
 
@@ -202,9 +202,9 @@ def event_driven_curves(
     return curves, fine, balance, switching, marched
 
 
-def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArray) -> FloatArray:
+def _changes(curves: EventDrivenCurves, finer: EventDrivenCurves, time: FloatArray) -> FloatArray:
     """(times,) largest difference of a torque, of the peak of its span."""
-    first, second = (motion.torque(time)[0] for motion in (curves, other))
+    first, second = (motion.torque(time)[0] for motion in (curves, finer))
     peak = np.maximum(np.abs(first).max(axis=1), 1e-9 * np.abs(first).max())
     scale = np.where(peak > 0.0, peak, 1.0)[:, None]
     return np.asarray((np.abs(first - second) / scale).max(axis=0))

@@ -56,7 +56,7 @@ class Built:
     standing: tuple[Standing, ...]
     train: PiecewiseTrain
     is_band: bool  # modes were left out
-    place: FloatArray  # (modes,)
+    position: FloatArray  # (modes,)
     speed: FloatArray  # (rigid motions + modes,)
 
     def run(
@@ -72,7 +72,9 @@ class Built:
             (motion,) = self.until([duration], fineness, progress)
             return motion, None
         march, z, regimes = self._begin(duration, fineness, progress)
-        untwisted = self.place if loaded.before.mean is not None else np.zeros_like(self.place)
+        untwisted = (
+            self.position if loaded.before.mean is not None else np.zeros_like(self.position)
+        )
         shape = loaded.shape[follows.station]
         interfaces = Interfaces(shape, follows.signal, loaded.turning, untwisted)
         scheme = loaded.scheme(self.train.signals.breaks)
@@ -86,7 +88,7 @@ class Built:
             motion, marched = event_driven_under_laws(
                 march, regimes, z, interfaces, follows.laws, scheme, shown
             )
-        refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.place)
+        refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.path)
         return motion, marched
 
     def until(
@@ -103,13 +105,13 @@ class Built:
         shown = partial(progress, "from event to event")
         march = March(self.train, duration, fineness, progress=shown)
         twist = np.array([element.twist for element in self.standing])
-        z = self.train.at_first(twist, self.place, self.speed)
+        z = self.train.at_first(twist, self.position, self.speed)
         return march, z, tuple(element.regime for element in self.standing)
 
     @contextmanager
     def _located(self) -> Iterator[None]:
-        """Errors of a motion with the names and the place that they have in the file."""
-        place = self.loaded.place
+        """Errors of a motion with the names and the path that they have in the file."""
+        path = self.loaded.path
         try:
             yield
         except Chatter as chatter:
@@ -118,19 +120,19 @@ class Built:
                 f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
             )
             hint = "give its contact damping, or its friction a stiffness"
-            raise SolveError(message, hint, place) from None
+            raise SolveError(message, hint, path) from None
         except TooManyEvents as end:
             hint = f"a `duration` below {end.time:.4g} s"
-            raise SolveError(end.message, hint, (*place, "duration")) from None
+            raise SolveError(end.message, hint, (*path, "duration")) from None
         except SolveError as error:
-            raise SolveError(error.message, error.hint, place) from None
+            raise SolveError(error.message, error.hint, path) from None
 
 
 def build(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     *,
     damping_ratio: float | None = None,
     halved: bool = False,
@@ -146,14 +148,14 @@ def build(
     if speed is not None and changes_speed(system, settings.events):
         message = "the joints of the train turn unevenly, and a settled vibration with them is not supported yet"
         raise SolveError(message)
-    before = state_before(study, system, settings, place, vibrates=False, speed=speed)
+    before = state_before(study, system, settings, path, vibrates=False, speed=speed)
     loaded = load_train(
         study,
         system,
         settings,
-        place,
+        path,
         before,
-        partial(_all_modes, before=before, place=place),
+        partial(_all_modes, before=before, path=path),
         opened=partial(opened, nonlinear=nonlinear),
         damping_ratio=damping_ratio,
         is_settled=speed is not None,
@@ -161,7 +163,7 @@ def build(
     if loaded.cuts and before.speeds:
         message = "parts at different speeds together with uneven joints are not supported yet"
         hint = "begin with `initial: rest` or `{speed: ...}`"
-        raise SolveError(message, hint, (*place, "initial"))
+        raise SolveError(message, hint, (*path, "initial"))
 
     turning = _speeds_of_parts(study, loaded)
     signals = _signals(system, loaded, nonlinear, is_settled=speed is not None)
@@ -176,23 +178,23 @@ def build(
         elements += stands
     flexibility = loaded.system.flexibility
     compliance = np.where(np.isfinite(flexibility), flexibility, 0.0)
-    start = loaded.places(compliance * carried)
+    start = loaded.positions(compliance * carried)
     kept = _kept(loaded.w, settings, halved=halved)
     return _in_modes(loaded, nonlinear, tuple(elements), signals, kept, start, turning)
 
 
-def _all_modes(bare: System, before: State, place: Path) -> Modes:
+def _all_modes(bare: System, before: State, path: Path) -> Modes:
     """All modes of the linear parts."""
     if bare.bars is None:
-        return kept_modes(bare, "all", place)[0]
+        return kept_modes(bare, "all", path)[0]
     if before.torque.any() or before.twist.any():
         message = "backlash and friction together with finite elements start without torque"
         hint = "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`"
-        raise SolveError(message, hint, place)
+        raise SolveError(message, hint, path)
     modes = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
     if len(modes.frequency) > MOST_OF_ELEMENTS:
         message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
-        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", place)
+        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", path)
     return modes
 
 
@@ -272,7 +274,7 @@ def _in_modes(
     stands: tuple[Standing, ...],
     signals: _Signals,
     kept: int,
-    place: FloatArray,
+    position: FloatArray,
     speed: FloatArray,
 ) -> Built:
     """With as many modes kept, and the compliance of the others in series with the elements."""
@@ -292,7 +294,7 @@ def _in_modes(
         replace(stand.element, ends=row[low]) for stand, row in zip(stands, ends, strict=True)
     )
     compliance = soft @ ends[:, high].T if is_band else None
-    rest = soft @ force[high] if is_band else None
+    higher_answer = soft @ force[high] if is_band else None
     scale = _quickest(w[:kept], elements, loaded.settings.duration)
     train = PiecewiseTrain(
         w[:kept],
@@ -301,7 +303,7 @@ def _in_modes(
         Signals(signals.pieces, signals.following, scale),
         force[low],
         compliance,
-        rest,
+        higher_answer,
     )
     kept_train = replace(
         loaded,
@@ -317,7 +319,7 @@ def _in_modes(
         stands,
         train,
         is_band,
-        place[rigid : rigid + kept],
+        position[rigid : rigid + kept],
         speed[low],
     )
 

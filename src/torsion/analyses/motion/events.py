@@ -156,7 +156,7 @@ class Sine(Lasting):
 
     @property
     def _decay_rate(self) -> float:
-        """1/s."""
+        """Rate at which the amplitude decays, 0 or negative, in 1/s."""
         return 0.0 if self.decay is None else -1.0 / self.decay
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:

@@ -135,7 +135,7 @@ class Start(Kind):
 
     @property
     def has_worst_phase(self) -> bool:
-        """Its phase is left open."""
+        """Whether the file leaves the phase of its slip pulsation open."""
         return self.slip_pulsation is not None and self.phase == WORST
 
 

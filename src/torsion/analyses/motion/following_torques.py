@@ -52,12 +52,12 @@ class Following:
 
     @property
     def laws(self) -> list[Law]:
-        """In their order."""
+        """The laws in the order of their interfaces."""
         return [follower.law for follower in self.followers]
 
     @cached_property
     def station(self) -> IntArray:
-        """(interfaces,) the station of each."""
+        """The station at which each interface acts, (interfaces,)."""
         stations = [station for follower in self.followers for station in follower.stations]
         return np.array(stations, dtype=np.int64)
 
@@ -66,8 +66,8 @@ class Following:
         """(interfaces,) which signal each is a part of: one for all laws at a station, one for every side of a joint."""
         joints = sum(2 for follower in self.followers if follower.cut is not None)
         free = len(self.station) - joints
-        own, signal = np.unique(self.station[:free], return_inverse=True)
-        return np.concatenate([signal, len(own) + np.arange(joints)])
+        stations, signal = np.unique(self.station[:free], return_inverse=True)
+        return np.concatenate([signal, len(stations) + np.arange(joints)])
 
     def carried(self, system: System) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What joints carry at once, (spans, interfaces) for 1 N m, and of mean torques (spans,); those at (stations,)."""
@@ -172,9 +172,9 @@ def _turning_as_one(frictions: Sequence[Follower], shape: FloatArray) -> list[li
     return groups
 
 
-def _as_one(row: FloatArray, other: FloatArray) -> bool:
+def _as_one(row: FloatArray, reference: FloatArray) -> bool:
     """Two stations turn in a constant ratio, by their rows of the shapes."""
-    difference = row - other * (row @ other) / (other @ other)
+    difference = row - reference * (row @ reference) / (reference @ reference)
     return bool(np.abs(difference).max() <= AS_ONE * np.abs(row).max())
 
 
@@ -199,7 +199,7 @@ def _joined_friction(
 
 
 def refuse_beyond_tables(
-    follows: Following, events: Sequence[Event], marched: Marched, place: Path
+    follows: Following, events: Sequence[Event], marched: Marched, path: Path
 ) -> None:
     """Raises SolveError where a point outruns the table of its load while that acts."""
     for time, law, regime in sorted((*marched.begun, *marched.changes)):
@@ -214,16 +214,16 @@ def refuse_beyond_tables(
             raise SolveError(
                 f"at {time:.6g} s the load at '{event.at}' is outrun: its table ends at {ends}",
                 "extend the table; nothing is extrapolated",
-                (*place, "events", follower.event, "load"),
+                (*path, "events", follower.event, "load"),
             )
 
 
 def replaced_dampers(
-    study: Study, system: System, settings: TransientSettings, place: Path
+    study: Study, system: System, settings: TransientSettings, path: Path
 ) -> dict[int, str]:
     """Stations whose damper to ground stands for the slope of a load that acts over the whole motion, with its point.
 
-    place: of the settings in the file. Raises InputError for such a load that acts at times only.
+    path: of the settings in the file. Raises InputError for such a load that acts at times only.
     """
     damped = {damper.station for damper in system.dampers}
     loads = [
@@ -234,7 +234,7 @@ def replaced_dampers(
     replaced = {_station(study, event): event.at for _, event, throughout in loads if throughout}
     faults = [
         Fault(
-            (*place, "events", number, "load"),
+            (*path, "events", number, "load"),
             f"the damping of '{event.at}' stands for the slope of this load, which its law has while it acts",
             "give the load from time 0 on without `off`, or no `damping` there",
         )
@@ -352,8 +352,8 @@ def _size(
     operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
     speed = np.array([begins])
     if begins:  # known there, or refused
-        known = steady_if_known(study, system, speed) if torque.of_mean else None
-        amplitude(system, torque, speed, known)
+        mean = steady_if_known(study, system, speed) if torque.of_mean else None
+        amplitude(system, torque, speed, mean)
     if torque.table:
         return laws.table(torque.table)
     if not torque.of_mean:
@@ -375,8 +375,8 @@ def _size(
     speed = rows[[rows[:, 1].argmax()], 0] if law.table else np.array([operation.speed or 1.0])
     size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
     if law.table:
-        most = float(rows[:, 1].max())
-        return laws.table([(speed * ratio, size * mean / most) for speed, mean in rows.tolist()])
+        largest = float(rows[:, 1].max())
+        return laws.table([(speed * ratio, size * mean / largest) for speed, mean in rows.tolist()])
     if law.exponent == 0.0:
         return laws.constant(size)
     highest = float(speed[0]) * ratio

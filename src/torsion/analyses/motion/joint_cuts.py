@@ -59,7 +59,7 @@ class JointCut:
 
 
 def joint_spans(system: System) -> IntArray:
-    """(joints,) spans that turn unevenly."""
+    """Return the spans of joints that turn unevenly, (joints,)."""
     spans = [number for number, span in enumerate(system.own_spans) if span.error]
     return np.array(spans, dtype=np.int64)
 
@@ -78,9 +78,9 @@ def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
 
 def _refusal(system: System, span: int, message: str, hint: str) -> SolveError:
     """What is wrong with a joint, at its place in the file."""
-    place = system.train.parts[system.spans[span].part].path
+    path = system.train.parts[system.spans[span].part].path
     joint = f"the joint '{system.spans[span].name}'"
-    return SolveError(message.replace("{}", joint), hint, place)
+    return SolveError(message.replace("{}", joint), hint, path)
 
 
 def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:

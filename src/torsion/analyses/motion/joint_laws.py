@@ -64,12 +64,12 @@ class ElasticJoint(JointLaw):
         k, c, (front, behind) = self.stiffness, self.viscous, points.speed
         carried = points.torque[1] + self.mean
         torque = k * (f0 - points.angle[1]) + c * (f1 * front - behind)
-        zero, one = np.zeros_like(f1), np.ones_like(f1)
+        zero, unit = np.zeros_like(f1), np.ones_like(f1)
         return Conditions(
             np.stack([-f1 * carried + self.mean, torque]) - points.torque,
-            by_torque=np.array([[-one, -f1], [zero, -one]]),
-            by_angle=np.array([[-f2 * carried, zero], [k * f1 + c * f2 * front, -k * one]]),
-            by_speed=np.array([[zero, zero], [c * f1, -c * one]]),
+            by_torque=np.array([[-unit, -f1], [zero, -unit]]),
+            by_angle=np.array([[-f2 * carried, zero], [k * f1 + c * f2 * front, -k * unit]]),
+            by_speed=np.array([[zero, zero], [c * f1, -c * unit]]),
         )
 
 
@@ -85,7 +85,7 @@ class RigidJoint(JointLaw):
     def conditions(self, regime: int, points: Points) -> Conditions:
         f0, f1, f2, f3 = turned(self.joint, points.angle[0])
         (front, behind), (gain, gained) = points.speed, points.acceleration
-        zero, one = np.zeros_like(f1), np.ones_like(f1)
+        zero, unit = np.zeros_like(f1), np.ones_like(f1)
         carried = points.torque[1] + self.mean
         off = f1 * gain + f2 * front**2 - gained + 2.0 * RETURN * (f1 * front - behind)
         off = off + RETURN**2 * (f0 - points.angle[1])
@@ -94,8 +94,8 @@ class RigidJoint(JointLaw):
         by_speed = 2.0 * m * (f2 * front + RETURN * f1)
         return Conditions(
             np.stack([self.mean - f1 * carried - points.torque[0], m * off]),
-            by_torque=np.array([[-one, -f1], [zero, zero]]),
-            by_angle=np.array([[-f2 * carried, zero], [m * by_angle, -m * RETURN**2 * one]]),
-            by_speed=np.array([[zero, zero], [by_speed, -2.0 * m * RETURN * one]]),
-            by_acceleration=np.array([[zero, zero], [m * f1, -m * one]]),
+            by_torque=np.array([[-unit, -f1], [zero, zero]]),
+            by_angle=np.array([[-f2 * carried, zero], [m * by_angle, -m * RETURN**2 * unit]]),
+            by_speed=np.array([[zero, zero], [by_speed, -2.0 * m * RETURN * unit]]),
+            by_acceleration=np.array([[zero, zero], [m * f1, -m * unit]]),
         )

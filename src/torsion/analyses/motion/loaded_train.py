@@ -68,7 +68,7 @@ class LoadedTrain(TrainInModes):
     """The linear parts of a train in modes, and what acts on them by time and by how they move."""
 
     settings: TransientSettings
-    place: Path  # of the settings in the file
+    path: Path  # of the settings in the file
     cuts: tuple[JointCut, ...]
     carrier: Carrier
     damping: ModalTrain
@@ -96,7 +96,7 @@ def load_train(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     before: State,
     choose_modes: Callable[[System], Modes],
     *,
@@ -112,8 +112,8 @@ def load_train(
     """
     events, cuts = settings.events, joint_cuts(system, before.mean)
     has_laws = not is_settled and torques_follow(study, system, events)
-    points = points_of_events(study, system, events, before, place, turns=has_laws)
-    replaced = replaced_dampers(study, system, settings, place)
+    points = points_of_events(study, system, events, before, path, turns=has_laws)
+    replaced = replaced_dampers(study, system, settings, path)
     parts = opened(without_dampers(parts_of(system, cuts), replaced))
     is_driven = changes_speed(system, events)
     train = train_in_modes(parts, choose_modes(parts), before, is_driven=is_driven)
@@ -133,7 +133,7 @@ def load_train(
     return LoadedTrain(
         **vars(train),
         settings=settings,
-        place=place,
+        path=path,
         cuts=cuts,
         carrier=Carrier(offset, speed, np.abs(system.speed_ratio), rates),
         damping=damping,

@@ -171,7 +171,7 @@ class Ice(Kind):
 
     @property
     def revolutions(self) -> float:
-        """Of the milling."""
+        """Revolutions for which the propeller mills ice."""
         if self.turns is not None or self.ice_class is None:
             return self.turns or REVOLUTIONS
         return PER_THICKNESS * (self.thickness or CLASSES[self.ice_class].thickness)

@@ -38,12 +38,12 @@ class TrainInModes:
 
     @property
     def rigid(self) -> int:
-        """Number of rigid motions."""
+        """How many rigid motions stand before the modes."""
         return int(self.shape.shape[1]) - len(self.modes.frequency)
 
     @property
     def w(self) -> FloatArray:
-        """(modes,) rad/s."""
+        """Natural circular frequencies, (modes,) rad/s."""
         return 2.0 * math.pi * self.modes.frequency
 
     @property
@@ -71,7 +71,7 @@ class TrainInModes:
             relative[:, 0] = 0.0  # the motion of the whole train as one twists nothing
         return np.where(slips[:, None], relative, twist)
 
-    def places(self, twist: FloatArray) -> FloatArray:
+    def positions(self, twist: FloatArray) -> FloatArray:
         """(rigid motions + modes,) in which the spans are twisted by angles (spans,) rad."""
         return np.concatenate([np.zeros(self.rigid), self.modes.torque.T @ twist / self.w**2])
 
@@ -129,7 +129,7 @@ def train_in_modes(
 
 
 def kept_modes(
-    system: System, count: int | Literal["all"], place: Path = PATH
+    system: System, count: int | Literal["all"], path: Path = PATH
 ) -> tuple[Modes, Modes]:
     """The certified elastic modes that are kept, and twice as many; both are the same where all are kept.
 
@@ -138,12 +138,12 @@ def kept_modes(
     """
     if system.groups is not None:
         message = "a shaft has too many segments for a transient response"
-        raise SolveError(message, "give it fewer `segments`", place)
+        raise SolveError(message, "give it fewer `segments`", path)
     size = system.condensed.tree.size
     if count == "all" and system.bars is None:
         if size > MOST_MODES:
             message = f"the transient response needs all modes, and the train has {size} stations, more than {MOST_MODES}"
-            raise SolveError(message, "keep the lowest, for example `modes: 100`", place)
+            raise SolveError(message, "keep the lowest, for example `modes: 100`", path)
         modes = modes_as_discretised(system, None)
         return modes, modes
     number = BAND if count == "all" else count

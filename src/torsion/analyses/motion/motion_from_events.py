@@ -60,30 +60,30 @@ def transient(
     system: System,
     settings: TransientSettings,
     *,
-    place: Path = PATH,
+    path: Path = PATH,
     modes: tuple[Modes, Modes] | None = None,
     damping_ratio: float | None = None,
     progress: Progress = silent,
 ) -> TransientMotion:
     """The motion from the events of `settings`, exact at every sample, and its peaks between them.
 
-    place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
+    path: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
     every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
     too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
     torques = acting_torques(study, settings)
     study, system = without_excluded_torques(study, system, settings)
     is_nonlinear = study.train.has_nonlinear_couplings
-    scan = FaultScan(settings, np.empty(0), place)
+    scan = FaultScan(settings, np.empty(0), path)
     if modes is None and scan.scanned:
-        modes = kept_modes(system, "all" if is_nonlinear else settings.modes, place)
+        modes = kept_modes(system, "all" if is_nonlinear else settings.modes, path)
     if modes is not None:
         scan = replace(scan, frequency=modes[0].frequency)
 
     def solve(settings: TransientSettings) -> TransientMotion:
         if is_nonlinear:
-            return _event_driven(study, system, settings, place, damping_ratio, progress)
-        return _linear(study, system, settings, place, modes, damping_ratio, progress)
+            return _event_driven(study, system, settings, path, damping_ratio, progress)
+        return _linear(study, system, settings, path, modes, damping_ratio, progress)
 
     limits = [part.ratings and part.ratings.max_torque for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
@@ -95,25 +95,25 @@ def _linear(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     modes: tuple[Modes, Modes] | None,
     damping_ratio: float | None,
     progress: Progress,
 ) -> TransientMotion:
     """The motion of a train whose couplings are linear; settings leave no phase open."""
-    before = state_before(study, system, settings, place)
+    before = state_before(study, system, settings, path)
     cuts = joint_cuts(system, before.mean)
     if modes is None or cuts:
-        modes = kept_modes(parts_of(system, cuts), settings.modes, place)
+        modes = kept_modes(parts_of(system, cuts), settings.modes, path)
     kept, twice = modes
     needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
     if needed > study.memory:
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
-        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*place, "samples"))
+        raise SolveError(message, "fewer `samples`, or run with more `memory`", (*path, "samples"))
 
     def solve(modes: Modes, *, is_band: bool) -> TransientMotion:
         loaded = load_train(
-            study, system, settings, place, before, lambda _: modes, damping_ratio=damping_ratio
+            study, system, settings, path, before, lambda _: modes, damping_ratio=damping_ratio
         )
         return _modal_motion(study, system, loaded, progress, is_band=is_band)
 
@@ -121,22 +121,22 @@ def _linear(
     if kept is not twice and len(twice.frequency) > len(kept.frequency):
         finer = solve(twice, is_band=True)
         ends = ((finer.greatest, moved.greatest), (finer.least, moved.least))
-        change = np.max([np.abs(more - fewer) for more, fewer in ends], axis=0)
+        change = np.max([np.abs(fine - coarse) for fine, coarse in ends], axis=0)
         moved = replace(moved, change=float((change / (finer.peak + TINY)).max(initial=0.0)))
     if settings.samples is not None and (moved.unresolved > RESOLVED * (moved.peak + TINY)).any():
-        least = int(PER_PERIOD * settings.duration * moved.fastest / (2.0 * math.pi)) + 1
+        needed_samples = int(PER_PERIOD * settings.duration * moved.fastest / (2.0 * math.pi)) + 1
         message = (
             "torques or modes with fewer than 4 samples in a period may add more than 5 % to a peak"
         )
-        hint = f"{least} resolve all; or keep fewer `modes`"
-        raise InputError([Fault((*place, "samples"), message, hint)])
+        hint = f"{needed_samples} resolve all; or keep fewer `modes`"
+        raise InputError([Fault((*path, "samples"), message, hint)])
     return moved
 
 
 def _modal_motion(
     study: Study, system: System, loaded: LoadedTrain, progress: Progress, *, is_band: bool
 ) -> TransientMotion:
-    """The motion of some modes."""
+    """Return the motion of a train without nonlinear couplings in the modes that are kept."""
     settings, follows, noise = loaded.settings, loaded.follows, 0.0
     added = dict[str, Any]()
     direct = direct_torques(loaded.system, loaded.modes, loaded.acting, is_band=is_band)
@@ -162,7 +162,7 @@ def _modal_motion(
         study,
         system,
         settings,
-        loaded.place,
+        loaded.path,
         peak=np.maximum(*(np.abs(end[0]) for end in seen.ends)),
         turning=seen.turning,
         follows=follows is not None,
@@ -181,9 +181,9 @@ def _start(loaded: LoadedTrain) -> tuple[FloatArray, FloatArray]:
     """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
     system, before = loaded.system, loaded.before
     flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
-    place = loaded.places(flexibility * before.twist)
+    position = loaded.positions(flexibility * before.twist)
     if loaded.follows is None or loaded.cuts or before.angle is None:
-        return place, np.zeros_like(place)
+        return position, np.zeros_like(position)
 
     # Torques that follow the motion begin amid the steady vibration.
     w, inertia = before.frequency[:, None], np.where(system.held, 0.0, system.lumped_inertia)
@@ -192,11 +192,11 @@ def _start(loaded: LoadedTrain) -> tuple[FloatArray, FloatArray]:
     turned = before.angle @ (inertia[:, None] * loaded.shape[:, : loaded.rigid])
 
     def moved(factor: np.ndarray | float) -> FloatArray:
-        bent = loaded.places(np.real(factor * twist).sum(axis=0))
+        bent = loaded.positions(np.real(factor * twist).sum(axis=0))
         bent[: loaded.rigid] = np.real(factor * turned).sum(axis=0)
         return bent
 
-    return place + moved(1.0), moved(1j * w)
+    return position + moved(1.0), moved(1j * w)
 
 
 def _driven(loaded: LoadedTrain, given: Motion, progress: Progress) -> tuple[Motion, Marched]:
@@ -206,8 +206,8 @@ def _driven(loaded: LoadedTrain, given: Motion, progress: Progress) -> tuple[Mot
     rows = loaded.shape[follows.station]
 
     def turning(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        place, speed = given.at(time)
-        rates = (place, speed, given.acceleration(time, place, speed))
+        position, speed = given.at(time)
+        rates = (position, speed, given.acceleration(time, position, speed))
         carried = loaded.turning(time)
         angle, speed, gain = (turn + rows @ rate for turn, rate in zip(carried, rates, strict=True))
         return angle, speed, gain
@@ -216,8 +216,8 @@ def _driven(loaded: LoadedTrain, given: Motion, progress: Progress) -> tuple[Mot
     try:
         marched = march(taken, follows.laws, scheme, partial(progress, "torques that follow"))
     except SolveError as error:
-        raise SolveError(error.message, error.hint, loaded.place) from None
-    refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.place)
+        raise SolveError(error.message, error.hint, loaded.path) from None
+    refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.path)
     return DrivenMotion(**vars(given), steps=taken.steps()), marched
 
 
@@ -225,13 +225,13 @@ def _event_driven(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     damping_ratio: float | None,
     progress: Progress,
 ) -> TransientMotion:
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
     curves, fine, balance, switching, marched = event_driven_curves(
-        study, system, settings, place, damping_ratio, progress
+        study, system, settings, path, damping_ratio, progress
     )
     loaded, added = curves.loaded, dict[str, Any]()
     if loaded.follows is not None and marched is not None:
@@ -239,10 +239,10 @@ def _event_driven(
     time = np.linspace(0.0, settings.duration, _samples(settings, loaded.modes) + 1)
     seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
     if switching.sensitive_after is not None:
-        other = look_at(fine, time, progress, counts=False)
-        peaks = [np.maximum(ends[0][0], ends[1][0]) for ends in (seen.ends, other.ends)]
+        fine_seen = look_at(fine, time, progress, counts=False)
+        peaks = [np.maximum(ends[0][0], ends[1][0]) for ends in (seen.ends, fine_seen.ends)]
         switching = replace(switching, scatter=np.abs(peaks[0] - peaks[1]))
-        pairs = zip(seen.ends, other.ends, strict=True)
+        pairs = zip(seen.ends, fine_seen.ends, strict=True)
         larger = tuple(
             (np.maximum(end[0], finer[0]), np.where(end[0] >= finer[0], end[1], finer[1]))
             for end, finer in pairs
@@ -287,8 +287,8 @@ def _result(
 
 def _reversals(seen: Seen, noise: FloatArray | float) -> IntArray:
     """(spans,) changes of sign; a torque of nothing, within a play, has none. noise: N m that do not count."""
-    least = np.maximum([1e-9 * np.abs(turns).max(initial=0.0) for turns in seen.turns], noise)
-    felt = [turns[np.abs(turns) > floor] for turns, floor in zip(seen.turns, least, strict=True)]
+    floors = np.maximum([1e-9 * np.abs(turns).max(initial=0.0) for turns in seen.turns], noise)
+    felt = [turns[np.abs(turns) > floor] for turns, floor in zip(seen.turns, floors, strict=True)]
     return np.array([np.count_nonzero(np.diff(np.sign(turns))) for turns in felt], dtype=np.int64)
 
 
@@ -376,17 +376,17 @@ def run(work: Work) -> None:
     motions, errors = list[TransientMotion](), list[InputError | SolveError]()
     modes = dict[Any, tuple[Modes, Modes]]()
     is_nonlinear = work.study.train.has_nonlinear_couplings
-    for settings, place in cases(work.study):
+    for settings, path in cases(work.study):
         title = f"motion over time {settings.name}".rstrip()
         try:
             with work.log.step(title, "requested") as step:
                 if settings.modes not in modes and not is_nonlinear:
-                    modes[settings.modes] = kept_modes(work.system, settings.modes, place)
+                    modes[settings.modes] = kept_modes(work.system, settings.modes, path)
                 moved = transient(
                     work.study,
                     work.system,
                     settings,
-                    place=place,
+                    path=path,
                     modes=modes.get(settings.modes),
                     progress=work.progress,
                 )

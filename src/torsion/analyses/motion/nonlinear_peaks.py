@@ -178,7 +178,7 @@ def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
 
 
 def _rates(response: Response, index: int) -> FloatArray:
-    """(components,) rad/s at a speed."""
+    """Circular frequencies of the components at a speed, (components,) rad/s."""
     return np.asarray(2.0 * math.pi * response.frequency[index])
 
 
@@ -247,8 +247,8 @@ def _settle(
     settings = TransientSettings.model_construct(
         duration=ends[0], initial="steady", events=(), samples=None, modes=band.limit(ends[0])
     )
-    study, place = replace(band.study, analyses={}), ("analyses", "response")
-    built = build(study, response.system, settings, place, speed=float(response.speed[index]))
+    study, path = replace(band.study, analyses={}), ("analyses", "response")
+    built = build(study, response.system, settings, path, speed=float(response.speed[index]))
     band.begin_motion(built)
     if vibrates:
         built = _vibrating(built, response, index)
@@ -280,10 +280,10 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
         return built
     rate, angle = 1j * _rates(response, index)[:, None], response.angle[index]
     inertia = np.where(system.held, 0.0, system.lumped_inertia)
-    place, speed = (
+    position, speed = (
         loaded.shape.T @ (inertia * part.sum(axis=0).real) for part in (angle, rate * angle)
     )
-    place = built.place + place[loaded.rigid :]
+    position = built.position + position[loaded.rigid :]
     stands = list(built.standing)
     for number, span in enumerate(balanced.spans):
         coupling = balanced_spans(response.system)[span]
@@ -292,13 +292,13 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
         bias = float(np.sign(mean) * coupling.bias(size, torque)[0])
         if not coupling.half:  # its own spring is one of the linear train
             moved = coupling.stiffness * (bias - float(np.sign(mean) * coupling.static(torque)[0]))
-            place += loaded.modes.torque[span] * (moved / coupling.stiffness) / loaded.w**2
+            position += loaded.modes.torque[span] * (moved / coupling.stiffness) / loaded.w**2
         twists = _coupling_twists(response, balanced, number, index)
         twist, twisting = float(twists.sum().real), float((rate[:, 0] * twists).sum().real)
         for k, stand in enumerate(stands):
             if built.couplings[stand.coupling].span == span:
                 stands[k] = _stand(stand, bias, twist, twisting)
-    return replace(built, place=place, speed=built.speed + speed, standing=tuple(stands))
+    return replace(built, position=position, speed=built.speed + speed, standing=tuple(stands))
 
 
 def _coupling_twists(
@@ -322,6 +322,6 @@ def _stand(stand: Standing, bias: float, twist: float, twisting: float) -> Stand
         torque = side * (spring + element.viscous * twisting)
         return replace(stand, twist=total, regime=side if torque >= 0.0 else 2 * side)
     half = element.half if isinstance(element, DelayedFriction) else 0.0
-    most = half + element.capacity / element.stiffness
-    x = min(max(twist, -most), most)
+    limit = half + element.capacity / element.stiffness
+    x = min(max(twist, -limit), limit)
     return replace(stand, twist=x, regime=int(np.sign(x)) if half and abs(x) > half else 0)

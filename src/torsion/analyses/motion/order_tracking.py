@@ -51,7 +51,7 @@ class TrackedTorque:
 
     @derived("N*m", ("order",), "largest amplitude of every order that is tracked")
     def largest(self) -> FloatArray:
-        """(orders,) N m."""
+        """The largest amplitude of each order over all windows, (orders,) N m."""
         return np.asarray(np.abs(self.torque).max(axis=0, initial=0.0))
 
     @property
@@ -104,7 +104,7 @@ def orders_requested(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     *,
     peak: FloatArray,
     turning: FloatArray,
@@ -136,7 +136,7 @@ def orders_requested(
             f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
         )
         hint = "name a point with an inertia"
-        raise InputError([Fault((*place, "orders", "reference"), message, hint)])
+        raise InputError([Fault((*path, "orders", "reference"), message, hint)])
     names = [train.parts[part].name for part in system.span_part.tolist()]
     spans = dict[str, int]()
     for part in map(train.part, (given.at if given else ()) or settings.plot):
@@ -144,8 +144,8 @@ def orders_requested(
         if of_part and not part.is_point:
             spans[part.name] = max(of_part, key=peak.__getitem__)
     if not spans:
-        most = int((peak * system.span_ratio).argmax())
-        spans[names[most]] = most
+        largest = int((peak * system.span_ratio).argmax())
+        spans[names[largest]] = largest
     most_tracked = float(np.ceil(orders.max(initial=0.0) + ABOVE))
     highest = (given.highest if given else None) or max(HIGHEST, most_tracked)
     return Tracked(name, station, orders, highest, tuple(spans.items()))
@@ -191,8 +191,8 @@ def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: in
         waterfalls, change = list[FloatArray](), np.zeros(len(first))
         for values in torque:
             fine, coarse = (
-                phasors(values[within[:, ::every]], start, TURNS, int(tracked.highest * TURNS))
-                for every in (1, 2)
+                phasors(values[within[:, ::stride]], start, TURNS, int(tracked.highest * TURNS))
+                for stride in (1, 2)
             )
             waterfalls.append(np.abs(fine))
             largest = max(float(waterfalls[-1].max()), np.finfo(float).tiny)
@@ -201,7 +201,7 @@ def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: in
             break
         samples *= 2
     good = np.flatnonzero(change <= DOUBTFUL)
-    each = tuple(
+    torques = tuple(
         TrackedTorque(
             name,
             phasors_of(values[within[good]], start[good], TURNS, tracked.orders),
@@ -219,7 +219,7 @@ def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: in
         mean[good],
         float(change[good].max(initial=0.0)),
         len(change) - len(good),
-        each if len(good) else (),
+        torques if len(good) else (),
     )
 
 

@@ -31,7 +31,7 @@ class Extremes:
 
     @classmethod
     def none(cls, curves: int, near: float) -> "Extremes":
-        """Nothing gathered yet."""
+        """Return extremes for which no sample was taken in yet."""
         return cls(near, np.full(curves, -np.inf), np.empty(0, dtype=np.int64), np.empty((0, 5)))
 
     def add(self, time: FloatArray, value: FloatArray, rate: FloatArray) -> None:

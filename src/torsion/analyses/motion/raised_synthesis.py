@@ -33,8 +33,8 @@ def raised_synthesis(evidence: Results) -> Synthesis:
         return total
     of_half_range, of_peak = surplus(evidence)
     half_range, peak = total.half_range * of_half_range, total.peak * of_peak
-    unknown = unknown_speeds(response, response.balanced, evidence.get(NonlinearPeaks))
-    half_range[unknown], peak[unknown] = np.inf, np.inf
+    speeds = unknown_speeds(response, response.balanced, evidence.get(NonlinearPeaks))
+    half_range[speeds], peak[speeds] = np.inf, np.inf
     bound = np.maximum(total.bound, half_range)
     return replace(total, half_range=half_range, peak=peak, bound=bound)
 
@@ -69,8 +69,8 @@ def surplus(evidence: Results) -> tuple[FloatArray, FloatArray]:
     after = np.clip(np.searchsorted(speed, response.speed, "left"), 0, len(speed) - 1)
     factors = np.maximum(ratio[:, before], ratio[:, after])
     for number in range(len(speed)):  # several couplings may be compared at one speed
-        same = response.speed == speed[number]
-        factors[:, same] = np.maximum(factors[:, same], ratio[:, [number]])
+        is_compared = response.speed == speed[number]
+        factors[:, is_compared] = np.maximum(factors[:, is_compared], ratio[:, [number]])
     factors[:, (balanced.amplitude <= balanced.first).all(axis=1)] = 1.0
     return factors[0], factors[1]
 
@@ -83,10 +83,10 @@ def unknown_speeds(
         return []
     numbers = list[int]()
     for number, span in enumerate(balanced.spans):
-        unknown = balanced.amplitude[:, number] > balanced.first[:, number]
+        is_unknown = balanced.amplitude[:, number] > balanced.first[:, number]
         of_span = [peak for peak in peaks.each if peak.span == span]
         if of_span:
             unsettled = [peak.speed for peak in of_span if peak.exact is None]
-            unknown &= np.isin(response.speed, unsettled)
-        numbers += np.flatnonzero(unknown).tolist()
+            is_unknown &= np.isin(response.speed, unsettled)
+        numbers += np.flatnonzero(is_unknown).tolist()
     return numbers

@@ -42,7 +42,7 @@ def state_before(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path = PATH,
+    path: Path = PATH,
     *,
     vibrates: bool = True,
     speed: float | None = None,
@@ -53,12 +53,12 @@ def state_before(
     or an initial twist no span, SolveError where the steady vibration has no finite value.
     """
     operation, none = study.operation, np.zeros(len(system.spans))
-    initial, place = settings.initial, (*place, "initial")
+    initial, path = settings.initial, (*path, "initial")
     if initial is None:
         initial = "steady" if operation.speed else "rest"
-    rest = State(0.0, None, none, none[:0], np.empty((0, len(none)), dtype=complex), none)
+    standstill = State(0.0, None, none, none[:0], np.empty((0, len(none)), dtype=complex), none)
     if initial == "rest":
-        return rest
+        return standstill
     if isinstance(initial, dict) and "torque" in initial:
         twist, names = none.copy(), [study.train.parts[part].name for part in system.span_part]
         for name, torque in initial["torque"].items():
@@ -66,26 +66,26 @@ def state_before(
             if not spans:
                 hint = ", ".join(dict.fromkeys(names))
                 message = f"no span is called '{name}'"
-                raise InputError([Fault((*place, "torque", name), message, hint)])
+                raise InputError([Fault((*path, "torque", name), message, hint)])
             twist[spans] = torque
-        return replace(rest, twist=twist)
+        return replace(standstill, twist=twist)
     if isinstance(initial, dict):
         given = initial["speed"]
-        return replace(rest, **{"speeds" if isinstance(given, dict) else "speed": given})
+        return replace(standstill, **{"speeds" if isinstance(given, dict) else "speed": given})
     if not (speed or operation.speed):
-        fault = Fault(place, "a steady state needs a speed", "give `operation: rated`")
+        fault = Fault(path, "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
     speeds = np.array([speed or operation.speed])
     mean = steady(study.train, system, operation, speeds) if study.has_mean_torque else None
     torque = none if mean is None else mean.torque[:, 0]
-    state = replace(rest, speed=float(speeds[0]), mean=mean, torque=torque)
+    state = replace(standstill, speed=float(speeds[0]), mean=mean, torque=torque)
     if not (study.excites and vibrates):
         return state
     vibration = response(study, system, speeds=speeds, refine=False)
     if (vibration.status != Status.OK).any():
         message = "its steady vibration at the operating speed has no finite value"
         hint = "give the damping of the train, or `initial: {speed: ...}`"
-        raise SolveError(message, hint, place)
+        raise SolveError(message, hint, path)
     index = int(np.flatnonzero(vibration.speed == speeds[0])[0])
     return replace(
         state,
@@ -100,7 +100,7 @@ def points_of_events(
     system: System,
     events: Sequence[Event],
     before: State,
-    place: Path,
+    path: Path,
     *,
     turns: bool,
 ) -> list[Point]:
@@ -118,7 +118,7 @@ def points_of_events(
             or event.body.lacks(where)
         )
         if lack is not None:
-            faults.append(Fault((*place, "events", number, event.body.key), *lack))
+            faults.append(Fault((*path, "events", number, event.body.key), *lack))
     if faults:
         raise InputError(faults)
     return points

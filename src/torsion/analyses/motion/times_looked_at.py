@@ -58,12 +58,12 @@ def looked_at(
     cuts: FloatArray,
     waves: Iterable[Wave],
     quickest: float,
-    most: float,
+    budget: float,
     per_period: float,
 ) -> Looked:
     """From samples, and how many times finer the modes are resolved.
 
-    quickest: 1/s of all that dies away. most: times that there may be, besides samples and cuts. per_period: times to a
+    quickest: 1/s of all that dies away. budget: times that there may be, besides samples and cuts. per_period: times to a
     period.
     """
     last, step = float(time[-1]), float(time[1] - time[0]) / finer
@@ -72,7 +72,7 @@ def looked_at(
     cuts = np.unique(cuts[(cuts > 0.0) & (cuts < last)])
     between = _times_between(np.array([0.0, *cuts, last]), quickest)
     times = [base, np.nextafter(cuts, 0.0), cuts, *between]
-    room, left, turn, resolved = min(most, MOST_TIMES), math.inf, 0.0, 2.0 * math.pi / per_period
+    room, left, turn, resolved = min(budget, MOST_TIMES), math.inf, 0.0, 2.0 * math.pi / per_period
     for wave in sorted(waves, key=lambda wave: wave.w):
         begin, end = max(wave.begin, 0.0), min(wave.end, last)
         if begin >= end or wave.w * step <= resolved:
@@ -83,8 +83,8 @@ def looked_at(
             continue
         room, turn = room - number, resolved
         times.append(np.linspace(begin, end, number + 1)[:-1])
-    looked = np.unique(np.concatenate(times))
-    return Looked(looked, np.searchsorted(looked, time), turn, left)
+    moments = np.unique(np.concatenate(times))
+    return Looked(moments, np.searchsorted(moments, time), turn, left)
 
 
 def _times_between(edges: FloatArray, quickest: float) -> list[FloatArray]:

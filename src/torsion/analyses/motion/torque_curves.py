@@ -25,7 +25,7 @@ from torsion.kernels.motion.torque_history import Piece
 BLOCK = 2**21  # values of one array at once
 # of a greatest value: others within it are as great, and the first of them is reported
 ALIKE = 1e-13
-# how far below the highest sampled peak others are looked at
+# how far below the highest sampled peak others are chosen at
 SAFETY, LEAST_NEAR, MOST_NEAR = 10.0, 1e-6, 0.02
 MOST_SUMS = 5e8  # products of all torques at all times that are formed to look for peaks between the samples
 EXPONENTIAL = 50  # products that take the time of one exponential
@@ -34,7 +34,7 @@ RESONANT = 0.05  # of the square of a frequency: resonances count twentyfold, as
 
 @dataclass(frozen=True)
 class Vibrations:
-    """What vibrates in a motion, by which the times are chosen at which it is looked at."""
+    """What vibrates in a motion, by which the times are chosen at which it is chosen at."""
 
     cuts: FloatArray  # s, times at which a torque may jump
     fastest: float  # rad/s of the fastest mode
@@ -52,34 +52,34 @@ class Curves:
     direct: np.ndarray  # (spans, loads) share of the loads that a span carries at once
 
     def vibrations(self) -> Vibrations:
-        """What vibrates in the motion."""
+        """Return what vibrates in the motion, and when torques may jump."""
         raise NotImplementedError
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places and speeds (rigid motions + modes, times); event-driven places are those of the modes."""
+        """Positions and speeds (rigid motions + modes, times); event-driven ones are positions of the modes."""
         raise NotImplementedError
 
-    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times), of what `at` returned."""
         raise NotImplementedError
 
     def torque(
         self, time: FloatArray, span: IntArray | None = None
     ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-        """Torques (spans, times) with the damping part, their rates, and places and speeds (both, times).
+        """Torques (spans, times) with the damping part, their rates, and positions and speeds (both, times).
 
         With `span` (times,) of each that span at its time, (times,). The times ascend.
         """
         raise NotImplementedError
 
-    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+    def turning(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
         """(stations, times) rad/s from what `at` returned."""
         loaded = self.loaded
         angle, turning, _ = loaded.carrier.at(time)
         turning += loaded.shape @ speed
         for cut in loaded.cuts:
             if cut.massless:
-                cut.fill_speeds(loaded.system, angle + loaded.shape @ place, turning)
+                cut.fill_speeds(loaded.system, angle + loaded.shape @ position, turning)
         return turning
 
     def unseen(self, fast: float) -> FloatArray:
@@ -105,7 +105,7 @@ class Curves:
     def missed(self, time: FloatArray, finer: int) -> FloatArray:
         """(spans,) N m that modes with fewer than 4 samples in a period add at most, by their amplitudes at the samples.
 
-        The amplitude is that about the place to which the torques of the moment would move the mode slowly: of its
+        The amplitude is that about the position to which the torques of the moment would move the mode slowly: of its
         acceleration and speed.
         """
         modes, rigid = self.loaded.modes, self.loaded.rigid
@@ -114,8 +114,8 @@ class Curves:
         if not fast.size:
             return np.zeros(len(modes.torque))
         times = time[:: max(1, len(time) // 1000)]
-        place, speed = self.at(times)
-        gained = self.acceleration(times, place, speed)[rigid:][fast]
+        position, speed = self.at(times)
+        gained = self.acceleration(times, position, speed)[rigid:][fast]
         w = self.loaded.w[fast, None]
         amplitude = np.hypot(gained / w**2, speed[rigid:][fast] / w).max(axis=1)
         return np.asarray(np.abs(modes.torque[:, fast]) @ amplitude)
@@ -138,8 +138,8 @@ class ModalCurves(Curves):
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         return self.motion.at(time)
 
-    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
-        return self.motion.acceleration(time, place, speed)
+    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
+        return self.motion.acceleration(time, position, speed)
 
     def torque(
         self, time: FloatArray, span: IntArray | None = None
@@ -150,32 +150,32 @@ class ModalCurves(Curves):
             return np.asarray(np.einsum("km,mk->k", rows[span], columns))
 
         loaded, before, motion = self.loaded, self.loaded.before, self.motion
-        place, speed = motion.at(time)
+        position, speed = motion.at(time)
         turned = np.exp(1j * np.multiply.outer(before.frequency, time))
         growing = 1j * before.frequency[:, None] * turned
         elastic, amplitude = loaded.modes.torque, before.amplitude.T
         mean = before.torque[:, None] if span is None else before.torque[span]
-        torque = mean + product(elastic, place[loaded.rigid :]) + product(loaded.slowed, speed)
+        torque = mean + product(elastic, position[loaded.rigid :]) + product(loaded.slowed, speed)
         torque = torque + product(amplitude, turned).real
         rate = product(elastic, speed[loaded.rigid :]) + product(amplitude, growing).real
         if loaded.slowed.any():
-            rate = rate + product(loaded.slowed, motion.acceleration(time, place, speed))
+            rate = rate + product(loaded.slowed, motion.acceleration(time, position, speed))
         if self.direct.any():
             torque = torque + product(self.direct, motion.loads_at(time))
             rate = rate + product(self.direct, motion.load_rates_at(time))
-        return torque, rate, (place, speed)
+        return torque, rate, (position, speed)
 
     def turned(self, station: int, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angle (rad) and speed (times,) of a station with inertia."""
         angle, turning, _ = self.loaded.carrier.at(time)
-        place, speed = self.motion.at(time)
+        position, speed = self.motion.at(time)
         row = self.loaded.shape[station]
-        return angle[station] + row @ place, turning[station] + row @ speed
+        return angle[station] + row @ position, turning[station] + row @ speed
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What was seen of curves at all times looked at."""
+    """What was seen of curves at all times chosen at."""
 
     time: FloatArray  # (samples,) s
     torque: FloatArray  # (spans, samples)
@@ -184,19 +184,19 @@ class Seen:
     ends: tuple[tuple[FloatArray, FloatArray], ...]
     # of every span, in the order of time: all values at which it turns
     turns: tuple[FloatArray, ...]
-    lacking: FloatArray  # (spans,) N m that what is too fast for the times looked at may add
+    lacking: FloatArray  # (spans,) N m that what is too fast for the times chosen at may add
     left: float  # rad/s from which on some waves are not resolved
 
 
 def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: bool) -> Seen:
     """Read torques and speeds at samples, peaks and turns also between; counts: cycles are counted."""
-    looked, finer = _choose_times(curves, time, counts=counts)
+    chosen, finer = _choose_times(curves, time, counts=counts)
     loaded = curves.loaded
     spans, (stations, motions) = len(loaded.slowed), loaded.shape.shape
-    times, sample = looked.time, looked.sample
+    times, sample = chosen.time, chosen.sample
     torque, turning = np.empty((spans, len(sample))), np.empty((stations, len(sample)))
     # The error of a cubic of values and rates.
-    near = min(max(SAFETY * looked.turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)
+    near = min(max(SAFETY * chosen.turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)
     extremes = Extremes.none(spans, near), Extremes.none(spans, near)
     best, when = np.full((2, spans), -np.inf), np.zeros((2, spans))
     turns = list[tuple[IntArray, FloatArray]]()
@@ -231,29 +231,29 @@ def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: boo
             read[:, order] = curves.torque(time[order], span[order])[:2]
             return sense * read[0], sense * read[1]
 
-        top, place = extremes[number].exact(read)
+        top, position = extremes[number].exact(read)
         sampled, earliest = best[number], when[number]
         slack = ALIKE * np.abs(sampled)
-        alike = np.where(top < sampled - slack, earliest, np.minimum(place, earliest))
-        peak_time = np.where(top > sampled + slack, place, alike)
+        alike = np.where(top < sampled - slack, earliest, np.minimum(position, earliest))
+        peak_time = np.where(top > sampled + slack, position, alike)
         ends.append((np.maximum(top, sampled), peak_time))
     span, value = (np.concatenate(parts) for parts in zip(*turns, strict=True))
     order = np.argsort(span, kind="stable")
     edges = np.searchsorted(span[order], np.arange(1, spans))
-    lacking = curves.missed(time, finer) + curves.unseen(looked.left)
+    lacking = curves.missed(time, finer) + curves.unseen(chosen.left)
     by_span = tuple(np.split(value[order], edges)) if spans else ()
-    return Seen(time, torque, turning, tuple(ends), by_span, lacking, looked.left)
+    return Seen(time, torque, turning, tuple(ends), by_span, lacking, chosen.left)
 
 
 def _choose_times(curves: Curves, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:
-    """The times at which curves are looked at, and how many times finer than samples the modes are: as it pays."""
+    """The times at which curves are chosen at, and how many times finer than samples the modes are: as it pays."""
     modes, vibrations = curves.loaded.modes, curves.vibrations()
     step, per_period = float(time[1] - time[0]), PER_PERIOD_COUNTED if counts else PER_PERIOD
     most = MOST_SUMS / (modes.torque.size + EXPONENTIAL * len(modes.frequency) + 1)
     needed = np.ceil(per_period * step * modes.frequency.max(initial=0.0))
     finer = int(np.clip(needed, 1, max(most / len(time), 1)))
     finer = max(1, min(finer, MOST_TIMES // len(time)))
-    looked = looked_at(
+    chosen = looked_at(
         time, finer, vibrations.cuts, vibrations.waves, vibrations.quickest, most, per_period
     )
-    return replace(looked, turn=max(looked.turn, step / finer * vibrations.fastest)), finer
+    return replace(chosen, turn=max(chosen.turn, step / finer * vibrations.fastest)), finer

@@ -34,11 +34,11 @@ def _read_initial(value: Any) -> Any:
     if isinstance(value, dict) and set(value) == {"speed"}:
         speed, given_speed = Quantity("rad/s", at_least=0), value["speed"]
         if isinstance(given_speed, dict):
-            return {"speed": {str(name): speed.read(own) for name, own in given_speed.items()}}
+            return {"speed": {str(name): speed.read(text) for name, text in given_speed.items()}}
         return {"speed": speed.read(given_speed)}
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
         torque = Quantity("N*m")
-        return {"torque": {str(name): torque.read(own) for name, own in value["torque"].items()}}
+        return {"torque": {str(name): torque.read(text) for name, text in value["torque"].items()}}
     hint = "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}"
     raise refuse("this is no initial state", hint)
 
@@ -218,8 +218,8 @@ def transient_faults(study: Study) -> list[Fault]:
         name = settings.name
         if len(motions) > 1 and (not name or name in names):
             what = f"two motions are called '{name}'" if name else "a motion in a list needs a name"
-            place = (*path, "name") if name else path
-            faults.append(Fault(place, what, "`name: start`, each another"))
+            name_path = (*path, "name") if name else path
+            faults.append(Fault(name_path, what, "`name: start`, each another"))
         names.add(name)
         faults += _faults(study, settings, path)
     return faults
@@ -255,24 +255,24 @@ def _event_faults(
     study: Study,
     settings: TransientSettings,
     event: Event,
-    place: Path,
+    path: Path,
     kinds: Mapping[str, tuple[str, bool]],
 ) -> Iterator[Fault]:
     """What is wrong in one event; kinds: of every component its kind, and whether it is a point."""
     body, files = event.body, Point(folder=FilePath(study.file).parent)
     is_clutch = isinstance(body, Clutch)
-    if (fault := name_fault(event.at, (*place, "at"), kinds, point=not is_clutch)) is not None:
+    if (fault := name_fault(event.at, (*path, "at"), kinds, point=not is_clutch)) is not None:
         yield fault
     elif is_clutch and not study.train.part(event.at).is_clutch:
-        yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
+        yield Fault((*path, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
     elif isinstance(body, ShortCircuit) and kinds[event.at][0] not in ELECTRICAL:
         hint = f"make '{event.at}' a `generator`; its load then leaves there"
-        yield Fault((*place, "at"), "a short circuit acts in an electrical machine", hint)
+        yield Fault((*path, "at"), "a short circuit acts in an electrical machine", hint)
     if event.time >= settings.duration:
         hint = f"within {settings.duration:g} s, or a longer `duration`"
-        yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
+        yield Fault((*path, "time"), "the event begins after the end of the motion", hint)
     if isinstance(body, Table) and (lack := body.lacks(files)) is not None:
-        yield Fault((*place, "table", "file"), *lack)
+        yield Fault((*path, "table", "file"), *lack)
         return
     corners = [event.time + late for late in body.corners(files)]
     if any(a >= b for a, b in pairwise(corners)):
@@ -280,7 +280,7 @@ def _event_faults(
             f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
         )
         hint = f"at least {4.0 * math.ulp(event.time):.1g} s between them"
-        yield Fault((*place, body.key), message, hint)
+        yield Fault((*path, body.key), message, hint)
     again = body.reclose if isinstance(body, ShortCircuit) else None
     if again is not None and event.time < settings.duration <= event.time + again[1]:
         message = (
@@ -288,7 +288,7 @@ def _event_faults(
             "transient response"
         )
         hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
-        yield Fault((*place, "short-circuit", "reclose"), message, hint)
+        yield Fault((*path, "short-circuit", "reclose"), message, hint)
 
 
 def _is_shaken(study: Study, settings: TransientSettings) -> bool:
@@ -310,14 +310,14 @@ def _wrong_names(
     for key in ("fatigue", "orders"):
         if (part := getattr(settings, key)) is not None:
             named.append(((*path, key, "at"), part.at))
-    for place, names in named:
+    for key_path, names in named:
         for name in names:
             if name not in kinds:
-                yield Fault(place, f"no component is called '{name}'", ", ".join(kinds))
-            elif place[-1] == "at" and kinds[name][1]:
+                yield Fault(key_path, f"no component is called '{name}'", ", ".join(kinds))
+            elif key_path[-1] == "at" and kinds[name][1]:
                 links = ", ".join(link for link, (_, is_point) in kinds.items() if not is_point)
                 message = f"'{name}' is a {kinds[name][0]}, and no torque goes through it"
-                yield Fault(place, message, links)
+                yield Fault(key_path, message, links)
 
 
 def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
@@ -353,10 +353,10 @@ def _order_faults(
         fault = name_fault(orders.reference, (*path, "reference"), kinds)
         if fault is not None:
             yield fault
-    most = max(orders.track, default=0.0)
-    if orders.highest is not None and most > orders.highest:
-        message = f"order {most:g} is tracked, and the waterfall ends at {orders.highest:g}"
-        yield Fault((*path, "highest"), message, f"{most:g} or more, or leave it out")
+    largest = max(orders.track, default=0.0)
+    if orders.highest is not None and largest > orders.highest:
+        message = f"order {largest:g} is tracked, and the waterfall ends at {orders.highest:g}"
+        yield Fault((*path, "highest"), message, f"{largest:g} or more, or leave it out")
     if study.train.has_nonlinear_couplings:
         message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
         yield Fault(path, message, "leave it out, or make the couplings linear")
@@ -365,13 +365,13 @@ def _order_faults(
 def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """A second program of speed at a point, and a start there while an earlier one is on; two at one time add."""
     for number, event in enumerate(settings.events):
-        body, place = event.body, (*path, "events", number, event.body.key)
+        body, event_path = event.body, (*path, "events", number, event.body.key)
         at_point = [(other, other.body) for other in settings.events if other.at == event.at]
         if isinstance(body, SpeedProgram):
             programs = [other for other, program in at_point if isinstance(program, SpeedProgram)]
             if programs[0] is not event:
                 message = f"the speed of '{event.at}' is prescribed twice"
-                yield Fault(place, message, "one `program` with all its rows")
+                yield Fault(event_path, message, "one `program` with all its rows")
         if isinstance(body, Start):
             begins = [
                 other.time
@@ -382,4 +382,4 @@ def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
             if begins:
                 message = f"'{event.at}' is switched on at {begins[0]:g} s already"
                 hint = f"end that start by its `off`, at most {event.time - begins[0]:g} s"
-                yield Fault(place, message, hint)
+                yield Fault(event_path, message, hint)

@@ -34,11 +34,11 @@ class Peaks(Protocol):
 
     @property
     def torque(self) -> FloatArray:
-        """(spans, samples) N m."""
+        """Torques of the spans at the samples, (spans, samples) N m."""
 
     @property
     def peak(self) -> FloatArray:
-        """(spans,) N m."""
+        """Largest magnitude of the torque of each span, (spans,) N m."""
 
 
 Moved = TypeVar("Moved", bound=Peaks)
@@ -103,8 +103,8 @@ def _worst_phases(torque: Sequence[FloatArray], share: FloatArray) -> Iterator[f
     peak, added, sense = sizes[rows, sample], wave[rows, sample], np.sign(mean[rows, sample])
     phase, computed = np.mod(np.angle(sense * added), 2.0 * math.pi), list(THREE)
     for span in np.argsort(-peak * share, kind="stable").tolist():
-        apart = [abs(math.remainder(phase[span] - other, 2.0 * math.pi)) for other in computed]
-        if abs(added[span]) > ADDS * peak[span] and min(apart) > ALIKE:
+        distances = [abs(math.remainder(phase[span] - near, 2.0 * math.pi)) for near in computed]
+        if abs(added[span]) > ADDS * peak[span] and min(distances) > ALIKE:
             computed.append(float(phase[span]))
             yield computed[-1]
 
@@ -115,7 +115,7 @@ class FaultScan:
 
     settings: TransientSettings
     frequency: FloatArray
-    place: Path  # of the settings in the file
+    path: Path  # of the settings in the file
 
     @property
     def faults(self) -> dict[int, ShortCircuit]:
@@ -142,7 +142,7 @@ class FaultScan:
                 f"{MOST_FAULTS}"
             )
             hint = "a narrower range `reclose`, or state `sense`"
-            raise InputError([Fault((*self.place, "events"), message, hint)])
+            raise InputError([Fault((*self.path, "events"), message, hint)])
         combinations = (
             zip(variants, bodies, strict=True) for bodies in product(*variants.values())
         )
@@ -153,11 +153,11 @@ class FaultScan:
         seen = list[TransientSettings]()
         for settings in worst[:WORST_TIMES]:
             for number, fault in self.scanned.items():
-                now = settings.events[number].body
-                assert isinstance(now, ShortCircuit)
-                assert now.reclose is not None
-                for beside in fault.variants_beside(now.reclose[0], self.frequency):
-                    body = beside.model_copy(update={"sense": now.sense})
+                fault_now = settings.events[number].body
+                assert isinstance(fault_now, ShortCircuit)
+                assert fault_now.reclose is not None
+                for finer_fault in fault.variants_beside(fault_now.reclose[0], self.frequency):
+                    body = finer_fault.model_copy(update={"sense": fault_now.sense})
                     finer = _with_bodies(settings, {number: body})
                     if finer not in seen:
                         seen.append(finer)
@@ -213,13 +213,15 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
         return {name: column(name)[which, spans] for name in names}
 
     highest = column("peak").argmax(axis=0).tolist()
-    most: dict[str, Any] = {name: column(name).max(axis=0) for name in ("unresolved", "reversals")}
+    largest: dict[str, Any] = {
+        name: column(name).max(axis=0) for name in ("unresolved", "reversals")
+    }
     switchings = [motion.switching for motion in motions if motion.switching is not None]
     return replace(
         shown,
         **chosen(column("greatest").argmax(axis=0), "greatest", "greatest_at"),
         **chosen(column("least").argmin(axis=0), "least", "least_at"),
-        **most,
+        **largest,
         residual=max(motion.residual for motion in motions),
         change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
         left_in_series=max(motion.left_in_series for motion in motions),

@@ -78,7 +78,7 @@ class Law:
 
     @property
     def interfaces(self) -> slice:
-        """Which interfaces are its own."""
+        """The rows of its own interfaces among all."""
         return slice(self.interface, self.interface + self.count)
 
     @property
@@ -87,7 +87,7 @@ class Law:
         return ()
 
     def first(self, points: Points) -> int:
-        """The regime at one time."""
+        """Return the regime that holds at the one time of the points."""
         return 0
 
     def conditions(self, regime: int, points: Points) -> Conditions:
@@ -108,7 +108,7 @@ class LinearTrain(Protocol):
 
     @property
     def number(self) -> int:
-        """Number of interfaces."""
+        """How many interfaces torques act at."""
 
     @property
     def parts(self) -> FloatArray:
@@ -124,7 +124,7 @@ class LinearTrain(Protocol):
     def going_on(self, time: float, length: float) -> Turning:
         """At the ENDS of a step, with no torques in it."""
 
-    def now(self, time: float) -> Turning:
+    def at_begin(self, time: float) -> Turning:
         """At the begin of a step."""
 
     def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
@@ -171,12 +171,12 @@ class _March:
 
     @property
     def weight(self) -> FloatArray:
-        """(interfaces, 1)."""
+        """Factors on torques that make them comparable, (interfaces, 1)."""
         return self.scheme.weight[:, None]
 
     def first_regime(self, law: Law, time: float, torque: FloatArray) -> int:
         """Regime of a law at the begin of a step, with torques (interfaces, 1)."""
-        points = Points(np.array([time]), torque, *self.train.now(time))
+        points = Points(np.array([time]), torque, *self.train.at_begin(time))
         return law.first(points.select(law.interfaces))
 
 

@@ -29,12 +29,12 @@ class ModalTrain:
 
     @property
     def rigid(self) -> int:
-        """Number of rigid motions."""
+        """How many rigid motions stand before the modes."""
         return len(self.viscous) - len(self.w)
 
     @property
     def w_of_all(self) -> FloatArray:
-        """(rigid motions + modes,) rad/s."""
+        """Natural frequencies, 0 for rigid motions: (rigid motions + modes,) rad/s."""
         return np.concatenate([np.zeros(self.rigid), self.w])
 
     @property
@@ -89,11 +89,11 @@ class Motion:
         return self.coordinates.history.begin
 
     def loads_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times)."""
+        """Torques of the loads at times, (loads, times) N m."""
         return np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
 
     def load_rates_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times) per second."""
+        """Rates of the torques of the loads, (loads, times) N m/s."""
         rates = [[piece.rate_of_change() for piece in pieces] for pieces in self.loads]
         return np.array([value(pieces, time) for pieces in rates]).reshape(-1, len(time))
 

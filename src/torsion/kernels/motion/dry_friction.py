@@ -83,6 +83,6 @@ class DryFriction(Law):
         return self.neighbours if regime == STANDS else ()
 
     def _acting(self, time: FloatArray) -> FloatArray:
-        """(interfaces, times) N m."""
+        """Friction that acts at each interface, (interfaces, times) N m."""
         pairs = zip(self.torque, self.windows, strict=True)
         return np.array([torque * window.holds(time) for torque, window in pairs])

@@ -74,15 +74,15 @@ def _steps(
     """Blocks, states (states, columns) and lengths (s) of full steps of a regime, then of what is left of each block."""
     length, step = motion.begin[blocks + 1] - motion.begin[blocks], regime.step
     number = np.minimum((length / step).astype(int), STEPS)
-    rest = length - number * step
+    remainder = length - number * step
     for part in np.array_split(np.arange(len(blocks)), len(blocks) // COLUMNS + 1):
         z = motion.state[blocks[part]].T.copy()
         for full in range(int(number[part].max(initial=0))):
             going = number[part] > full
             yield blocks[part[going]], z[:, going], np.full(np.count_nonzero(going), step)
             z[:, going] = regime.over_step(z[:, going])
-        left = rest[part] > 0.0
-        yield blocks[part[left]], z[:, left], rest[part[left]]
+        left = remainder[part] > 0.0
+        yield blocks[part[left]], z[:, left], remainder[part[left]]
 
 
 def _powers(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
@@ -99,10 +99,10 @@ def _powers(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
 
 
 def _energies(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
-    """(columns,) J of states."""
-    place, speed = train.layout[1:3]
+    """Energy stored in the train at states (states, columns): (columns,) J."""
+    position, speed = train.layout[1:3]
     torque = regime.torque @ z / train.root[:, None]
-    squares = (z[place] ** 2, z[speed] ** 2, (regime.elastic @ z) ** 2)
+    squares = (z[position] ** 2, z[speed] ** 2, (regime.elastic @ z) ** 2)
     return np.asarray(
         0.5 * sum(part.sum(axis=0) for part in (*squares, torque * (train.series @ torque)))
     )

@@ -39,7 +39,7 @@ class Interfaces:
     shape: FloatArray  # (interfaces, rigid motions + modes)
     signal: IntArray  # (interfaces,) which of the polynomials of the train each is a part of
     carrier: Callable[[FloatArray], Turning]  # how they turn without any torque
-    untwisted: FloatArray  # (modes,) places from which their angles count
+    untwisted: FloatArray  # (modes,) positions from which their angles count
 
 
 @dataclass
@@ -58,7 +58,7 @@ class RegimesTaken:
 
     @property
     def train(self) -> PiecewiseTrain:
-        """What is moved."""
+        """The train that the march moves."""
         return self.march.train
 
     @property
@@ -74,11 +74,11 @@ class RegimesTaken:
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """(interfaces, state) of angle and speed beside the carrier."""
-        _, place, speed, _, turned = self.train.layout
+        _, position, speed, _, turned = self.train.layout
         angle, turning = np.zeros((2, self.number, self.train.size))
         shape, rigid = self.interfaces.shape, self.train.rigid
         angle[:, turned] = shape[:, :rigid]
-        angle[:, place] = shape[:, rigid:] / self.train.w
+        angle[:, position] = shape[:, rigid:] / self.train.w
         angle[:, -1] = -shape[:, rigid:] @ self.interfaces.untwisted
         turning[:, speed] = shape
         return angle, turning
@@ -132,15 +132,15 @@ class RegimesTaken:
         self.parts = np.abs(carried[1]).max(axis=1, keepdims=True) + sizes[:, None]
         return rows[0] @ z + carried[0], rows[1] @ z + carried[1], rows[2] @ z + carried[2]
 
-    def now(self, time: float) -> Turning:
-        return self._beside(np.array([time]), self.z[:, None], self.march.regime(self.state))
+    def at_begin(self, time: float) -> Turning:
+        return self._with_carrier(np.array([time]), self.z[:, None], self.march.regime(self.state))
 
     def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
         start, regime = self._under(torque, length), self.regime(length)
         z = np.stack([_move_on(regime, start, late) for late in (share * length).tolist()], axis=1)
-        return self._beside(time + share * length, z, regime)
+        return self._with_carrier(time + share * length, z, regime)
 
-    def _beside(self, time: FloatArray, z: FloatArray, regime: Regime) -> Turning:
+    def _with_carrier(self, time: FloatArray, z: FloatArray, regime: Regime) -> Turning:
         (angle, speed), carried = self.rows, self.interfaces.carrier(time)
         return (
             carried[0] + angle @ z,
@@ -170,7 +170,7 @@ class RegimesTaken:
 
 
 def _move_on(regime: Regime, z: FloatArray, time: float) -> FloatArray:
-    """The state after any time."""
+    """Return the state after a time that may exceed a block."""
     block = STEPS * regime.step
     while time > block:
         z, time = regime.after(z, block), time - block

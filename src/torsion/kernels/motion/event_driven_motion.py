@@ -222,15 +222,15 @@ def event_driven(
     state: State,
     *,
     twist: FloatArray,
-    place: FloatArray,
+    position: FloatArray,
     speed: FloatArray,
     duration: float,
     fineness: float = 1.0,
 ) -> EventDrivenMotion:
-    """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
+    """The motion from regimes and x (elements,) rad, positions (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: as of `March`. Raises Chatter where events follow each other without progress, and TooManyEvents.
     """
     march = March(train, duration, fineness)
-    (motion,) = march.until([duration], train.at_first(twist, place, speed), state)
+    (motion,) = march.until([duration], train.at_first(twist, position, speed), state)
     return motion

@@ -40,7 +40,7 @@ def first_root(polynomial: Polynomial, rounding: float) -> float | None:
 
 
 def value(polynomial: Polynomial, share: float) -> float:
-    """The value by Horner's scheme."""
+    """Return the value at a share, by Horner's scheme."""
     total = 0.0
     for coefficient in reversed(polynomial):
         total = total * share + coefficient

@@ -51,11 +51,11 @@ class _Group:
 
     @cached_property
     def states(self) -> slice:
-        """Which states are its own."""
+        """The rows of its own states among all."""
         return slice(self.first, self.first + self.parts * (1 + self.slopes))
 
     def matrix(self) -> FloatArray:
-        """(states, states) 1/s."""
+        """Matrix G of the states, (states, states) 1/s."""
         p, unit = self.rate, np.eye(self.parts)
         turn = p.real * unit
         if self.parts == 2:
@@ -73,7 +73,7 @@ class Signals:
 
     @property
     def number(self) -> int:
-        """Number of signals."""
+        """How many signals there are, those that follow the motion included."""
         return len(self.pieces) + self.polynomials
 
     @cached_property
@@ -94,17 +94,17 @@ class Signals:
 
     @property
     def size(self) -> int:
-        """Number of all states."""
+        """How many states all signals have."""
         return self.pieces_size + self.polynomials * POINTS
 
     @cached_property
     def fastest(self) -> float:
-        """1/s, the largest rate."""
+        """The largest rate of a piece, in 1/s."""
         return max((abs(group.rate) for group in self.groups), default=0.0)
 
     @cached_property
     def matrix(self) -> FloatArray:
-        """(states, states) 1/s."""
+        """Matrix G of the states, (states, states) 1/s."""
         matrix = np.zeros((self.size, self.size))
         for group in self.groups:
             matrix[group.states, group.states] = group.matrix()

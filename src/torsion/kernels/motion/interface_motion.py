@@ -44,11 +44,11 @@ class Interfaces:
 def interfaces(motion: Motion, shape: FloatArray) -> Interfaces:
     """Interfaces of a train whose last loads are the torques at them; shape: (interfaces, rigid motions + modes)."""
     number, coordinates = len(shape), motion.coordinates
-    place, speed = motion.reading
+    position, speed = motion.reading
     rigid = np.zeros((0, number)) if motion.rigid is None else motion.rigid.force[:, -number:]
     kept = shape[:, len(rigid) :]
     force = coordinates.force[:, -number:]
-    return Interfaces(coordinates.root, force, kept @ place, kept @ speed, rigid)
+    return Interfaces(coordinates.root, force, kept @ position, kept @ speed, rigid)
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ def influence(train: Interfaces, length: float) -> Influence:
     series = np.repeat(SERIES, len(ENDS), axis=1)[
         :, None
     ]  # a torque of 1 at each node, to all ends
-    shares, ones = np.tile(ENDS, POINTS), np.ones((len(root), 1))
-    answer = length * shares * answers(np.tile(z, POINTS), shares, ones, series)
+    shares, unit = np.tile(ENDS, POINTS), np.ones((len(root), 1))
+    answer = length * shares * answers(np.tile(z, POINTS), shares, unit, series)
     answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
     pairs = zip(*(integrals(column[:, None], ENDS) for column in SERIES.T), strict=True)
     once, twice = (np.array(rows).T for rows in pairs)
@@ -121,12 +121,12 @@ class Steps:
         return self.turned[step].T + turning * since + twice * length**2, turning + once * length, y
 
     def torque(self, time: FloatArray) -> FloatArray:
-        """(interfaces, times) N m."""
+        """Torques at the interfaces, (interfaces, times) N m."""
         _, _, share, series = self._within(time)
         return value(series, share)
 
     def torque_rate(self, time: FloatArray) -> FloatArray:
-        """(interfaces, times) N m/s."""
+        """Rates of the torques at the interfaces, (interfaces, times) N m/s."""
         step, _, share, series = self._within(time)
         return np.asarray(value(legendre.legder(series), share) * (2.0 / self.length[step]))
 
@@ -167,11 +167,11 @@ class StepsTaken:
 
     def steps(self, rows: list[tuple[float, float, Place, FloatArray]] | None = None) -> Steps:
         """All steps, or those of some rows."""
-        begin, length, place, torque = zip(*(rows or self.rows), strict=True)
+        begin, length, position, torque = zip(*(rows or self.rows), strict=True)
         turned, turning = (
-            np.array([getattr(start, name) for start in place]) for name in ("turned", "turning")
+            np.array([getattr(start, name) for start in position]) for name in ("turned", "turning")
         )
-        y = np.array([start.y for start in place])
+        y = np.array([start.y for start in position])
         series = np.array([SERIES @ nodes.T for nodes in torque])
         return Steps(self.train, np.array(begin), np.array(length), turned, turning, y, series)
 
@@ -179,7 +179,7 @@ class StepsTaken:
         return self._influence(length).turning
 
     def _influence(self, length: float) -> Influence:
-        """Kept by length."""
+        """Return the influence on steps of a length, kept for the next."""
         if length not in self.influences:
             if len(self.influences) > MOST_KEPT:
                 self.influences.clear()
@@ -200,15 +200,15 @@ class StepsTaken:
         )
         return moved[0] + given[0], moved[1] + given[1], moved[2] + given[2]
 
-    def now(self, time: float) -> Turning:
+    def at_begin(self, time: float) -> Turning:
         turned, turning, y = self.start.turned, self.start.turning, self.start.y
-        return self._beside(np.array([time]), turned[:, None], turning[:, None], y[:, None])
+        return self._with_given(np.array([time]), turned[:, None], turning[:, None], y[:, None])
 
     def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
         times = time + share * length
-        return self._beside(times, *self.steps([(time, length, self.start, torque)]).at(times))
+        return self._with_given(times, *self.steps([(time, length, self.start, torque)]).at(times))
 
-    def _beside(
+    def _with_given(
         self, time: FloatArray, turned: FloatArray, turning: FloatArray, y: ComplexArray
     ) -> Turning:
         """Together with the given motion, whose acceleration is the only one known."""
@@ -240,22 +240,22 @@ class DrivenMotion(Motion):
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
-        place, speed = super().at(time)
+        position, speed = super().at(time)
         turned, turning, y = self.steps.at(time)
         elastic, vibrating = self.modal(y)
         return (
-            place + np.concatenate([turned, elastic]),
+            position + np.concatenate([turned, elastic]),
             speed + np.concatenate([turning, vibrating]),
         )
 
     def loads_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times)."""
-        return self._with(super().loads_at(time), self.steps.torque(time))
+        """Torques of the loads, with those that follow the motion: (loads, times) N m."""
+        return self._with_steps(super().loads_at(time), self.steps.torque(time))
 
     def load_rates_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times) per second."""
-        return self._with(super().load_rates_at(time), self.steps.torque_rate(time))
+        """Rates of these torques, (loads, times) N m/s."""
+        return self._with_steps(super().load_rates_at(time), self.steps.torque_rate(time))
 
-    def _with(self, given: FloatArray, following: FloatArray) -> FloatArray:
+    def _with_steps(self, given: FloatArray, following: FloatArray) -> FloatArray:
         given[len(given) - len(following) :] = following
         return given

@@ -101,7 +101,7 @@ class Regime:
 
     @cached_property
     def _sizes(self) -> FloatArray:
-        """(functions, states)."""
+        """Magnitudes of the rows of the switching functions, (functions, states)."""
         return np.abs(self.events)
 
     def _after_parts(self, z: FloatArray, part: int) -> FloatArray:
@@ -119,9 +119,9 @@ class Regime:
             if level not in self._transposed:
                 gain = np.ascontiguousarray(self._gain(level).T)
                 self._transposed[level] = gain + np.eye(len(z))
-            more = min(filled, number - filled)
-            begins[:more].dot(self._transposed[level], out=begins[filled : filled + more])
-            filled, level = filled + more, level + 1
+            added = min(filled, number - filled)
+            begins[:added].dot(self._transposed[level], out=begins[filled : filled + added])
+            filled, level = filled + added, level + 1
         return begins
 
     def after(self, z: FloatArray, time: float) -> FloatArray:

@@ -156,8 +156,8 @@ def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, Com
         level, gained = term.level, term.slope * time
         return time * (level + gained / 2.0), time**2 * (level / 2.0 + gained / 6.0)
     zero, rate = np.zeros(1, dtype=complex), term.rate
-    ones = np.ones((1, len(time)), dtype=complex)
-    first, ramp = (row[0] for row in _integrals(zero, rate, time, ones))
+    unit = np.ones((1, len(time)), dtype=complex)
+    first, ramp = (row[0] for row in _integrals(zero, rate, time, unit))
     near = np.abs(rate * time) < SMALL
     # Integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p.
     of_first = (first - time) / rate

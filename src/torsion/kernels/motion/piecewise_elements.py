@@ -59,7 +59,7 @@ class Clearance:
 
     @property
     def loses(self) -> bool:
-        """Whether it makes heat."""
+        """Whether the element makes heat of its own."""
         return self.viscous > 0.0
 
     def law(self, regime: int) -> Law:

@@ -36,11 +36,11 @@ class PiecewiseTrain:
     # (elements, elements) rad/(N m) of the modes that are left out
     compliance: FloatArray | None = None
     # (elements, signals) rad/(N m): their answer to the signals
-    rest: ComplexArray | None = None
+    higher_answer: ComplexArray | None = None
 
     @property
     def rigid(self) -> int:
-        """Number of rigid motions."""
+        """How many rigid motions stand before the modes."""
         return len(self.damping) - len(self.w)
 
     @cached_property
@@ -49,18 +49,18 @@ class PiecewiseTrain:
         angles = self.rigid if self.signals.polynomials else 0
         sizes = [len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]
         ends = np.cumsum([0, *sizes]).tolist()
-        x, place, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
-        return x, place, speed, signal, turned
+        x, position, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
+        return x, position, speed, signal, turned
 
     @property
     def size(self) -> int:
-        """Number of states."""
+        """How many states the train has, the constant 1 included."""
         return int(self.layout[4].stop) + 1
 
-    def at_first(self, twist: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
-        """(state,) from x (elements,) rad, places (modes,), speeds (rigid motions + modes,), without signals."""
+    def at_first(self, twist: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
+        """(state,) from x (elements,) rad, positions (modes,), speeds (rigid motions + modes,), without signals."""
         z = np.zeros(self.size)
-        values = np.concatenate([self.root * twist, self.w * place, speed])
+        values = np.concatenate([self.root * twist, self.w * position, speed])
         z[: len(values)], z[-1] = values, 1.0
         return z
 
@@ -85,11 +85,11 @@ class PiecewiseTrain:
 
     @cached_property
     def unforced(self) -> FloatArray:
-        """(state, state) A without elements."""
-        matrix, (_, place, speed, signal, turned) = np.zeros((self.size, self.size)), self.layout
+        """Matrix A of the train without its elements, (state, state)."""
+        matrix, (_, position, speed, signal, turned) = np.zeros((self.size, self.size)), self.layout
         elastic, angles = speed.start + self.rigid, turned.stop - turned.start
-        matrix[place, elastic : speed.stop] = np.diag(self.w)
-        matrix[elastic : speed.stop, place] = -np.diag(self.w)
+        matrix[position, elastic : speed.stop] = np.diag(self.w)
+        matrix[elastic : speed.stop, position] = -np.diag(self.w)
         matrix[speed, speed] = -self.damping
         matrix[speed] += self.rows(self.force)
         matrix[signal, signal] = self.signals.matrix
@@ -98,15 +98,15 @@ class PiecewiseTrain:
 
     @cached_property
     def relative_speed(self) -> FloatArray:
-        """(elements, state) scaled."""
+        """Rows of the relative speed of the ends of each element, (elements, state), scaled."""
         return np.pad(self.ends, ((0, 0), (self.layout[2].start, self.size - self.layout[2].stop)))
 
     @cached_property
     def resting(self) -> FloatArray:
         """(elements, state) scaled twists that the modes left out add by themselves."""
-        if self.rest is None:
+        if self.higher_answer is None:
             return np.zeros((len(self.elements), self.size))
-        return np.asarray(self.root[:, None] * self.rows(self.rest))
+        return np.asarray(self.root[:, None] * self.rows(self.higher_answer))
 
     @cached_property
     def series(self) -> FloatArray:
@@ -116,7 +116,7 @@ class PiecewiseTrain:
 
     @cached_property
     def capacity(self) -> FloatArray:
-        """(elements, state) N m."""
+        """Rows of the capacity of each element, (elements, state) N m; 0 of those without."""
         chosen = np.zeros((len(self.elements), self.signals.number))
         constant = np.array([getattr(element, "capacity", 0.0) for element in self.elements])
         for number, element in enumerate(self.elements):

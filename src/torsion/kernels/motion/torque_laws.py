@@ -42,7 +42,7 @@ class Parts:
     scale: float  # rad/s
 
     def part(self, speed: float) -> int:
-        """The part of a speed."""
+        """Return the number of the part in which a speed lies."""
         return int(np.searchsorted(self.edges, speed, side="right"))
 
     def value(self, part: int, speed: FloatArray) -> tuple[np.ndarray, np.ndarray]:
@@ -61,12 +61,12 @@ class Parts:
 
 
 def constant(level: float) -> Parts:
-    """The same at every speed."""
+    """Return a torque (N m) that is the same at every speed."""
     return Parts(np.empty(0), np.array([[level, 0.0, 0.0]]), 1.0)
 
 
 def quadratic(torque: float, speed: float) -> Parts:
-    """torque (n/speed) |n/speed|."""
+    """Return the law torque (n/speed) |n/speed|, of a propeller or pump."""
     square = torque / speed**2
     return Parts(np.zeros(1), np.array([[0.0, 0.0, -square], [0.0, 0.0, square]]), speed)
 

@@ -52,7 +52,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def _first(names: Iterable[str]) -> str:
-    """The first few, each once."""
+    """Return the first few names, each of them once."""
     return listed(dict.fromkeys(names), most=4)
 
 
@@ -220,11 +220,11 @@ def _following(motion: TransientMotion) -> Iterator[Block]:
             "mode: Mode | what: < Excited by | time: Time [s] | speed: Reference speed [rpm]"
             " | frequency: Frequency [Hz] | seconds: Passing time [s]:3 | share: Peak / steady resonance [%]:3"
         )
-        more = len(motion.passages) - MOST_PASSAGES
+        omitted = len(motion.passages) - MOST_PASSAGES
         text = (
             "Resonances passed: time in the half-power width, and peak for a constant acceleration"
         )
-        text += f"; {more} more in results.json" if more > 0 else ""
+        text += f"; {omitted} more in results.json" if omitted > 0 else ""
         yield table(titles, motion.passages[:MOST_PASSAGES], text)
     if motion.changes:
         changes = motion.changes[:MOST_PASSAGES]
