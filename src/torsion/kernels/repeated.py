@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.elimination import Layout, SpanSides, eliminate_undamped, forced
 from torsion.kernels.mode_shapes import Shapes
 from torsion.kernels.tree import Tree
-from torsion.kernels.two_sides import TwoSides, forced, two_sides
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
 _SHIFTS = (
@@ -98,7 +98,7 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     load = root * np.random.default_rng(len(columns)).standard_normal((tree.size, len(columns)))
     for shift, steps in zip(_SHIFTS, _STEPS, strict=True):
         shifted = group_frequency * (1.0 - shift * gap)
-        sides, mean = two_sides(tree, shifted), _inertia(tree, shifted * shifted, square)
+        sides, mean = eliminate_undamped(tree, shifted), _inertia(tree, shifted * shifted, square)
         uneven = [part for part in parts if shift * gap[part[0]] < _EVEN]
         for step in range(steps):
             shapes = _response(tree, sides, shifted * shifted, load)
@@ -112,9 +112,11 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     return _with_ends(tree, square, shapes)
 
 
-def _response(tree: Tree, sides: TwoSides, square: FloatArray, load: FloatArray) -> FloatArray:
+def _response(
+    tree: Tree, sides: tuple[Layout, SpanSides], square: FloatArray, load: FloatArray
+) -> FloatArray:
     """Angles and torques (2 stations, m) under `load` (stations, m) N m, and the twists (shafts, m) of shafts."""
-    angle, torque = forced(tree, sides, load)
+    angle, torque = forced(*sides, load)
     if tree.shafts is None:
         return np.concatenate((angle, torque))
     return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))

@@ -133,55 +133,6 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
     return TwoSides(*seen, *ends)
 
 
-def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Angles (stations, m) rad and torques (stations, m) N m under `torque` (stations, m) N m at each station.
-
-    The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
-    a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
-    """
-    f, (ff, g), rest_source = (
-        torque.copy(),
-        np.zeros((2, *torque.shape)),
-        [np.zeros(torque.shape[1])] * tree.size,
-    )
-    torque_rows, source, passed, back, parents = (
-        list(torque),
-        list(f),
-        list(ff),
-        list(g),
-        tree.parents,
-    )
-    with np.errstate(all="ignore"):
-        to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
-        for i in range(tree.size - 1, -1, -1):
-            parent = parents[i]
-            if parent >= 0:
-                np.multiply(source[i], to_leaves[i], passed[i])
-                np.add(source[parent], passed[i], source[parent])
-        for i, children in enumerate(tree.children):
-            if children:
-                share(children, passed, rest_source, torque_rows[i] + back[i])
-            for child in children:
-                np.multiply(rest_source[child], to_root[child], back[child])
-        fd, z, zz, zd, y = (
-            np.array(rest_source),
-            sides.branch_end,
-            sides.passed,
-            sides.rest_end,
-            sides.returned,
-        )
-        at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
-        span, angle = (
-            np.where(np.abs(zd) <= np.abs(z), at_parent, at_station),
-            (f + g) / sides.total,
-        )
-    if tree.holds:
-        angle[tree.held] = 0.0
-        span[np.isinf(sides.branch) & np.isinf(sides.rest)] = 0.0  # between two fixed stations
-    span[tree.roots] = 0.0
-    return angle, span
-
-
 def _ratio(through: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Like `_transmission`, from a `stiffness` z instead of its inverse."""
     ratio: FloatArray = through / stiffness
