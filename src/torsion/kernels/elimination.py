@@ -137,9 +137,10 @@ def eliminate(
 
 def eliminate_undamped(tree: Tree, w: FloatArray) -> tuple[Layout, SpanSides]:
     """Return the layout and both sides of every span of an undamped tree at `w` (m,) rad/s, shafts included."""
-    square = w * w
-    flexibility, inertia = tree.at(square)
-    inertia[tree.held] = 0.0
+    square, flexibility, inertia = w * w, tree.flexibility_columns, tree.inertia_columns
+    if tree.shafts is not None:
+        flexibility, inertia = tree.at(square)
+        inertia[tree.held] = 0.0
     plan = layout(tree, flexibility)
     return plan, eliminate(plan, inertia * -square, flexibility)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.elimination import Layout, SpanSides, eliminate_undamped, forced
-from torsion.kernels.mode_shapes import Shapes
+from torsion.kernels.mode_shapes import Shapes, end_torques
 from torsion.kernels.tree import Tree
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
@@ -139,16 +139,10 @@ def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> 
 def _with_ends(tree: Tree, square: FloatArray, shapes: FloatArray) -> Shapes:
     """Shapes at `square` (m,) from their angles, torques and twists of shafts."""
     angle, torque, twist = np.split(shapes, (tree.size, 2 * tree.size))
-    near, far, none = twist, twist, np.zeros(len(square))
+    none = np.zeros(len(square))
     if tree.shafts is not None:
-        flexibility, inner, outer = tree.shafts.at(square)
-        node = tree.shafts.node
-        torque[node] = middle = twist / flexibility
-        near, far = (
-            middle - square * inner * angle[tree.shaft_parent],
-            middle + square * outer * angle[node],
-        )
-    return Shapes(angle, torque, near, far, none, none)
+        torque[tree.shafts.node] = twist / tree.shafts.at(square)[0]
+    return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
 
 
 def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
