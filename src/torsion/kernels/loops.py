@@ -233,6 +233,8 @@ def looped_response(
             | np.isnan(loss)
         ] = np.inf
         result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
+
+        # The residual is that of the tree under the torques of the chords, and of the chords themselves.
         problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
         result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
     return result
@@ -264,6 +266,8 @@ def _loop_torques(
     chord, identity = np.arange(len(sign)), np.eye(len(sign))
     matrix[:, chord, chord] += compliance.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
+
+    # The smallest singular value of the scaled equations says how many digits are lost.
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
     scaled[lost] = identity
     smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]

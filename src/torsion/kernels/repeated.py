@@ -96,6 +96,8 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     square = group_frequency * group_frequency
     inertia = _inertia(tree, square, square)
     load = root * np.random.default_rng(len(columns)).standard_normal((tree.size, len(columns)))
+
+    # First close to the group, so that all other modes die out, then far, where the response has no rounding.
     for shift, steps in zip(_SHIFTS, _STEPS, strict=True):
         shifted = group_frequency * (1.0 - shift * gap)
         sides, mean = eliminate_undamped(tree, shifted), _inertia(tree, shifted * shifted, square)
@@ -107,6 +109,8 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
             load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
     shapes = _response(tree, sides, shifted * shifted, load)
     _normalise(inertia, shapes, parts)
+
+    # Parts of a train that do not touch have shapes of their own.
     for part in parts:
         shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
     return _with_ends(tree, square, shapes)
