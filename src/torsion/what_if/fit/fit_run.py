@@ -92,7 +92,8 @@ class Problem:
     def residual(self, values: FloatArray) -> FloatArray:
         """Return (measurements,) of figures (figures,)."""
         logs = self.train.logarithms(self.factors(values), self.pairs.number)
-        return self.train.wrapped(logs - self.measured, len(self.pairs.number)) / self.sigma
+        difference = self.train.wrapped(logs - self.measured, len(self.pairs.number))
+        return np.asarray(difference / self.sigma)
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
         """Yield figures (figures,) as near as can be at which a measured mode and a neighbour swap, by slopes."""
