@@ -59,34 +59,39 @@ def variant_modes(
             f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
         )
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    known = tree_modes(middle, count)
-    if len(known.frequency) < count:
-        raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
-    numbered, square = _numbered(middle), known.frequency**2
-    sweeps = _sweeps(numbered, known) if numbered.tree.is_plain else []
-    by_flexibility = -0.5 * middle.flexibility[:, None] * known.torque**2 / square
-    by_inertia = -0.5 * middle.moving_inertia[:, None] * known.angle**2
+    middle_modes = tree_modes(middle, count)
+    if len(middle_modes.frequency) < count:
+        raise ValueError(
+            f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
+        )
+    numbered, square = _numbered(middle), middle_modes.frequency**2
+    sweeps = _sweeps(numbered, middle_modes) if numbered.tree.is_plain else []
+    by_flexibility = -0.5 * middle.flexibility[:, None] * middle_modes.torque**2 / square
+    by_inertia = -0.5 * middle.moving_inertia[:, None] * middle_modes.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
         h, j = flexibility[:, part], inertia[:, part]
-        start = np.log(known.frequency)[:, None] + by_flexibility.T @ changes(h, middle.flexibility)
+        start = np.log(middle_modes.frequency)[:, None] + by_flexibility.T @ changes(
+            h, middle.flexibility
+        )
         start += by_inertia.T @ changes(j, middle.moving_inertia)
         trains = _side_by_side(numbered, h, j)
-        found = [
-            _polished(trains, one, sweep) for one, sweep in zip(np.exp(start), sweeps, strict=False)
+        settled = [
+            _polished(trains, modes, sweep)
+            for modes, sweep in zip(np.exp(start), sweeps, strict=False)
         ]
         bounds[:, :, part], proven = _proven(
-            trains, found or _settled_each(trains, np.exp(start)), known.rigid
+            trains, settled or _settled_each(trains, np.exp(start)), middle_modes.rigid
         )
         if not proven.all() and trains.is_plain:
             left = np.flatnonzero(~proven)
             some = _columns(trains, left)
             bounds[:, :, part.start + left], proven[left] = _proven(
-                some, _settled_each(some, _values(some)[:count]), known.rigid
+                some, _settled_each(some, _values(some)[:count]), middle_modes.rigid
             )
         for column in np.flatnonzero(~proven).tolist():
-            one = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
-            bounds[:, :, part.start + column] = one.frequency, one.lower, one.upper
+            modes = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
+            bounds[:, :, part.start + column] = modes.frequency, modes.lower, modes.upper
             alone += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, alone)
@@ -155,16 +160,16 @@ class _Sweep:
     passed: float  # sum of |torque| |angle at the parent| over s in the middle of the trains
 
 
-def _sweeps(numbered: Rerooted, known: TreeModes) -> list[_Sweep]:
+def _sweeps(numbered: Rerooted, middle_modes: TreeModes) -> list[_Sweep]:
     """The sweep for each mode of the middle train, `known` in the numbering before it."""
     tree = numbered.tree
     station, span = np.argsort(numbered.station), np.argsort(numbered.span)
-    angle, torque = np.abs(known.angle[station]), np.abs(known.torque[span])
-    passed = (torque[1:] * angle[tree.parent[1:]]).sum(axis=0) / known.frequency**2
+    angle, torque = np.abs(middle_modes.angle[station]), np.abs(middle_modes.torque[span])
+    passed = (torque[1:] * angle[tree.parent[1:]]).sum(axis=0) / middle_modes.frequency**2
     roots = np.argmax(tree.inertia[:, None] * angle**2, axis=0)
     return [
-        _Sweep(toward(tree, root), root, one)
-        for root, one in zip(roots.tolist(), passed.tolist(), strict=True)
+        _Sweep(toward(tree, root), root, torque_sum)
+        for root, torque_sum in zip(roots.tolist(), passed.tolist(), strict=True)
     ]
 
 
@@ -174,10 +179,10 @@ def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     for station, behind in reached:
         near = [(child, child) for child in tree.children[station]]
         near += [(tree.parents[station], station)] if tree.parents[station] >= 0 else []
-        for other, span in near:
-            if other != behind:
-                reached.append((other, station))
-                steps.append((other, station, span))
+        for neighbour, span in near:
+            if neighbour != behind:
+                reached.append((neighbour, station))
+                steps.append((neighbour, station, span))
     return steps[::-1]
 
 
@@ -185,12 +190,12 @@ def _polished(trains: Tree, start: FloatArray, sweep: _Sweep) -> tuple[FloatArra
     """Frequency (trains,) rad/s after Newton's steps, and the sum of |torque| |angle at the parent| of its shape."""
     square, left, some = start * start, np.arange(len(start)), trains
     for _ in range(_STEPS):
-        here = square[left]
+        squares = square[left]
         with np.errstate(all="ignore"):
-            stiffness, inertia = _seen_at_root(some, here, sweep)
-            change = stiffness / (inertia * here)
+            stiffness, inertia = _seen_at_root(some, squares, sweep)
+            change = stiffness / (inertia * squares)
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        square[left] = here + here * change
+        square[left] = squares + squares * change
         going = np.abs(change) > 2.0 * _SETTLED
         if not going.any():
             break
@@ -222,20 +227,20 @@ def _seen_at_root(trains: Tree, square: FloatArray, sweep: _Sweep) -> tuple[Floa
 
 
 def _settled_each(trains: Tree, start: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    return [_settled(trains, one) for one in start]
+    return [_settled(trains, mode_start) for mode_start in start]
 
 
 def _proven(
     trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: int
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s of `settled` modes, and which trains are proven."""
-    frequency = np.stack([one for one, _ in settled])
+    frequency = np.stack([hertz for hertz, _ in settled])
     order = np.argsort(frequency, axis=0)
     frequency = np.take_along_axis(frequency, order, axis=0)
-    passed = np.take_along_axis(np.stack([one for _, one in settled]), order, axis=0)
+    passed = np.take_along_axis(np.stack([hertz for _, hertz in settled]), order, axis=0)
     bounds, proven = np.stack([frequency] * 3), np.ones(frequency.shape[1], dtype=np.bool_)
-    for mode, one in enumerate(frequency):
-        bounds[1:, mode], is_proven = _enclosed(trains, one, passed[mode], mode + rigid)
+    for mode, hertz in enumerate(frequency):
+        bounds[1:, mode], is_proven = _enclosed(trains, hertz, passed[mode], mode + rigid)
         proven &= is_proven
     return bounds, proven
 
@@ -249,13 +254,13 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
         trains,
     )
     for _ in range(_STEPS):
-        here = frequency[left]
-        shapes = free_shapes(some, here)
+        frequencies = frequency[left]
+        shapes = free_shapes(some, frequencies)
         with np.errstate(all="ignore"):
-            share = shapes.correction / here**2
+            share = shapes.correction / frequencies**2
             change = share / (1.0 + np.sqrt(1.0 + share))
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        frequency[left] = here * (1.0 + change)
+        frequency[left] = frequencies * (1.0 + change)
         passed[left] = shapes.passed
         going = np.abs(change) > _SETTLED
         if not going.any():

@@ -42,10 +42,12 @@ class Variation:
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures of the file, in which these, by their places, have values."""
-        chosen = replace(self, figures=tuple(self.figures[place] for place in values))
+        chosen = replace(self, figures=tuple(self.figures[number] for number in values))
         source = chosen.file(list(values.values()))
-        others = tuple(figure for place, figure in enumerate(self.figures) if place not in values)
-        return replace(self, figures=others, source=source, base=self.read(source))
+        remaining = tuple(
+            figure for number, figure in enumerate(self.figures) if number not in values
+        )
+        return replace(self, figures=remaining, source=source, base=self.read(source))
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
@@ -57,9 +59,12 @@ class Variation:
         """That file as text without some analyses, with its words and comments where they can be kept."""
         from torsion.schema.edited_text import edited
 
-        source, puts = self.changed(values)
+        source, changes = self.changed(values)
         return edited(
-            self.source, list(puts.items()), [("analyses", name) for name in without], source.data
+            self.source,
+            list(changes.items()),
+            [("analyses", name) for name in without],
+            source.data,
         )
 
     def file(self, values: Sequence[float]) -> Source:
@@ -69,7 +74,7 @@ class Variation:
     def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
         """Return that file, and what is put in it, where; the figures stage by stage."""
         pairs = list(zip(self.figures, values, strict=True))
-        source, puts = self.source, dict[Path, Node]()
+        source, changes = self.source, dict[Path, Node]()
         for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
             overlay = overlay_of(self.base, source)
             for name in VARYING:
@@ -79,9 +84,9 @@ class Variation:
                     figure.puts(float(value), source) if figure.stage == stage else ()
                 ):
                     overlay.put(path, node, (node.line, node.column))
-                    puts[path] = node
+                    changes[path] = node
             source = overlay.applied()
-        return source, puts
+        return source, changes
 
     def in_case(self, case: Study) -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
@@ -113,7 +118,9 @@ class Variation:
 
         The study is what the file with these values would be read as; it raises InputError as the reading does.
         """
-        analyses = {name: one for name, one in self.base.analyses.items() if name not in VARYING}
+        analyses = {
+            name: settings for name, settings in self.base.analyses.items() if name not in VARYING
+        }
         plain = replace(self.base, analyses=analyses, variations={}, cases={}, case=None)
         pick = picker(train) or (lambda _: train)
 
@@ -133,14 +140,14 @@ class Variation:
         Their places, the rows by the places of their figures as `fixed` takes them, and the values of all other
         figures. Nothing without lists, or with a list behind what another variation puts into the file.
         """
-        listed = [place for place, figure in enumerate(self.figures) if figure.rows]
-        if not listed or any(self.figures[place].layer > 0 for place in listed):
+        listed = [number for number, figure in enumerate(self.figures) if figure.rows]
+        if not listed or any(self.figures[number].layer > 0 for number in listed):
             return
         combinations, group = np.unique(values[:, listed], axis=0, return_inverse=True)
-        others = [place for place in range(len(self.figures)) if place not in listed]
+        remaining = [number for number in range(len(self.figures)) if number not in listed]
         for number, rows in enumerate(combinations.tolist()):
             places = np.flatnonzero(group.ravel() == number)
-            yield places, dict(zip(listed, rows, strict=True)), values[places][:, others]
+            yield places, dict(zip(listed, rows, strict=True)), values[places][:, remaining]
 
     def behind(self, other: "Variation") -> "Variation":
         """Return both as one: the figures of the other first, and these about what those put in the file."""
@@ -254,8 +261,8 @@ def _faults_at_ends(variation: Variation, path: Path) -> Iterator[Fault]:
                 if fault.file:  # in the row of a catalogue
                     yield replace(fault, message=message)
                 else:
-                    place = (*path, figure.key) if figure.key else path
-                    yield Fault(place, message, fault.hint or "a narrower law", at_key=True)
+                    fault_path = (*path, figure.key) if figure.key else path
+                    yield Fault(fault_path, message, fault.hint or "a narrower law", at_key=True)
                 break
 
 
@@ -270,7 +277,7 @@ def _rows_to_read(figure: Figure, source: Source) -> list[float]:
         return [float(row) for row in range(count)]
     numbers, _ = figure.numbers
     chosen = {*np.linspace(0, count - 1, FEW).astype(int), numbers.argmin(), numbers.argmax()}
-    for place, row in enumerate(figure.rows):
+    for number, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
         if path[-1] in KINDS:
             node = node_at(source.root, path)
@@ -278,5 +285,5 @@ def _rows_to_read(figure: Figure, source: Source) -> list[float]:
             body |= {str(key[-1]): node.value for key, node in row.puts}
             one_component(str(path[-1]), body, path, faults)
         if faults:
-            chosen.add(place)
+            chosen.add(number)
     return [float(row) for row in sorted(chosen)[:MOST_TRIALS]]

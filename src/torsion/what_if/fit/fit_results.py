@@ -166,4 +166,4 @@ class Fit:
     @property
     def fails(self) -> bool:
         """Measurement and model contradict each other."""
-        return self.is_wrong or any(one.is_outside for one in self.modes)
+        return self.is_wrong or any(mode.is_outside for mode in self.modes)

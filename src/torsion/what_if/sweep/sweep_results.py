@@ -117,8 +117,8 @@ class Grid:
     def words(self, variant: int) -> tuple[str, ...]:
         """The values of a variant, an axis each."""
         return tuple(
-            axis.words[int(place)]
-            for axis, place in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
+            axis.words[int(position)]
+            for axis, position in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
         )
 
 

@@ -92,7 +92,7 @@ class SweepSettings(Declared):
     def drawn(self, figures: Sequence[Any]) -> Method:
         """How the variants of these figures are made."""
         by_default = (
-            self.samples is None and not self.indices and all(one.places for one in figures)
+            self.samples is None and not self.indices and all(figure.places for figure in figures)
         )
         return self.method or ("grid" if by_default else "sobol")
 
@@ -115,7 +115,7 @@ class SweepSettings(Declared):
                 "no variant can be checked, because the file has no rules",
                 "name `rules`",
             )
-        shape = {one.column: one.places for one in figures}
+        shape = {figure.column: figure.places for figure in figures}
         if self.drawn(figures) != "grid":
             sets = len(shape) + 2
             if self.indices and self.samples_of(study) * sets > MOST:
@@ -126,9 +126,11 @@ class SweepSettings(Declared):
                     hint,
                 )
             return
-        for one in figures:
-            if not one.places:
-                message = f"{one.name} varies as {one.law.words}, and a grid takes lists and steps"
+        for figure in figures:
+            if not figure.places:
+                message = (
+                    f"{figure.name} varies as {figure.law.words}, and a grid takes lists and steps"
+                )
                 yield Fault(
                     ("method",),
                     message,
