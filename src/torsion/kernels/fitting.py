@@ -77,12 +77,12 @@ class Fitted:
 
     @property
     def squares(self) -> float:
-        """Of data and prior together."""
+        """Sum of the squares of residuals and values, of data and prior together."""
         return float(np.square(self.residual).sum() + np.square(self.values).sum())
 
     @property
     def minima(self) -> "tuple[Fitted, ...]":
-        """This and all others."""
+        """This minimum and all others, the best first."""
         return self, *self.others
 
     @property

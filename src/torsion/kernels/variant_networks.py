@@ -173,7 +173,7 @@ def counted_modes(
 
 
 def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
-    """The shafts of all trains."""
+    """Return the shafts with the figures of their laws in a column for each train."""
     if tree.shafts is None:
         return None
     sizes = [law.figures.size for law in tree.shafts.laws]

@@ -60,7 +60,7 @@ class Overlay:
 
     @property
     def removed(self) -> Iterable[Path]:
-        """What is taken away."""
+        """Paths of the file that are taken away."""
         return self._gone
 
     def put(self, path: Path, value: Node, key_place: Place) -> None:

@@ -65,7 +65,7 @@ class Figure:
         return len(self.rows) or (0 if self.law.first is None else self.law.places or 0)
 
     def every(self) -> FloatArray:
-        """All of these values."""
+        """Return all values of a list, a catalogue or a range in steps."""
         if self.rows:
             return np.arange(float(len(self.rows)))
         (low, high), step = self.law.ends, self.law.step

@@ -40,7 +40,7 @@ class SweepFolder:
 
     @property
     def parts(self) -> Path:
-        """The folder of the parts."""
+        """The folder in which the parts of the sweep are kept."""
         return self.folder / "parts"
 
     def open(self, identity: Mapping[str, Any], *, fresh: bool) -> None:
@@ -96,7 +96,7 @@ class SweepFolder:
         return self.parts / f"part-{chunk.number:06d}{SUFFIX}"
 
     def write(self, chunk: Chunk, variation: Variation, part: Part) -> None:
-        """Keep what a chunk answers."""
+        """Write the part of a chunk, and its checksum behind those of the others."""
         path = self._path(chunk)
         checksum = write_part(path, *columns(chunk, variation, part))
         with (self.parts / SUMS).open("a", encoding="utf-8") as sums:
@@ -190,7 +190,7 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
 
 
 def digest(content: bytes) -> str:
-    """SHA-256 in hexadecimal digits."""
+    """Return the SHA-256 of a content in hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -45,7 +45,7 @@ class Aim(Declared):
 
 
 class TolerancesSettings(Declared):
-    """Settings of `tolerances`."""
+    """What the file states of `tolerances`: modes with target frequencies."""
 
     aim: tuple[Aim, ...] = given(
         "modes with target frequencies; the report states the stiffness of each coupling that gives the target",

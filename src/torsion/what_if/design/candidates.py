@@ -37,7 +37,7 @@ BROKEN, DOUBTFUL, WITHOUT = (
 
 @dataclass(frozen=True)
 class Judged:
-    """Of some variants, (variants,) each."""
+    """Objective and constraints of variants, (variants,) each."""
 
     aim: FloatArray  # smallest margin, or minus |ln(f / aim)|; NaN where there is none
     score: FloatArray  # the same with penalties: the greater, the better
@@ -48,7 +48,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class Tried:
-    """One candidate."""
+    """One candidate with the worst of its cases and samples."""
 
     values: tuple[float, ...]
     aim: float

@@ -39,7 +39,7 @@ class Subject:
 
     @property
     def unit(self) -> str:
-        """Of its values."""
+        """The unit in which its values are read."""
         return "Hz" if self.mode else "kg" if self.name == "mass" else "1"
 
 
@@ -63,7 +63,7 @@ class Condition(Declared):
 
 
 class DesignSettings(Declared):
-    """Settings of `design`."""
+    """What the file states of `design`: variables, objective and constraints."""
 
     choose: dict[str, Choice] = required(
         "design variables by `component.key` with their values: `from` and `to`, or `values`; for a component a "
@@ -128,7 +128,7 @@ class DesignSettings(Declared):
 
     @property
     def kept(self) -> tuple[Kept, ...]:
-        """Every condition."""
+        """Every condition that a candidate has to meet, with its ends in SI."""
         return tuple(
             _kept(words, condition, ("keep", position, words))
             for position, conditions in enumerate(self.keep)

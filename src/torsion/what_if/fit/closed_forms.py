@@ -196,7 +196,7 @@ class Evaluated:
 
     @cached_property
     def acting(self) -> Numbers:
-        """(rows, speeds) of `ClosedForms.acting`."""
+        """What acts on the tree at these parameters, (rows, speeds)."""
         return self.forms.acting(self.study, self.system)
 
     @cached_property

@@ -35,7 +35,7 @@ class FittedFigure:
 
 @reported
 class FittedMode:
-    """A measured natural frequency."""
+    """A measured natural frequency with the mode that it is paired with."""
 
     mode: int = result("", (), "with which it is paired, from 1")
     is_given: bool = result(

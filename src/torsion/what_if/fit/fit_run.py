@@ -90,7 +90,7 @@ class Problem:
         return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
 
     def residual(self, values: FloatArray) -> FloatArray:
-        """Return (measurements,) of figures (figures,)."""
+        """Return the residuals (measurements,) of figures (figures,), each in its deviation."""
         logs = self.train.logarithms(self.factors(values), self.pairs.number)
         difference = self.train.wrapped(logs - self.measured, len(self.pairs.number))
         return np.asarray(difference / self.sigma)
@@ -110,7 +110,7 @@ class Problem:
                 yield start
 
     def jacobian(self, values: FloatArray) -> FloatArray:
-        """Return (measurements, figures)."""
+        """Return the derivatives of the residuals (measurements, figures)."""
         self.steps += 1
         usual = USUAL_STEPS * (1 + 2 * len(values))
         self.progress(f"fit to measurements, step {self.steps}", min(self.steps / usual, 0.99))

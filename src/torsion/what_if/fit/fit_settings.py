@@ -26,7 +26,7 @@ Phase = Annotated[float, fields.Quantity("rad")]
 
 
 class Reading(Declared):
-    """A row of a torsiogram."""
+    """One speed of a torsiogram with its amplitude and phase."""
 
     speed: fields.Speed = required("of the component `at` of `operation`")
     amplitude: Any = required(
@@ -45,7 +45,7 @@ Rows = Annotated[tuple[Reading, ...], BeforeValidator(_rows, str | tuple[Reading
 
 
 class Measured(Declared):
-    """One measurement."""
+    """A measured frequency, torsiogram or signal with its standard deviation."""
 
     frequency: fields.Frequency | None = given("a measured natural frequency")
     mode: Annotated[int, Field(ge=1)] | None = given(
@@ -138,12 +138,12 @@ class Measured(Declared):
 
     @property
     def own_orders(self) -> tuple[Fraction, ...]:
-        """Those that it is of."""
+        """The orders of a torsiogram or a signal."""
         return (self.order,) if self.order is not None else self.orders
 
 
 class FitSettings(Declared):
-    """Settings of `fit`."""
+    """What the file states of `fit`: parameters that vary, and measurements."""
 
     vary: dict[str, Width] = required(
         "figures by `component.key`, each with its standard deviation (of the logarithm) as known beforehand: 20 %"
@@ -183,7 +183,7 @@ class FitSettings(Declared):
 
     @property
     def together(self) -> tuple[tuple[str, ...], ...]:
-        """No figures vary as one."""
+        """Names of parameters that vary as one: none in a fit."""
         return ()
 
     @property

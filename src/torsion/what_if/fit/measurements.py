@@ -36,7 +36,7 @@ PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time", most
 
 @dataclass(frozen=True)
 class Curve:
-    """Measured amplitudes of one order."""
+    """Amplitudes of one order over speed, as they were measured."""
 
     at: str
     order: Fraction  # per revolution of the reference
@@ -58,7 +58,7 @@ class Curve:
 
 
 def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:
-    """All amplitudes over speed."""
+    """Return all amplitudes over speed, of torsiograms and of signals."""
     curves_found = list[Curve]()
     for position, measurement in enumerate(measured):
         path = (*FIT, "measured", position)
@@ -205,10 +205,10 @@ def _refuse_orders(measurement: Measured, shaft_orders: FloatArray, path: Path) 
 
 
 def _samples(time: np.ndarray, speed: np.ndarray) -> float:
-    """Fewest samples in a revolution."""
+    """Return the smallest number of samples in a revolution."""
     return float((2.0 * np.pi / (np.diff(time) * np.maximum(speed[1:], speed[:-1]))).min())
 
 
 def unit(curve: Curve) -> str:
-    """Of its amplitudes."""
+    """Return the SI unit of the amplitudes of a curve."""
     return UNITS[curve.quantity]

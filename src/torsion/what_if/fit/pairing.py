@@ -16,7 +16,7 @@ BEHIND = 1e4  # more than the squared logarithms of all ratios of frequencies of
 
 @dataclass(frozen=True)
 class Pairs:
-    """Measured frequencies with their modes."""
+    """Measured frequencies with the modes that they are paired with."""
 
     place: tuple[int, ...]  # in `measured`
     number: tuple[int, ...]  # of the mode, from 0

@@ -52,7 +52,7 @@ class Train:
         return study, of_train(self.system, study.train)
 
     def modes(self, factors: Sequence[float]) -> Modes:
-        """Return the lowest modes."""
+        """Return the lowest modes of the file read with these factors."""
         return modes_as_discretised(self._assembled(tuple(factors))[1], self.count)
 
     def frequencies(self, factors: Sequence[float]) -> FloatArray:

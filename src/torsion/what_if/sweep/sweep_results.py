@@ -22,7 +22,7 @@ class VariedFigure:
 
 @reported
 class SweptCheck:
-    """A check over all variants."""
+    """One check of one component over all variants."""
 
     rule: str = result("", (), "name of the rule")
     clause: str = result("", (), "its clause")
@@ -70,7 +70,7 @@ class GridAxis:
 
     @property
     def name(self) -> str:
-        """The figures."""
+        """Names of its figures, with commas between."""
         return ", ".join(self.figures)
 
 

@@ -57,7 +57,7 @@ def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
 
 
 def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
-    """What variants (variants, figures) answer."""
+    """Return frequencies, and verdicts if they are requested, of variants (variants, figures)."""
     count = _modes(work)
     if not work.settings("sweep", SweepSettings).judges(work.study):
         return frequencies(work, variation, values, count)

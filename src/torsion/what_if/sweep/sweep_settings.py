@@ -22,12 +22,12 @@ Result = Literal["modes", "checks"]
 
 
 def _of_tolerances(value: Any) -> Any:
-    """`vary: tolerances` is the default."""
+    """Read `vary: tolerances`, the default, as no named figures."""
     return {} if value == "tolerances" else value
 
 
 class SweepSettings(Declared):
-    """Settings of `sweep`."""
+    """What the file states of `sweep`: figures that vary, samples and results."""
 
     vary: Annotated[dict[str, Law], BeforeValidator(_of_tolerances)] = given(
         "figures by `component.key` and how they vary (default: uniformly within every tolerance of the file)",
@@ -101,7 +101,7 @@ class SweepSettings(Declared):
         return "checks" in self.results or (not self.results and bool(study.rules))
 
     def samples_of(self, study: Study) -> int:
-        """Those of laws."""
+        """Return the number of samples, or the default of the study."""
         return self.samples or (CHECKED if self.judges(study) else UNJUDGED)
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:

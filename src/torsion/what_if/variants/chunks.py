@@ -21,7 +21,7 @@ class Chunk:
 
     @property
     def size(self) -> int:
-        """How many variants."""
+        """Number of variants from `begin` to `end`."""
         return self.end - self.begin
 
 
@@ -72,7 +72,7 @@ class Pace:
         return lambda what, share: self.show(share * chunk.size)
 
     def finish(self, chunk: Chunk) -> None:
-        """A chunk is solved."""
+        """Note that a chunk is solved, and show the progress."""
         self.solved += chunk.size
         self.show()
 

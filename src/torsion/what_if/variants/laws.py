@@ -168,7 +168,7 @@ class Choice(Declared):
 
     @property
     def words(self) -> str:
-        """As the report states it."""
+        """How the figure varies, in the words of the report."""
         if self.values is not None:
             return f"one of {len(self.values)} values"
         if self.catalogue is not None:
@@ -240,7 +240,7 @@ class Law(Choice):
 
     @property
     def words(self) -> str:
-        """As the report states it."""
+        """How the figure varies, in the words of the report."""
         if not self.is_relative:
             return super().words
         if self.triangular is not None and len(self.triangular) == 3:
