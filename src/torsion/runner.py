@@ -388,7 +388,7 @@ def _with_dependencies(only: Collection[str]) -> list[str]:
 
 
 def _judge(work: Work) -> None:
-    """The verdicts of the rules: of those that always hold, and of those that the file names."""
+    """Return the verdicts of the rules: of those that always hold, and of those that the file names."""
     checks = rules.standing_verdicts(work)
     if not work.study.rules:
         work.log.without("rules", "the file names none")
