@@ -176,7 +176,7 @@ _drive_faults = _of_analysis(
     lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
 )
 _check_faults = _of_analysis(
-    "analyses.compare.candidates:loop_faults",
+    "analyses.compare.shaft_divisions:loop_faults",
     lambda study: "check" in study.analyses,
     lambda study: (study, ("analyses", "check")),
 )
