@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.span_torque import SpanTorque
+from torsion.analyses.response.amplitudes import Response, SpanTorque
 from torsion.output.plain import plain
 from torsion.output.results_json import listed
 from torsion.output.selection import Selection
