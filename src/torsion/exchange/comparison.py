@@ -230,34 +230,37 @@ def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Inp
     ]
     properties = [_properties(data, has_inertia=is_alike) for data in (before, after)]
     for component in dict.fromkeys((*properties[0], *properties[1])):
-        old, new = (known.get(component) for known in properties)
+        old, new = (components.get(component) for components in properties)
         if old is None or new is None:
             yield InputChange(
                 component,
                 "component",
-                *("-" if known is None else "present" for known in (old, new)),
+                *(
+                    "-" if component_properties is None else "present"
+                    for component_properties in (old, new)
+                ),
             )
             continue
         for what, unit in dict.fromkeys((*old, *new)):
-            value, other = old.get((what, unit)), new.get((what, unit))
-            if not _is_same(value, other):
-                yield InputChange(component, what, value, other, unit)
+            value, value_after = old.get((what, unit)), new.get((what, unit))
+            if not _is_same(value, value_after):
+                yield InputChange(component, what, value, value_after, unit)
 
 
 def _properties(
     data: Mapping[str, Any], *, has_inertia: bool
 ) -> dict[str, dict[tuple[str, str], Any]]:
     """Return inertia and stiffness of every component from the sums over its segments, whatever their number."""
-    known: dict[str, dict[tuple[str, str], Any]] = {}
+    properties: dict[str, dict[tuple[str, str], Any]] = {}
     for row in data["stations"]:
-        values = known.setdefault(str(row.get("component") or row["name"]), {})
-        sums = values if has_inertia else known.setdefault("whole train", {})
+        values = properties.setdefault(str(row.get("component") or row["name"]), {})
+        sums = values if has_inertia else properties.setdefault("whole train", {})
         sums["inertia", "kg m2"] = sums.get(("inertia", "kg m2"), 0.0) + (
             row.get("inertia_kg_m2") or 0.0
         )
         values["speed ratio", ""] = row.get("speed_ratio")
     for row in data["spans"]:
-        values = known.setdefault(str(row.get("component") or row["name"]), {})
+        values = properties.setdefault(str(row.get("component") or row["name"]), {})
         for what, key_in_file, unit in (
             ("flexibility", "flexibility_rad_per_Nm", "rad/(N m)"),
             ("damping", "viscous_Nms_per_rad", "N m s/rad"),
@@ -265,11 +268,11 @@ def _properties(
             values[what, unit] = values.get((what, unit), 0.0) + (row.get(key_in_file) or 0.0)
         values["loss factor", ""] = row.get("loss_factor")
 
-    for values in known.values():
+    for values in properties.values():
         flexibility = values.pop(("flexibility", "rad/(N m)"), 0.0)
         if flexibility > 0:
             values["stiffness", "N m/rad"] = 1.0 / flexibility
-    return known
+    return properties
 
 
 def _is_same(before: Any, after: Any) -> bool:
@@ -294,7 +297,7 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
     )
     for mode, frequency in enumerate(frequencies[0]):
         partner = partners.get(mode)
-        other = None if partner is None else frequencies[1][partner]
+        other_value = None if partner is None else frequencies[1][partner]
         value = (
             np.nan
             if criterion is None
@@ -302,7 +305,9 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
             if partner is None
             else float(criterion[mode, partner])
         )
-        yield ModePair(mode + 1, None if partner is None else partner + 1, frequency, other, value)
+        yield ModePair(
+            mode + 1, None if partner is None else partner + 1, frequency, other_value, value
+        )
     for mode in sorted(set(range(len(frequencies[1]))) - set(partners.values())):
         yield ModePair(None, mode + 1, None, frequencies[1][mode], 0.0)
 
@@ -311,7 +316,7 @@ def _partners(criterion: FloatArray) -> dict[int, int]:
     """Return the partner of every mode of A in B: the pairs with the largest criterion first, each mode once."""
     partners: dict[int, int] = {}
     for index in np.argsort(-criterion, axis=None, kind="stable"):
-        row, column = (int(place) for place in np.unravel_index(index, criterion.shape))
+        row, column = (int(position) for position in np.unravel_index(index, criterion.shape))
         if criterion[row, column] <= LEAST_MAC:
             break
         if row not in partners and column not in partners.values():
@@ -331,8 +336,8 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
     )
     weight = np.sqrt([inertia[name] for name in common])
     scaled = []
-    for shape, known in zip(shapes, names, strict=True):
-        places = [known.index(name) for name in common]
+    for shape, names_known in zip(shapes, names, strict=True):
+        places = [names_known.index(name) for name in common]
         values = np.array(shape, dtype=float)[:, places] * weight
         norm = np.linalg.norm(values, axis=1, keepdims=True)
         scaled.append(np.divide(values, norm, out=np.zeros_like(values), where=norm > 0))
@@ -341,15 +346,17 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
 
 def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[CheckChange]:
     """Yield every check whose verdict or utilisation differs, and every check that only one of both has."""
-    known = [{_name(check): check for check in data["checks"] or ()} for data in (before, after)]
-    for name in dict.fromkeys((*known[0], *known[1])):
-        old, new = (checks.get(name, {}) for checks in known)
-        used, other = old.get("utilisation"), new.get("utilisation")
-        is_same = old.get("verdict") == new.get("verdict") and _is_same(used, other)
-        if used is None and other is None:  # a limit of 0, or none
+    common_names = [
+        {_name(check): check for check in data["checks"] or ()} for data in (before, after)
+    ]
+    for name in dict.fromkeys((*common_names[0], *common_names[1])):
+        old, new = (checks.get(name, {}) for checks in common_names)
+        used, other_use = old.get("utilisation"), new.get("utilisation")
+        is_same = old.get("verdict") == new.get("verdict") and _is_same(used, other_use)
+        if used is None and other_use is None:  # a limit of 0, or none
             is_same = is_same and _is_same(old.get("value"), new.get("value"))
         if not is_same:
-            yield CheckChange(*name, old.get("verdict"), new.get("verdict"), used, other)
+            yield CheckChange(*name, old.get("verdict"), new.get("verdict"), used, other_use)
 
 
 def _name(check: Mapping[str, Any]) -> tuple[str, str, str, str]:

@@ -83,9 +83,9 @@ def _table_masses(source: Source) -> list[Mass]:
     table = Table(source.text)
     rows = table.rows
     if len(rows) < 2:
-        place = rows[0][0] if rows else Cell("", 1, 1)
+        first_cell = rows[0][0] if rows else Cell("", 1, 1)
         hint = "write a row of titles, then a row for each mass"
-        table.fault(place, "the table has no masses", hint)
+        table.fault(first_cell, "the table has no masses", hint)
         raise input_error(table.faults, source)
     columns = [_column(cell, table) for cell in rows[0]]
     table.read_signs(cell for row in rows[1:] for cell in row)
@@ -162,9 +162,9 @@ def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
 
 def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> None:
     """Note every mass that nothing connects to the next, a stiffness after the last, and inertias stated twice."""
-    for place, (mass, row) in enumerate(zip(masses, rows, strict=True)):
+    for number, (mass, row) in enumerate(zip(masses, rows, strict=True)):
         elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
-        is_last = place + 1 == len(masses)
+        is_last = number + 1 == len(masses)
         if len(elastic) > 1:
             table.fault(
                 row[0],
@@ -177,7 +177,7 @@ def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> No
                 f"'{mass.name}' is the last mass and has a shaft to the next",
                 "leave its cells empty",
             )
-        if not is_last and not elastic and masses[place + 1].ratio == mass.ratio:
+        if not is_last and not elastic and masses[number + 1].ratio == mass.ratio:
             hint = "write it, or 0 in a column `flexibility` for a rigid connection"
             table.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
         if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
@@ -223,20 +223,20 @@ def _editor_masses(source: Source) -> list[Mass]:
 
 def _editor_values(element: dict[str, object], keys: dict[str, str]) -> dict[str, str]:
     """Return the numbers of an element with their SI units, by column; zero damping is left out."""
-    known = {column: element.get(key) for key, column in keys.items()}
+    values_of_element = {column: element.get(key) for key, column in keys.items()}
     return {
         column: f"{value!r} {UNITS[column]}"
-        for column, value in known.items()
+        for column, value in values_of_element.items()
         if isinstance(value, int | float) and (value or column == "inertia")
     }
 
 
 def _unread(element: dict[str, object], keys: Iterable[str]) -> tuple[str, ...]:
-    known = {"name", "type", *keys}
+    read_keys = {"name", "type", *keys}
     return tuple(
         f"{key}: {json.dumps(value)}"
         for key, value in element.items()
-        if key not in known and value
+        if key not in read_keys and value
     )
 
 
@@ -248,18 +248,18 @@ def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
         name = mass.name if mass.name not in used else f"{mass.name} (line {mass.line})"
         used.add(name)
         names.append(name)
-    for place, (mass, name) in enumerate(zip(masses, names, strict=True)):
+    for number, (mass, name) in enumerate(zip(masses, names, strict=True)):
         lines += [f"  # not read of {name}: {words}" for words in mass.unread]
         lines.append(
             f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}"
         )
-        if place + 1 == len(masses):
+        if number + 1 == len(masses):
             break
-        following = names[place + 1]
+        following = names[number + 1]
         if any(key in mass.values for key in ("stiffness", "flexibility")):
             link = "".join(_key(key, mass.values.get(key)) for key in LINK)
             lines.append(f"  - coupling: {{name: {_quoted(f'{name} to {following}')}{link}}}")
-        ratio = mass.ratio / masses[place + 1].ratio
+        ratio = mass.ratio / masses[number + 1].ratio
         if ratio != 1:
             extra = ", referred: true" if referred else ""
             lines.append(

@@ -399,10 +399,16 @@ class Lowering:
         """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
         if given:
             self.add(
-                Inertia(station, self.own(given), self.part if part is None else part, what, given)
+                Inertia(
+                    station,
+                    self.to_own_speed(given),
+                    self.part if part is None else part,
+                    what,
+                    given,
+                )
             )
 
-    def own(self, value: float) -> float:
+    def to_own_speed(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
         return value / self.arrival.scale
 

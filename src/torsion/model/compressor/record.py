@@ -59,7 +59,9 @@ class CompressorRecord:
     @property
     def absorbs(self) -> tuple[tuple[int, float], ...]:
         """Stations of the throws with the mean torque (N m) that each absorbs; equal ones where there is none."""
-        each = [(one.station, -float(one.gas[0].real)) for one in self.throws]
+        absorbed = [(throw.station, -float(throw.gas[0].real)) for throw in self.throws]
         return tuple(
-            each if any(torque for _, torque in each) else [(station, 1.0) for station, _ in each]
+            absorbed
+            if any(torque for _, torque in absorbed)
+            else [(station, 1.0) for station, _ in absorbed]
         )

@@ -97,9 +97,9 @@ class EngineRecord:
         """Stations with their shares of the mean torque of the engine when every cylinder fires alike."""
         number = len(self.cylinders)
         return tuple(
-            (one.station, one.share / number)
-            for one in self.cylinders
-            if one.state == "firing" and one.share > 0
+            (cylinder.station, cylinder.share / number)
+            for cylinder in self.cylinders
+            if cylinder.state == "firing" and cylinder.share > 0
         )
 
     @property
