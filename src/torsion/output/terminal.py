@@ -55,8 +55,8 @@ def show(
     for item in (screen if is_verbose else summary)(document, printed.width):
         printed.print(item)
     if document.ending.work:
-        more = "" if is_verbose else "; all tables: -v, or the report"
-        printed.print(Text(document.ending.work + more))
+        hint = "" if is_verbose else "; all tables: -v, or the report"
+        printed.print(Text(document.ending.work + hint))
     if folder is not None:
         printed.print(Text(without_controls(f"Report: {folder / document.report.stem}.html")))
 
@@ -92,8 +92,8 @@ def screen(document: Document, width: int = WIDTH) -> list[RenderableType]:
                 tables, sentences = ends[-1] if at_end else (first, first)
             case Table(short=title) if title and block.rows:
                 tables += [Text(_plain(title), style="italic"), _grid(block, MOST_ROWS, width)]
-                if (more := len(block.rows) - MOST_ROWS) > 0:
-                    tables.append(Text(f"and {more} more rows in the report", style="italic"))
+                if (omitted := len(block.rows) - MOST_ROWS) > 0:
+                    tables.append(Text(f"and {omitted} more rows in the report", style="italic"))
                 tables.append(Text())
             case Box(sign=sign, text=text, kind=kind, lines=lines):
                 sentences.append(Text(f"{sign} {text}", style=f"bold {COLOURS[kind]}"))
@@ -115,19 +115,19 @@ def _title(document: Document) -> list[RenderableType]:
 
 def _in_two_lines(text: str, width: int) -> str:
     """Return the words that fit into two lines; '…' stands for the rest."""
-    first, *others = wrap(text, width)
-    if len(others) > 1:
-        others = [f"{wrap(others[0], width - 2)[0]} …"]
-    return "\n".join([first, *others])
+    first, *lines = wrap(text, width)
+    if len(lines) > 1:
+        lines = [f"{wrap(lines[0], width - 2)[0]} …"]
+    return "\n".join([first, *lines])
 
 
-def _grid(table: Table, most: int, width: int, *, is_cut: bool = False) -> Grid:
+def _grid(table: Table, row_count: int, width: int, *, is_cut: bool = False) -> Grid:
     """Return the first rows of a table; marks colour the last cell of their row.
 
     Numbers stay whole. Names are cut or folded to the width, short ones last; a long verdict has two lines.
     """
     kept = [k for k, column in enumerate(table.columns) if column.short]
-    rows, marks = table.rows[:most], table.marks[:most]
+    rows, marks = table.rows[:row_count], table.marks[:row_count]
     widths = {k: max(len(table.columns[k].short), *(len(row[k]) for row in rows)) for k in kept}
     is_name = {k: table.columns[k].align == "left" for k in kept}
     if marks and is_name[kept[-1]]:
