@@ -17,18 +17,22 @@ from torsion.schema.yaml_source import is_number
 from torsion.tables import Cell, Table, head_of, table_text, unit_fault
 
 # fmt: off
-TITLES = {  # title of a column in small letters: what it states
-    "no": "no", "nr": "no", "nr.": "no", "no.": "no", "#": "no", "mass": "no", "station": "no",
-    "name": "name", "description": "name", "designation": "name", "benennung": "name", "component": "name",
-    "j": "inertia", "inertia": "inertia", "moment of inertia": "inertia", "theta": "inertia", "θ": "inertia",
-    "massenträgheitsmoment": "inertia", "gd2": "gd2", "gd^2": "gd2", "gd²": "gd2", "wr2": "wr2", "wk2": "wr2",
-    "k": "stiffness", "c": "stiffness", "stiffness": "stiffness", "torsional stiffness": "stiffness",
-    "drehsteifigkeit": "stiffness", "flexibility": "flexibility", "compliance": "flexibility",
-    "d": "viscous", "damping": "viscous", "viscous": "viscous", "psi": "psi", "ψ": "psi",
-    "loss factor": "loss_factor", "loss_factor": "loss_factor", "eta": "loss_factor", "magnifier": "magnifier",
-    "ground": "ground", "external damping": "ground", "mass damping": "ground",
-    "ratio": "ratio", "speed ratio": "ratio",
+TITLES = {  # what a column states: its titles in small letters
+    "no": "no, nr, nr., no., #, mass, station",
+    "name": "name, description, designation, benennung, component",
+    "inertia": "j, inertia, moment of inertia, theta, θ, massenträgheitsmoment",
+    "gd2": "gd2, gd^2, gd²",
+    "wr2": "wr2, wk2",
+    "stiffness": "k, c, stiffness, torsional stiffness, drehsteifigkeit",
+    "flexibility": "flexibility, compliance",
+    "viscous": "d, damping, viscous",
+    "psi": "psi, ψ",
+    "loss_factor": "loss factor, loss_factor, eta",
+    "magnifier": "magnifier",
+    "ground": "ground, external damping, mass damping",
+    "ratio": "ratio, speed ratio",
 }
+COLUMNS = {title: key for key, titles in TITLES.items() for title in titles.split(", ")}
 UNITS = {  # column: SI unit
     "inertia": "kg*m**2", "gd2": "kg*m**2", "wr2": "kg*m**2", "stiffness": "N*m/rad", "flexibility": "rad/(N*m)",
     "viscous": "N*m*s/rad", "ground": "N*m*s/rad",
@@ -99,7 +103,7 @@ def _table_masses(source: Source) -> list[Mass]:
 def _column(cell: Cell, table: Table) -> tuple[str, str, str]:
     """Return the key of a column ('' for one that is not read), its unit as text, and its title."""
     title, unit = head_of(cell.text)
-    key = TITLES.get(title.casefold(), "")
+    key = COLUMNS.get(title.casefold(), "")
     spelled = SPELLINGS.get(unit, unit)
     if key in UNITS:
         fault = unit_fault(spelled, UNITS[key]) if spelled else None

@@ -18,7 +18,7 @@ from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.manual import declarations, first_line
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.schema.setting_examples import SETTINGS
+from torsion.schema.setting_texts import setting_examples
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Operation, ShaftModel
@@ -204,7 +204,8 @@ def _rule(name: str, body: Schema) -> Schema:
 
 def _examples(name: str) -> Schema:
     """An example of the settings of an analysis or a rule, where the manual has one."""
-    return {"examples": [parse_source(SETTINGS[name], name).data[name]]} if name in SETTINGS else {}
+    example = setting_examples().get(name)
+    return {"examples": [parse_source(example, name).data[name]]} if example else {}
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
