@@ -178,7 +178,7 @@ class Train(Displayed):
 
     @cached_property
     def sectioned(self) -> dict[str, list[Bar]]:
-        """Of every shaft from a table of its sections these, by its name."""
+        """The sections of every shaft from a table of sections, by the name of the shaft."""
         bars: dict[str, list[Bar]] = {}
         for bar in self.bars:
             if (part := self.parts[bar.part]).whole != part.name:

@@ -28,7 +28,7 @@ class UsualRange:
     above: str = ""
 
     def holds(self, number: float) -> bool:
-        """The number (SI) is usual."""
+        """Return whether a number (SI) is usual."""
         return number == 0 or self.low <= self._size(number) <= self.high
 
     def likely(self, number: float, unit: str) -> str:

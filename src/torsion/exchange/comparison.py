@@ -31,6 +31,7 @@ HEAD = {  # key of `scene`: words, unit
     "rated_power_W": ("rated power", "W"),
     "rules": ("rules", ""),
 }
+INERTIA, FLEXIBILITY = ("inertia", "kg m2"), ("flexibility", "rad/(N m)")  # name, unit
 SEVERITY = ("pass", "restricted", "not judged", "not kept", "fail")
 
 
@@ -57,7 +58,7 @@ class ModePair:
 
     @property
     def change(self) -> float | None:
-        """Relative change of the frequency."""
+        """Relative change of the frequency; None for a mode without a partner."""
         if self.frequency_before is None or self.frequency_after is None:
             return None
         return self.frequency_after / self.frequency_before - 1.0
@@ -105,7 +106,7 @@ class CaseComparison:
 
     @property
     def is_changed(self) -> bool:
-        """Anything differs."""
+        """Verdict, input, a mode or a check differs."""
         is_other = self.verdict_before != self.verdict_after
         return (
             is_other
@@ -126,7 +127,7 @@ class Comparison:
 
     @property
     def is_changed(self) -> bool:
-        """Anything differs in any case."""
+        """The results of at least one case differ."""
         return any(case.is_changed for case in self.cases)
 
 
@@ -188,20 +189,13 @@ def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comp
 def _compare_case(
     name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None
 ) -> CaseComparison:
-    comparison = CaseComparison(
-        name,
-        None if before is None else _verdict(before),
-        None if after is None else _verdict(after),
-    )
-    if before is None or after is None or not all("checks" in data for data in (before, after)):
+    verdicts = (None if data is None else _verdict(data) for data in (before, after))
+    comparison = CaseComparison(name, *verdicts)
+    if before is None or after is None or not ("checks" in before and "checks" in after):
         return comparison
     checks = sorted(_checks(before, after), key=lambda change: change.severity)
-    return replace(
-        comparison,
-        inputs=tuple(_inputs(before, after)),
-        modes=tuple(_modes(before, after)),
-        checks=tuple(checks),
-    )
+    inputs, modes = tuple(_inputs(before, after)), tuple(_modes(before, after))
+    return replace(comparison, inputs=inputs, modes=modes, checks=tuple(checks))
 
 
 def _verdict(data: Mapping[str, Any]) -> str:
@@ -225,21 +219,13 @@ def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Inp
             yield InputChange("", words, *values, unit)
 
     # Lumped segments give part of a shaft's inertia to its neighbours: other segments, other shares.
-    is_alike = [row["name"] for row in before["stations"]] == [
-        row["name"] for row in after["stations"]
-    ]
-    properties = [_properties(data, has_inertia=is_alike) for data in (before, after)]
+    names = [[row["name"] for row in data["stations"]] for data in (before, after)]
+    properties = [_properties(data, has_inertia=names[0] == names[1]) for data in (before, after)]
     for component in dict.fromkeys((*properties[0], *properties[1])):
         old, new = (components.get(component) for components in properties)
         if old is None or new is None:
-            yield InputChange(
-                component,
-                "component",
-                *(
-                    "-" if component_properties is None else "present"
-                    for component_properties in (old, new)
-                ),
-            )
+            presence = ("-" if values is None else "present" for values in (old, new))
+            yield InputChange(component, "component", *presence)
             continue
         for what, unit in dict.fromkeys((*old, *new)):
             value, value_after = old.get((what, unit)), new.get((what, unit))
@@ -255,22 +241,19 @@ def _properties(
     for row in data["stations"]:
         values = properties.setdefault(str(row.get("component") or row["name"]), {})
         sums = values if has_inertia else properties.setdefault("whole train", {})
-        sums["inertia", "kg m2"] = sums.get(("inertia", "kg m2"), 0.0) + (
-            row.get("inertia_kg_m2") or 0.0
-        )
+        sums[INERTIA] = sums.get(INERTIA, 0.0) + (row.get("inertia_kg_m2") or 0.0)
         values["speed ratio", ""] = row.get("speed_ratio")
     for row in data["spans"]:
         values = properties.setdefault(str(row.get("component") or row["name"]), {})
-        for what, key_in_file, unit in (
-            ("flexibility", "flexibility_rad_per_Nm", "rad/(N m)"),
-            ("damping", "viscous_Nms_per_rad", "N m s/rad"),
+        for quantity, key in (
+            (FLEXIBILITY, "flexibility_rad_per_Nm"),
+            (("damping", "N m s/rad"), "viscous_Nms_per_rad"),
         ):
-            values[what, unit] = values.get((what, unit), 0.0) + (row.get(key_in_file) or 0.0)
+            values[quantity] = values.get(quantity, 0.0) + (row.get(key) or 0.0)
         values["loss factor", ""] = row.get("loss_factor")
 
     for values in properties.values():
-        flexibility = values.pop(("flexibility", "rad/(N m)"), 0.0)
-        if flexibility > 0:
+        if flexibility := values.pop(FLEXIBILITY, 0.0):
             values["stiffness", "N m/rad"] = 1.0 / flexibility
     return properties
 
@@ -290,11 +273,9 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
         return
     frequencies = [data["modes"]["frequency_Hz"] for data in (before, after)]
     criterion = _assurance(before, after)
-    partners = (
-        _partners(criterion)
-        if criterion is not None
-        else {k: k for k in range(min(map(len, frequencies)))}
-    )
+    partners = {mode: mode for mode in range(min(map(len, frequencies)))}
+    if criterion is not None:
+        partners = _partners(criterion)
     for mode, frequency in enumerate(frequencies[0]):
         partner = partners.get(mode)
         other_value = None if partner is None else frequencies[1][partner]

@@ -120,7 +120,7 @@ def _column(cell: Cell, table: Table) -> tuple[str, str, str]:
 
 
 def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) -> Mass:
-    """Read one row."""
+    """Read one row; its faults are noted in the table."""
     values, unread, ratio = dict[str, str](), list[str](), Fraction(1)
     if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
         table.fault(row[len(columns)], "the row has more cells than there are titles")
@@ -149,7 +149,7 @@ def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) ->
 
 
 def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
-    """Read `23/71`, `0.324` or `1`."""
+    """Read a speed ratio like `23/71`, `0.324` or `1`; a fault is noted for another text."""
     try:
         ratio = Fraction(text.replace(" ", ""))
     except (ValueError, ZeroDivisionError):

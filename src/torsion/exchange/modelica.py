@@ -112,7 +112,7 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
 
 
 def _safe(text: str) -> str:
-    """Text within a Modelica string."""
+    """Return a text as it stands within a Modelica string."""
     return text.replace("\\", "\\\\").replace('"', '\\"')
 
 

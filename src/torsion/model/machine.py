@@ -93,12 +93,12 @@ class Machine(Rotor):
 
     @property
     def is_driver(self) -> bool:
-        """It delivers power."""
+        """The machine delivers power to the train."""
         return self.drives_train
 
     @property
     def harmonics(self) -> tuple[Harmonic, ...]:
-        """Its own harmonic torques."""
+        """The harmonic torques that the machine itself excites with."""
         torques: tuple[Harmonic, ...] = getattr(self, self.harmonics_key, ())
         return torques
 
@@ -228,5 +228,5 @@ class GeneralMachine(Machine, keyword="machine"):
 
     @property
     def is_driver(self) -> bool:
-        """It delivers power."""
+        """The machine delivers power to the train."""
         return self.drives

@@ -161,7 +161,7 @@ class Planetary(Declared):
 
     @cached_property
     def speeds(self) -> dict[str, Fraction]:
-        """Of the members, and of a planet about its own axis, over that of the driving member."""
+        """Speeds of the members, and of a planet about its own axis, over the speed of the driving member."""
         speeds = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
         carrier = speeds["carrier"]
         spin = carrier - Fraction(self.sun) / self.teeth[0] * (speeds["sun"] - carrier)
@@ -178,13 +178,13 @@ class Planetary(Declared):
 
     @property
     def meshings(self) -> Fraction:
-        """Of its teeth per revolution of the driving member."""
+        """Meshings of its teeth per revolution of the driving member."""
         teeth = self.ring if self.meshing == "ring" else self.sun
         return teeth * abs(self.speeds[self.meshing] - self.speeds["carrier"])
 
     @property
     def flexibility(self) -> float:
-        """Of the meshes in series (rad/(N m)), at the driving member, of planets without inertia."""
+        """Flexibility (rad/(N m)) of the meshes in series, at the driving member, of planets without inertia."""
         weights, yields = self.weights, 0.0
         for member, stiffness in (("sun", self.sun_mesh), ("ring", self.ring_mesh)):
             if stiffness is not None:

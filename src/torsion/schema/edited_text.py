@@ -107,7 +107,7 @@ def _end(ends: Extents, node: Node) -> int:
 
 
 def _removal(source: Source, path: Path) -> Edit:
-    """Of what stands at a path with its key, and of the mapping that has nothing else."""
+    """Return the removal of what stands at a path with its key, and of a mapping that has nothing else."""
     parent, node = _own_node(source, path[:-1]), _own_node(source, path)
     if len(parent.parts) == 1 and len(path) > 1:
         return _removal(source, path[:-1])

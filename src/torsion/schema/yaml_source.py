@@ -148,7 +148,7 @@ class Extents:
 
 
 def extents(text: str) -> Extents:
-    """Of a text that can be read; a list or mapping without brackets ends with the last value in it."""
+    """Return the extents in a text that can be read; a list or mapping without brackets ends with the last value in it."""
     starts = line_starts(text)
     extents_found, opened, last = Extents({}, {}), list[Any](), 0
     events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)

@@ -38,7 +38,7 @@ class ThrowRecord:
     inertia_over_angle: ComplexArray  # (harmonics of a revolution,) kg m2
 
     def phasor(self, order: int) -> complex:
-        """exp(-i order angle)."""
+        """Return exp(-i order angle), the phase of an order of this throw against the first."""
         return cmath.exp(-1j * order * self.angle)
 
 
@@ -53,7 +53,7 @@ class CompressorRecord:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Of its pressures, as the file names them."""
+        """Names of its files of pressures, as the model file writes them."""
         return tuple(end.given for throw in self.throws for end in throw.ends if end.is_file)
 
     @property

@@ -61,7 +61,7 @@ class Frame:
 
     @property
     def harmonics(self) -> int:
-        """Number of the highest harmonic."""
+        """Number of the highest harmonic of a cycle."""
         return self.highest * self.revolutions
 
     def load(self, stated: Stated | TableAt) -> float:

@@ -126,7 +126,7 @@ def _given_columns(
 
 
 def _lumps(findings: Findings) -> Iterator[tuple[Bar, tuple[float, float, float]]]:
-    """Of every shaft its inertia (kg m2) at its driving end, between its ends and at its driven end."""
+    """Yield every shaft with its inertia (kg m2) at its driving end, between its ends and at its driven end."""
     from torsion.assembly.shafts import bar_segments
 
     for bar in findings.system.train.bars:

@@ -21,7 +21,7 @@ MOST_CLAUSES = 20  # of a rule
 
 
 def steps(findings: Findings) -> Iterator[Block]:
-    """Always printed."""
+    """The chapter of what was computed, which is always printed."""
     plan = findings.plan
     rows = [(line.what, line.method, _singular(line.size), line.why) for line in plan.done]
     yield Heading("Appendix: what was computed")
