@@ -79,12 +79,20 @@ class Derived(cached_property[Value]):
 
 
 def result(
-    unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any
+    unit: str, *axes_and_meaning: Any, default: Any = dataclasses.MISSING, **traits: Any
 ) -> Any:
-    """A field of a result: its unit, what the axes of its array run over, what it means; `traits` as of Quantity."""
-    return dataclasses.field(
-        default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)}
-    )
+    """A field of a result: its unit, what the axes of its array run over (a single value has none), what it means.
+
+    `traits` as of Quantity.
+    """
+    declared = _declared(unit, *axes_and_meaning, **traits)
+    return dataclasses.field(default=default, metadata={"declared": declared})
+
+
+def _declared(unit: str, *axes_and_meaning: Any, **traits: Any) -> Quantity:
+    """Return the quantity of a unit, axes, which may be left out, and a meaning."""
+    *axes, meaning = axes_and_meaning
+    return Quantity(unit, axes[0] if axes else (), meaning, **traits)
 
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
@@ -97,13 +105,13 @@ def reported(kind: type[Value]) -> type[Value]:
 
 
 def derived(
-    unit: str, axes: Axes, meaning: str, **traits: Any
+    unit: str, *axes_and_meaning: Any, **traits: Any
 ) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
     """A property of a result that is an output too, declared as a field is."""
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
         made = Derived(function)
-        made.declared = Quantity(unit, axes, meaning, **traits)
+        made.declared = _declared(unit, *axes_and_meaning, **traits)
         return made
 
     return declare

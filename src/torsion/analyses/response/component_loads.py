@@ -22,50 +22,47 @@ Largest = tuple[float | None, float | None]  # value and reference speed (rad/s)
 class MeshLoad:
     """Vibratory against mean torque in one gear mesh."""
 
-    mesh: str = result("", (), "its name")
+    mesh: str = result("", "its name")
     torque: float | None = result(
-        "N*m", (), "largest amplitude of all orders, at its driving wheel; null if unreliable"
+        "N*m", "largest amplitude of all orders, at its driving wheel; null if unreliable"
     )
-    speed: float | None = result("rad/s", (), "reference speed of that")
-    mean: float | None = result("N*m", (), "magnitude of the mean torque there; null if unknown")
+    speed: float | None = result("rad/s", "reference speed of that")
+    mean: float | None = result("N*m", "magnitude of the mean torque there; null if unknown")
     ratio: float | None = result(
-        "1", (), "largest vibratory / mean torque; infinite without mean torque, null if unknown"
+        "1", "largest vibratory / mean torque; infinite without mean torque, null if unknown"
     )
     ratio_speed: float | None = result(
-        "rad/s", (), "reference speed of that ratio; null if it is infinite"
+        "rad/s", "reference speed of that ratio; null if it is infinite"
     )
     reversal: tuple[float, ...] = result(
         "rad/s",
-        (),
         "first and last reference speed at which the load reverses; empty if it does not",
     )
-    reverses_everywhere: bool = result("", (), "the load reverses at every speed computed")
+    reverses_everywhere: bool = result("", "the load reverses at every speed computed")
 
 
 @reported
 class CouplingLoad:
     """Torque and heat of one coupling."""
 
-    coupling: str = result("", (), "its name")
-    torque: float | None = result("N*m", (), "largest amplitude of all orders; null if unreliable")
-    speed: float | None = result("rad/s", (), "reference speed of that")
-    mean: float | None = result("N*m", (), "largest mean torque; null if unknown")
+    coupling: str = result("", "its name")
+    torque: float | None = result("N*m", "largest amplitude of all orders; null if unreliable")
+    speed: float | None = result("rad/s", "reference speed of that")
+    mean: float | None = result("N*m", "largest mean torque; null if unknown")
     peak: float | None = result(
-        "N*m", (), "largest magnitude of mean and vibratory torque; null if unreliable"
+        "N*m", "largest magnitude of mean and vibratory torque; null if unreliable"
     )
-    heat: float | None = result(
-        "W", (), "largest power loss, all orders together; null if unreliable"
-    )
-    heat_speed: float | None = result("rad/s", (), "reference speed of that")
+    heat: float | None = result("W", "largest power loss, all orders together; null if unreliable")
+    heat_speed: float | None = result("rad/s", "reference speed of that")
 
 
 @reported
 class ComponentLoads:
     """Loads of gear meshes and couplings under the response."""
 
-    meshes: tuple[MeshLoad, ...] = result("", (), "gear meshes, in the order of the train")
+    meshes: tuple[MeshLoad, ...] = result("", "gear meshes, in the order of the train")
     couplings: tuple[CouplingLoad, ...] = result(
-        "", (), "couplings with damping or limits of their maker"
+        "", "couplings with damping or limits of their maker"
     )
 
 

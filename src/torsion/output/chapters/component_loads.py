@@ -246,9 +246,10 @@ def couplings(findings: Findings) -> Iterator[Block]:
     loads = findings.get(ComponentLoads)
     if loads is None or not loads.couplings:
         return
-    rows, parts = [], {part.name: part for part in findings.study.train.parts}
+    parts, rows = findings.study.train.parts, []
+    part_of = {element.name: parts[element.part] for element in elements(findings.system)}
     for load in loads.couplings:
-        limits = parts[load.coupling].ratings or CouplingRatings()
+        limits = part_of[load.coupling].ratings or CouplingRatings()
         torque, peak, heat = (
             NO_VALUE if value is None else value for value in (load.torque, load.peak, load.heat)
         )
