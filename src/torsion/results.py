@@ -97,7 +97,7 @@ def result(
 def _declared(unit: str, axes: Axes | str, meaning: str, traits: Mapping[str, Any]) -> Quantity:
     """Return the quantity of a unit, axes, which may be left out, and a meaning."""
     if isinstance(axes, str):
-        axes, meaning = (), axes
+        return Quantity(unit, (), axes, **traits)
     return Quantity(unit, axes, meaning, **traits)
 
 
