@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -192,9 +192,8 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
 
 
 def _end(joints: Sequence[Placed], path: tuple[int, ...], turned: FloatArray) -> Transfer:
-    """Motion behind the last joint of a path, which is taken alone, its joints counted anew."""
-    alone = [replace(joints[k], before=rank - 1 if rank else None) for rank, k in enumerate(path)]
-    return motions(alone, turned)[-1].transfer
+    """Motion behind the last joint of a path."""
+    return motions(joints, turned)[path[-1]].transfer
 
 
 def optimum_found(
