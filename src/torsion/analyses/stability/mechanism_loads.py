@@ -49,7 +49,7 @@ class Scene:
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
-    """The mechanism with the torques that have an order; those at fixed frequencies share no period and are left out.
+    """Return the mechanism with the torques that have an order; those at fixed frequencies share no period and are left out.
 
     vibratory: False leaves out all of them, so that the joints alone excite, and lets slopes of drive and load act.
     """
@@ -82,7 +82,7 @@ class Operating:
 
 
 def operating(mechanism: Scene, speed: float) -> Operating:
-    """What acts at a reference speed (rad/s)."""
+    """Return what acts at a reference speed (rad/s)."""
     system, layout = mechanism.system, mechanism.layout
     speeds = np.array([speed])
     steady_state = steady_if_known(mechanism.study, system, speeds)
