@@ -129,7 +129,7 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
 
 
 def _of_analysis(
-    place: str,
+    function: str,
     applies: Callable[[Study], bool],
     arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,),
 ) -> Check:
@@ -138,7 +138,7 @@ def _of_analysis(
     def check(study: Study) -> Iterable[Fault]:
         if not applies(study):
             return ()
-        faults: Iterable[Fault] = resolve_name(f"torsion.{place}")(*arguments(study))
+        faults: Iterable[Fault] = resolve_name(f"torsion.{function}")(*arguments(study))
         return faults
 
     return check
