@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.kernels.distributed.condensed_element import CondensedElements
-from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
+from torsion.kernels.distributed.dense_elements import dense_modes
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
@@ -17,13 +17,6 @@ JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = (
     2000  # unknowns of finite elements that are solved at once where counts cannot reach
 )
-FEW_UNKNOWNS = (
-    120  # that are solved at once sooner than counts find out what lies in reach (measured)
-)
-FEW_BARS = (
-    200  # stations and distributed shafts, of which an estimate is the faster start (measured)
-)
-SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
 
@@ -59,27 +52,9 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    unknowns, limit, number = (
-        _unknowns(tree),
-        _limit(tree),
-        0 if tree.shafts is None else tree.shafts.size,
-    )
-    if count is not None and math.isfinite(limit):
-        if (
-            unknowns <= FEW_UNKNOWNS
-        ):  # from the modes of the dense problem those in reach of counts are proven
-            dense = dense_modes(tree, count)
-            in_reach = len(dense.frequency) == count and bool(
-                np.all(dense.frequency <= SHARE_OF_LIMIT * limit)
-            )
-            return tree_modes(tree, count, start=dense.frequency) if in_reach else dense
-        if tree.size + number <= FEW_BARS:
-            start = estimated_frequencies(tree, count)
-            if len(start) == count and bool(np.all(start <= SURELY * SHARE_OF_LIMIT * limit)):
-                return tree_modes(tree, count, start=start)
     resolved = reach(tree)
     beyond = count is not None and count > resolved.count and math.isfinite(resolved.frequency)
-    if count is not None and beyond and unknowns <= LARGEST_DENSE:
+    if count is not None and beyond and _unknowns(tree) <= LARGEST_DENSE:
         return dense_modes(tree, count)
     return tree_modes(tree, resolved.count if count is None else count)
 

@@ -210,7 +210,7 @@ class _Rows:
 
     def _trials(self, span: int, secants: Mapping[int, Secant]) -> Trials:
         coupling, stiffness = self.couplings[span], self._stiffness(span)
-        step, columns = coupling.whole * (0.5 + 0.5j), len(self.w[0])
+        step, columns = coupling.total_stiffness * (0.5 + 0.5j), len(self.w[0])
         twists = list[ComplexArray]()
         for extra in (coupling.stuck, coupling.stuck + step):
             secant = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
