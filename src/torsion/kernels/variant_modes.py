@@ -17,7 +17,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.mode_shapes import TreeModes, free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
-from torsion.kernels.tree import Rerooted, Tree, by_layers, rerooted_at_middle
+from torsion.kernels.tree import Rerooted, Tree, by_layers
 
 Selection = IntArray | BoolArray | slice
 
@@ -62,7 +62,7 @@ def variant_modes(
     known = tree_modes(middle, count)
     if len(known.frequency) < count:
         raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
-    numbered, square = _numbered(middle), known.frequency**2
+    numbered, square = by_layers(middle), known.frequency**2
     sweeps = _sweeps(numbered, known) if numbered.tree.is_plain else []
     by_flexibility = -0.5 * middle.flexibility[:, None] * known.torque**2 / square
     by_inertia = -0.5 * middle.moving_inertia[:, None] * known.angle**2
@@ -104,12 +104,6 @@ def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
     return np.asarray(
         np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None])
     )
-
-
-def _numbered(tree: Tree) -> Rerooted:
-    """The layout as sweeps take it."""
-    moved = rerooted_at_middle(tree)
-    return moved if moved.tree.is_ready else by_layers(tree)
 
 
 def parts(size: int, trains: int) -> Iterator[slice]:
