@@ -7,7 +7,6 @@ import numpy as np
 
 from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
-from torsion.model.lowering import Part
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated
@@ -38,10 +37,6 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def _figure(value: float | None, factor: float = 1.0) -> str:
     return NONE if value is None else given(value * factor, MOST_DIGITS)
-
-
-def _parts(findings: Findings, kind: str) -> list[tuple[int, Part]]:
-    return list(findings.study.train.of_kind(kind))
 
 
 def _sheet(titles: str, rows: Iterable[Iterable[Any]], caption: str) -> Table | None:
@@ -90,40 +85,35 @@ def _couplings(findings: Findings) -> Table | None:
         for spring in train.springs
         if train.parts[spring.part].kind == "coupling"
     }
-    for k, part in _parts(findings, "coupling"):
+    for k, part in train.of_kind("coupling"):
         limits, spring = part.ratings, springs[k]
-        stiffness = (
-            "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
-        )
-        if spring.table is not None:
-            stiffness = spring.table.follows
-        torques: tuple[float | None, ...] = (None,) * 3
-        if limits is not None:
-            torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
-        heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
-        lost = 2.0 * np.pi * spring.loss_factor
         if not (
-            any(torques)
-            or (limits and limits.limit_anything)
-            or tolerance
-            or lost
+            (limits and (limits.limit_anything or limits.tolerance))
+            or spring.loss_factor
             or spring.viscous
             or spring.table
         ):
             continue  # a spring, which the mass-elastic system has
-        losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
-        figures = [*map(_figure, torques), _figure(heat)]
+        names = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit", "tolerance")
+        *figures, tolerance = (getattr(limits, name, None) for name in names)
+        cells = list(map(_figure, figures))
         if limits is not None and limits.vibratory_over_frequency is not None:
-            figures[1] = OVER_FREQUENCY
+            cells[1] = OVER_FREQUENCY
         if limits is not None and limits.heat_over_frequency is not None:
-            figures[-1] = OVER_FREQUENCY
+            cells[-1] = OVER_FREQUENCY
+        if spring.table is not None:
+            stiffness, *losses = [spring.table.follows] * 3
+        else:
+            stiffness = "rigid" if spring.flexibility == 0 else _figure(1.0 / spring.flexibility)
+            psi = 2.0 * np.pi * spring.loss_factor
+            losses = [number(psi) if psi else NONE, _figure(spring.viscous or None)]
         rows.append(
             (
                 part.name,
-                *figures,
+                *cells,
                 stiffness,
                 _figure(tolerance, 100.0),
-                *(losses if spring.table is None else (stiffness, stiffness)),
+                *losses,
             )
         )
     return _sheet(
