@@ -119,7 +119,7 @@ def exact(train: PiecewiseTrain, fineness: float) -> Solved:
         train,
         (0, 0),
         twist=none[0],
-        place=none[1],
+        position=none[1],
         speed=none[2],
         duration=DURATION,
         fineness=fineness,

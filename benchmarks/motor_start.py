@@ -18,8 +18,7 @@ from torsion.arrays import FloatArray
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Scheme, march
 from torsion.kernels.motion.damped_motion import ModalTrain, motion
-from torsion.kernels.motion.driven_motion import driven
-from torsion.kernels.motion.interface_motion import interfaces
+from torsion.kernels.motion.interface_motion import DrivenMotion, StepsTaken, interfaces
 from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
@@ -82,7 +81,9 @@ def collocation(case: Case, tolerance: float) -> FloatArray:
         return case.ends @ place, case.ends @ speed, np.zeros((2, len(time)))
 
     scheme = Scheme(DURATION, tolerance, 1e-3, DURATION / 8.0, np.ones(2))
-    moved = driven(given, march(interfaces(given, case.ends), [motor, pump], known, scheme).steps)
+    taken = StepsTaken(interfaces(given, case.ends), known)
+    march(taken, [motor, pump], scheme)
+    moved = DrivenMotion(**vars(given), steps=taken.steps())
     return np.asarray(case.torque @ moved.at(np.array([DURATION]))[0][1:, 0])
 
 

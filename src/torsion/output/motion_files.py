@@ -20,61 +20,58 @@ if TYPE_CHECKING:
 
 def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path]] | None:
     """What writes the motions that the file exports; None where it exports none."""
-    found = findings.results.get("transient")
-    if found is None:
+    transients = findings.results.get("transient")
+    if transients is None:
         return None
     from torsion.analyses.motion.transient_settings import cases
 
-    forms = {one.name: one.export for one, _ in cases(findings.study)}
-    each = [one for one in found.each if forms[one.name]]
-    if not each or document.report.keys:
+    forms = {settings.name: settings.export for settings, _ in cases(findings.study)}
+    exported = [motion for motion in transients.each if forms[motion.name]]
+    if not exported or document.report.keys:
         return None
-    return partial(_written, findings, each, forms)
+    return partial(_write, findings, exported, forms)
 
 
-def _written(
-    findings: Findings, each: "list[TransientMotion]", forms: Mapping[str, str | None], target: Path
+def _write(
+    findings: Findings,
+    motions: "list[TransientMotion]",
+    forms: Mapping[str, str | None],
+    target: Path,
 ) -> list[Path]:
-    """The paths of the files; arrays of all motions stand in one."""
-    made, arrays = list[Path](), dict[str, Any]()
-    for one in each:
-        columns = _columns(findings, one)
-        if forms[one.name] == "npz":
-            mark = f"{one.name}: " if one.name else ""
-            arrays |= {mark + title: values for title, values in columns}
-        else:
-            word = re.sub(r"[^\w.-]+", "-", one.name)
-            made.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
-            title = ",".join(
-                '"' + inert(one_line(name)).replace('"', "'") + '"' for name, _ in columns
-            )
-            rows = np.column_stack([values for _, values in columns])
-            np.savetxt(
-                made[-1],
-                rows,
-                delimiter=",",
-                header=title,
-                comments="",
-                fmt="%.17g",
-                encoding="utf-8",
-            )
+    """Write the files and return their paths; arrays of all motions stand in one."""
+    files, arrays = list[Path](), dict[str, Any]()
+    for motion in motions:
+        columns = _columns(findings, motion)
+        if forms[motion.name] == "npz":
+            mark = f"{motion.name}: " if motion.name else ""
+            arrays |= {mark + title: values for title, values in columns.items()}
+            continue
+        word = re.sub(r"[^\w.-]+", "-", motion.name)
+        files.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
+        titles = (inert(one_line(title)).replace('"', "'") for title in columns)
+        np.savetxt(
+            files[-1],
+            np.column_stack(list(columns.values())),
+            delimiter=",",
+            header=",".join(f'"{title}"' for title in titles),
+            comments="",
+            fmt="%.17g",
+            encoding="utf-8",
+        )
     if arrays:
         with target.open("wb") as file:
             np.savez(file, **arrays)
-        made.append(target)
-    return made
+        files.append(target)
+    return files
 
 
-def _columns(findings: Findings, found: "TransientMotion") -> list[tuple[str, FloatArray]]:
-    """Title and samples: the time, speeds of the points, torques of the elements, each where it is largest."""
-    stations = findings.study.train.stations
-    columns = [("time [s]", found.time)]
-    columns += [
-        (f"speed of {s.name} [rad/s]", found.speed[k])
-        for k, s in enumerate(stations)
-        if not s.is_ground
-    ]
-    for one in elements(findings.system):
-        span = max(one.spans, key=lambda span: found.peak[span])
-        columns.append((f"torque in {one.name} [N*m]", found.torque[span]))
+def _columns(findings: Findings, motion: "TransientMotion") -> dict[str, FloatArray]:
+    """Samples by their title: the time, speeds of the points, torques of the elements, each where it is largest."""
+    columns = {"time [s]": motion.time}
+    for k, station in enumerate(findings.study.train.stations):
+        if not station.is_ground:
+            columns[f"speed of {station.name} [rad/s]"] = motion.speed[k]
+    for element in elements(findings.system):
+        span = max(element.spans, key=motion.peak.__getitem__)
+        columns[f"torque in {element.name} [N*m]"] = motion.torque[span]
     return columns

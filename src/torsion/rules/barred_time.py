@@ -15,31 +15,26 @@ if TYPE_CHECKING:
 
 def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[BarredTime, ...]:
     """Of every motion that enters a range, in the order of the motions."""
-    found: Transients | None = evidence.results.get(
-        "transient"
-    )  # its class is not loaded where there is none
-    return () if found is None else tuple(_times(evidence, found, ranges))
+    # Its class is not loaded where there is none.
+    transients: Transients | None = evidence.results.get("transient")
+    return () if transients is None else tuple(_times(evidence, transients, ranges))
 
 
 def _times(
-    evidence: Results, found: "Transients", ranges: tuple[BarredRange, ...]
+    evidence: Results, transients: "Transients", ranges: tuple[BarredRange, ...]
 ) -> Iterator[BarredTime]:
     from torsion.analyses.motion.resonances_passed import mean_speed
 
-    for motion in found.each:
+    for motion in transients.each:
         speed = np.abs(mean_speed(evidence.system, motion.speed))
-        for one in ranges:
-            seconds = within(motion.time, speed, one.lower, one.upper)
+        passages = [(abs(passage.speed), passage.share) for passage in motion.passages]
+        for barred in ranges:
+            low, high = barred.lower, barred.upper
+            seconds = within(motion.time, speed, low, high)
             if seconds:
-                reached = [
-                    passed.share
-                    for passed in motion.passages
-                    if one.lower <= abs(passed.speed) <= one.upper
-                ]
-                stays = one.lower < float(speed[-1]) < one.upper
-                yield BarredTime(
-                    motion.name, one.lower, one.upper, seconds, max(reached, default=None), stays
-                )
+                shares = [share for passed, share in passages if low <= passed <= high]
+                stays = low < float(speed[-1]) < high
+                yield BarredTime(motion.name, low, high, seconds, max(shares, default=None), stays)
 
 
 def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> float:
@@ -52,10 +47,8 @@ def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> f
     """
     low, high = np.minimum(speed[:-1], speed[1:]), np.maximum(speed[:-1], speed[1:])
     common = np.minimum(high, upper) - np.maximum(low, lower)
-    still = (high == low) & (common >= 0.0)
-    share = np.divide(
-        np.maximum(common, 0.0), high - low, out=still.astype(float), where=high > low
-    )
+    still = ((high == low) & (common >= 0.0)).astype(float)
+    share = np.divide(np.maximum(common, 0.0), high - low, out=still, where=high > low)
     return float(round(float(share @ np.diff(time)), 12))
 
 
@@ -66,18 +59,18 @@ def words(times: tuple[BarredTime, ...]) -> str:
 
 def unstable_words(times: tuple[BarredTime, ...]) -> str:
     """Of all motions within unstable ranges."""
-    return "; ".join(
-        f"{_name(one)} is {one.seconds:.3g} s within an unstable range, where it grows"
-        for one in times
-    )
+    ends = "within an unstable range, where it grows"
+    return "; ".join(f"{_name(time)} is {time.seconds:.3g} s {ends}" for time in times)
 
 
-def _name(one: BarredTime) -> str:
-    return f"the motion over time {one.motion}".rstrip()
+def _name(time: BarredTime) -> str:
+    return f"the motion over time {time.motion}".rstrip()
 
 
-def _words(one: BarredTime) -> str:
-    reaches = "" if one.share is None else f", {100.0 * one.share:.3g} % of the steady resonance"
-    if one.stays:
-        return f"{_name(one)} ends within the range, after {one.seconds:.3g} s in it{reaches}"
-    return f"passed in {one.seconds:.3g} s{reaches} by {_name(one)}: as fast as possible, without a limit"
+def _words(time: BarredTime) -> str:
+    reaches = ""
+    if time.share is not None:
+        reaches = f", {100.0 * time.share:.3g} % of the steady resonance"
+    if time.stays:
+        return f"{_name(time)} ends within the range, after {time.seconds:.3g} s in it{reaches}"
+    return f"passed in {time.seconds:.3g} s{reaches} by {_name(time)}: as fast as possible, without a limit"

@@ -19,15 +19,14 @@ NEAR = 0.8  # of the linear range
 
 def words(evidence: Results, spans: IntArray, speed: float) -> str:
     """What a reader of a value in some spans must know of nonlinear couplings; empty for nothing."""
-    response, found = evidence.get(Response), evidence.get(NonlinearPeaks)
+    response, peaks = evidence.get(Response), evidence.get(NonlinearPeaks)
     if response is None or response.balanced is None or not spans.size:
         return ""
-    notes, at = (
-        [f"the play of '{name}' opens" for name in _opening(found)],
-        int(np.argmin(abs(response.speed - speed))),
-    )
-    half_range, peak = (float(one[at, spans].max()) for one in surplus(evidence))
-    if at in unknown_speeds(response, response.balanced, found):
+    opening = [] if peaks is None else [p.coupling for p in peaks.each if p.opens_from is not None]
+    notes = [f"the play of '{name}' opens" for name in dict.fromkeys(opening)]
+    index = int(np.argmin(abs(response.speed - speed)))
+    half_range, peak = (float(factor[index, spans].max()) for factor in surplus(evidence))
+    if index in unknown_speeds(response, response.balanced, peaks):
         notes.append(
             "harmonic balance only, no exact motion settles near it: compute the transient response"
         )
@@ -46,35 +45,21 @@ def unproven(evidence: Results) -> BoolArray:
     motion that may coexist near the end of that range: NEAR of it counts as its end.
     """
     response, system = evidence.need(Response), evidence.system
-    total = computed_synthesis(evidence)
-    found, near = (
-        np.zeros(len(response.speed), dtype=bool),
-        NEAR if len(response.lines) > 1 else 1.0,
-    )
-    if response.balanced is None:
-        return found
-    couplings = balanced_spans(system)
-    for number, span in enumerate(response.balanced.spans):
-        coupling, first = couplings[span], response.balanced.first[:, number]
+    total, balanced = computed_synthesis(evidence), response.balanced
+    is_unproven = np.zeros(len(response.speed), dtype=bool)
+    near = NEAR if len(response.lines) > 1 else 1.0
+    if balanced is None:
+        return is_unproven
+    for number, span in enumerate(balanced.spans):
+        coupling, first = balanced_spans(system)[span], balanced.first[:, number]
         if not (coupling.half or coupling.stages):
             continue
-        mean, whole = np.abs(response.mean[:, span]), 2.0 * total.half_range[:, span]
-        above = total.peak[:, span] - mean
-        most = np.where(
-            whole >= total.peak[:, span] + mean, whole, np.maximum(above, whole - above)
-        )
+        mean, peak_to_peak = np.abs(response.mean[:, span]), 2.0 * total.half_range[:, span]
+        peak = total.peak[:, span]
+        larger = np.maximum(peak - mean, peak_to_peak - (peak - mean))
+        most = np.where(peak_to_peak >= peak + mean, peak_to_peak, larger)
         secant = coupling.secant(0.5 * np.maximum(first, np.finfo(float).tiny), mean)
         bound = np.abs(secant.share / system.flexibility[span] + secant.extra.real) * first
-        found |= (most * (1.0 + ROUNDING) >= near * bound) | (
-            response.balanced.amplitude[:, number] > first
-        )
-    return found
-
-
-def _opening(found: NonlinearPeaks | None) -> list[str]:
-    """Couplings whose play opens at some speed."""
-    return (
-        list(dict.fromkeys(one.coupling for one in found.each if one.opens_from is not None))
-        if found
-        else []
-    )
+        is_beyond = most * (1.0 + ROUNDING) >= near * bound
+        is_unproven |= is_beyond | (balanced.amplitude[:, number] > first)
+    return is_unproven

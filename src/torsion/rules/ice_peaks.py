@@ -34,15 +34,14 @@ from torsion.study import Study
 
 PA = 1e-6  # N/mm2
 SHEAR = 1.0 / math.sqrt(3.0)  # yield in shear / yield in tension (von Mises)
-MARGIN = (
-    0.2  # beyond the speeds of the operation, within which the first blade order is to meet no mode
-)
+# beyond the speeds of the operation, within which the first blade order is to meet no mode
+MARGIN = 0.2
 SAME_SPEED = 0.01  # a motion this near to a resonance is at it
 STRESS = "Shear stress at the greatest torque in ice"
 LACKING = {
-    "shaft": "yield_strength` of its material",
-    "coupling": "max_torque`",
-    "gear": "max_torque`",
+    "shaft": "not judged: give `yield_strength` of its material",
+    "coupling": "not judged: give `max_torque`",
+    "gear": "not judged: give `max_torque`",
 }
 UNDRIVEN = (
     "the torque of the drive is not known, and the rule ice judges it together with that of the ice"
@@ -71,16 +70,15 @@ class InIce:
 
     @property
     def words(self) -> str:
-        """What it computes."""
-        each = (
+        """What the motion computes: its cases or contact angles, and its name."""
+        contacts = (
             f"case {ice.case}"
             if ice.case
             else f"contact over {math.degrees(ice.angle or 0.0):g} deg"
             for _, ice, _ in self.milled
         )
-        return " and ".join(dict.fromkeys(each)) + (
-            f" ({self.settings.name})" if self.settings.name else ""
-        )
+        name = f" ({self.settings.name})" if self.settings.name else ""
+        return " and ".join(dict.fromkeys(contacts)) + name
 
 
 class IcePeaks(Rule[IceSettings]):
@@ -93,117 +91,94 @@ class IcePeaks(Rule[IceSettings]):
 
     def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        motions, here, found = ice_motions(study), self.path(study), list[Fault]()
+        motions, path, faults = ice_motions(study), self.path(study), list[Fault]()
         if not motions:
             hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
-            return [Fault(here, "no transient response has an event `ice`", hint)]
+            return [Fault(path, "no transient response has an event `ice`", hint)]
         if not any(_limit(study, part, self.settings) for part in study.train.parts):
+            message = "no shaft has a yield strength, and no coupling or gear a maximum torque"
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
-            found.append(
-                Fault(
-                    here,
-                    "no shaft has a yield strength, and no coupling or gear a maximum torque",
-                    hint,
-                )
-            )
-        if any(one.is_steady for one in motions) and not study.has_mean_torque:
-            found.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
-        undriven = [one for one in motions if not (one.is_steady or _starts(one.settings))]
+            faults.append(Fault(path, message, hint))
+        if any(motion.is_steady for motion in motions) and not study.has_mean_torque:
+            faults.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
         hint = "initial: steady, or an event `start`"
-        return found + [Fault((*one.path, "initial"), UNDRIVEN, hint) for one in undriven]
+        for motion in motions:
+            starts = any(isinstance(event.body, Start) for event in motion.settings.events)
+            if not (motion.is_steady or starts):
+                faults.append(Fault((*motion.path, "initial"), UNDRIVEN, hint))
+        return faults
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
-        found = list[tuple[str, str]]()
-        for part in study.train.parts:
-            if (
-                part.kind in LACKING
-                and not part.is_bar
-                and _limit(study, part, self.settings) is None
-            ):
-                found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
-        return (
-            *found,
-            (
-                "ice for fatigue and for failure of a blade",
-                "the rule judges the maximum torques only",
-            ),
-        )
+        parts = (part for part in study.train.parts if part.kind in LACKING and not part.is_bar)
+        without = (part for part in parts if _limit(study, part, self.settings) is None)
+        rows = [(f"ice for {part.name}", LACKING[part.kind]) for part in without]
+        message = "the rule judges the maximum torques only"
+        return (*rows, ("ice for fatigue and for failure of a blade", message))
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
-        study, by_name = evidence.study, {one.name: one for one in evidence.need(Transients).each}
-        motions = [(one, by_name.get(one.settings.name)) for one in ice_motions(study)]
-        every = ((one.words, _doubt(evidence, one, found)) for one, found in motions)
-        doubts = [
-            f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt
-        ]
-        computed = [(one.words, found) for one, found in motions if found is not None]
-        resonances = tuple(_resonances(evidence, [found for _, found in computed]))
-        open_cases = [f"{words} at {where} not judged" for where, words in _missing(study)]
-        notes, lines = (*doubts, *open_cases, *(words for _, words, _ in resonances)), list[Check]()
+        study = evidence.study
+        by_name = {motion.name: motion for motion in evidence.need(Transients).each}
+        computed, notes = dict[str, TransientMotion](), list[str]()
+        for in_ice in ice_motions(study):
+            motion = by_name.get(in_ice.settings.name)
+            if motion is not None:
+                computed[in_ice.words] = motion
+            if doubt := _doubt(evidence, in_ice, motion):
+                notes.append(f"{in_ice.words}: {doubt}; such a motion is never a pass")
+        is_sound = not notes
+        resonances = tuple(_resonances(evidence, list(computed.values())))
+        notes += [f"{words} at {where} not judged" for where, words in _missing_cases(study)]
+        notes += [words for _, words, _ in resonances]
+        checks = list[Check]()
         for number, part in enumerate(study.train.parts):
             limit = _limit(study, part, self.settings)
             if limit is not None:
-                values = {words: _value(evidence, number, part, found) for words, found in computed}
-                lines.append(_line(part, limit, values, notes, is_sound=not doubts))
-        lines += [
-            unjudged(
-                self.name,
-                "resonance",
-                where,
-                "Transient response at the resonance",
-                words,
-                TO_BE_VERIFIED,
-            )
-            for where, words, is_open in resonances
-            if is_open
-        ]
-        return tuple(lines)
+                values = {
+                    words: _value(evidence, number, part, motion)
+                    for words, motion in computed.items()
+                }
+                checks.append(_check(part, limit, values, notes, is_sound=is_sound))
+        what = "Transient response at the resonance"
+        return (*checks, *(_open_row("resonance", *row[:2], what) for row in resonances if row[2]))
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
-        rows = [
-            unjudged(
-                self.name,
-                "cases",
-                at,
-                "Cases of the ice rules",
-                f"no motion has {words}",
-                TO_BE_VERIFIED,
-            )
-            for at, words in _missing(study)
-        ]
-        rows += [
-            unjudged(
-                self.name,
-                "yield",
-                part.name,
-                STRESS,
-                f"not judged: give `{LACKING['shaft']}",
-                TO_BE_VERIFIED,
-            )
-            for part in study.train.parts
-            if part.is_bar and _limit(study, part, self.settings) is None
-        ]
-        return tuple(rows)
+        shafts = [part for part in study.train.parts if part.is_bar]
+        without = [part for part in shafts if _limit(study, part, self.settings) is None]
+        return (
+            *(
+                _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
+                for name, words in _missing_cases(study)
+            ),
+            *(_open_row("yield", part.name, LACKING["shaft"], STRESS) for part in without),
+        )
 
 
-def _line(
+def _open_row(clause: str, where: str, words: str, what: str) -> Check:
+    """The row of a demand of the ice rules that could not be judged."""
+    return unjudged("ice", clause, where, what, words, TO_BE_VERIFIED)
+
+
+def _check(
     part: Part,
     limit: tuple[str, float],
     values: dict[str, float],
-    notes: tuple[str, ...],
+    notes: list[str],
     *,
     is_sound: bool,
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
     what, unit = (STRESS, "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
-    words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
+    note, worst = "no value is known", math.inf
+    if is_known:
+        words, worst = max(values.items(), key=lambda pair: pair[1])
+        note = f"worst in {words}"
     standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"
     verdict = verdict_of(worst <= limit[1], standing) if is_known and is_sound else "fail"
-    note = "; ".join((f"worst in {words}" if is_known else "no value is known", *notes))
+    note = "; ".join((note, *notes))
     return Check(
         "ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note
     )
@@ -211,47 +186,39 @@ def _line(
 
 def ice_motions(study: Study) -> list[InIce]:
     """The motions with an event `ice`."""
-    found = []
+    motions = []
     for settings, path in cases(study):
-        milled = tuple(
-            (event.at, event.body, event.time)
-            for event in settings.events
-            if isinstance(event.body, Ice)
-        )
+        events = [(event.at, event.body, event.time) for event in settings.events]
+        milled = tuple((at, body, time) for at, body, time in events if isinstance(body, Ice))
         if milled:
-            found.append(InIce(settings, path, milled))
-    return found
+            motions.append(InIce(settings, path, milled))
+    return motions
 
 
-def _doubt(evidence: Results, one: InIce, found: TransientMotion | None) -> str:
+def _doubt(evidence: Results, in_ice: InIce, motion: TransientMotion | None) -> str:
     """Why the greatest torques of a motion are no verdict; empty where they are."""
-    if found is None or found.status != "ok":
-        return "no answer" if found is None else found.status
-    for at, ice, begin in one.milled:
-        station = evidence.study.train.part(at).stations[0]
-        ratio, late = abs(float(evidence.system.speed_ratio[station])), found.time >= begin
-        turned = found.speed_before * ratio * (float(found.time[-1]) - begin)
-        if found.steps:  # by the angle that it turns in truth
-            turned = abs(float(np.trapezoid(found.speed[station, late], found.time[late])))
+    if motion is None or motion.status != "ok":
+        return "no answer" if motion is None else motion.status
+    for name, ice, begin in in_ice.milled:
+        station = evidence.study.train.part(name).stations[0]
+        ratio, late = abs(float(evidence.system.speed_ratio[station])), motion.time >= begin
+        turned = motion.speed_before * ratio * (float(motion.time[-1]) - begin)
+        if motion.steps:  # by the angle that it turns in truth
+            turned = abs(float(np.trapezoid(motion.speed[station, late], motion.time[late])))
         if turned < 2.0 * math.pi * ice.revolutions * (1.0 - SAME_SPEED):
             return f"it ends before the {ice.revolutions:g} revolutions in ice do: give a longer `duration`"
     return ""
 
 
-def _starts(settings: TransientSettings) -> bool:
-    """A motor is switched on, and drives the train."""
-    return any(isinstance(event.body, Start) for event in settings.events)
-
-
-def _missing(study: Study) -> list[tuple[str, str]]:
+def _missing_cases(study: Study) -> list[tuple[str, str]]:
     """Every propeller with cases that no motion has, and these in words."""
-    had = [(at, ice.case) for one in ice_motions(study) for at, ice, _ in one.milled]
-    found = []
+    computed = [(at, ice.case) for motion in ice_motions(study) for at, ice, _ in motion.milled]
+    rows = []
     for part in study.train.parts:
-        missing = [str(case) for case in CASES if (part.name, case) not in had]
+        missing = [str(case) for case in CASES if (part.name, case) not in computed]
         if part.propeller is not None and missing:
-            found.append((part.name, f"case{'s' if len(missing) > 1 else ''} {', '.join(missing)}"))
-    return found
+            rows.append((part.name, f"case{'s' if len(missing) > 1 else ''} {', '.join(missing)}"))
+    return rows
 
 
 def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float] | None:
@@ -266,12 +233,12 @@ def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float]
     )
 
 
-def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -> float:
+def _value(evidence: Results, number: int, part: Part, motion: TransientMotion) -> float:
     """The greatest shear stress (N/mm2) or torque (N m) of a part, its mean torque included; NaN where not known."""
     spans = spans_of(evidence.system, number)
     if not part.is_bar:
-        return float(found.peak[spans].max())
-    return math.nan if found.stress is None else float(found.stress[spans].max()) * PA
+        return float(motion.peak[spans].max())
+    return math.nan if motion.stress is None else float(motion.stress[spans].max()) * PA
 
 
 def _resonances(
@@ -281,28 +248,29 @@ def _resonances(
 
     Its name, the words, and whether no motion is computed at that speed.
     """
-    operation, known = evidence.study.operation, evidence.get(Modes)
-    speeds = [one for one in (operation.speed, operation.speeds and operation.speeds.first) if one]
-    speeds += [operation.speeds.last] if operation.speeds is not None else []
-    if known is None or not speeds:
+    study, operation, modes = evidence.study, evidence.study.operation, evidence.get(Modes)
+    ends = (operation.speeds.first, operation.speeds.last) if operation.speeds is not None else ()
+    speeds = [speed for speed in (operation.speed, *ends) if speed]
+    if modes is None or not speeds:
         return
     low, high = (1.0 - MARGIN) * min(speeds), (1.0 + MARGIN) * max(speeds)
-    for name in dict.fromkeys(at for one in ice_motions(evidence.study) for at, _, _ in one.milled):
-        part = evidence.study.train.part(name)
+    milling = (name for motion in ice_motions(study) for name, _, _ in motion.milled)
+    for name in dict.fromkeys(milling):
+        part = study.train.part(name)
         blades = part.propeller.blades if part.propeller is not None else None
         if not blades:
             continue
         ratio = abs(float(evidence.system.speed_ratio[part.stations[0]]))
-        every = 2.0 * math.pi * known.frequency / (blades * ratio)
-        met = every[(every >= low) & (every <= high)].tolist()
+        met = 2.0 * math.pi * modes.frequency / (blades * ratio)
+        met = met[(met >= low) & (met <= high)]
         where = f"between {in_rpm(low)} and {in_rpm(high)} the first blade order of {name} meets"
-        if not met:
+        if not met.size:
             yield name, f"{where} no mode", False
-        for speed in met:
-            at_it = any(abs(one.speed_before - speed) <= SAME_SPEED * speed for one in motions)
-            more = "" if at_it else " (none is computed at that speed)"
-            yield (
-                name,
-                f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}",
-                not at_it,
+        for speed in met.tolist():
+            offsets = (abs(motion.speed_before - speed) for motion in motions)
+            is_open = not any(offset <= SAME_SPEED * speed for offset in offsets)
+            more = " (none is computed at that speed)" * is_open
+            words = (
+                f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}"
             )
+            yield name, words, is_open

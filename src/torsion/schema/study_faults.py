@@ -155,7 +155,7 @@ _CHECKS: tuple[tuple[Check, str], ...] = (  # with the sections that each reads
     (_damping_faults, "train links damping materials analyses rules"),
     (
         _of_analysis(
-            "analyses.compare.candidates:loop_faults",
+            "analyses.compare.shaft_divisions:loop_faults",
             lambda study: "check" in study.analyses,
             lambda study: (study, ("analyses", "check")),
         ),

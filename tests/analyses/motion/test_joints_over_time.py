@@ -271,5 +271,5 @@ def test_a_rigid_joint_beside_fast_modes_without_damping_is_given_up_soon(
     with pytest.raises(
         SolveError, match=r"^\d00 steps reach only .* s of 3 s; .*`segments`"
     ) as refused:
-        transient(study, assemble(study.train, model=model), settings, place=place)
+        transient(study, assemble(study.train, model=model), settings, path=place)
     assert refused.value.path == place

@@ -33,6 +33,7 @@ class Drawn:
     is_free: bool  # something in it parts or slips, so that its first disc may turn alone
     torque: float
     frequency: float
+    wound: float  # J in the spring of a clutch that slips from the begin, beside the first disc
 
 
 @st.composite
@@ -42,7 +43,7 @@ def trains(draw: st.DrawFn) -> Drawn:
     inertia = [10.0 ** (draw(st.integers(-10, 10)) / 10.0) for _ in range(number)]
     kinds = draw(st.lists(st.sampled_from(COUPLINGS), min_size=number - 1, max_size=number - 1))
     kinds[draw(st.integers(0, number - 2))] = draw(st.sampled_from(COUPLINGS[:-1]))
-    rows = [f"disc: {{name: d0, inertia: {inertia[0]!r}}}"]
+    rows, wound = [f"disc: {{name: d0, inertia: {inertia[0]!r}}}"], 0.0
     for place, kind in enumerate(kinds, start=1):
         figures = {
             "twist": 1e-3 * draw(st.integers(1, 30)),
@@ -52,11 +53,14 @@ def trains(draw: st.DrawFn) -> Drawn:
             "stick": 10.0 ** draw(st.integers(3, 6)),
         }
         stiffness = 10.0 ** (draw(st.integers(30, 55)) / 10.0)
+        if place == 1 and kind.startswith("capacity"):
+            wound = 0.5 * figures["friction"] ** 2 / stiffness
         rows.append(f"coupling: {{name: c{place}, stiffness: {stiffness!r}, {kind % figures}}}")
         rows.append(f"disc: {{name: d{place}, inertia: {inertia[place]!r}}}")
     is_free = any(kind.startswith(("clearance", "capacity")) for kind in kinds)
     torque, frequency = 10.0 * draw(st.integers(1, 50)), float(draw(st.integers(2, 60)))
-    return Drawn(f"name: x\ntrain: [{', '.join(rows)}]\n", inertia, is_free, torque, frequency)
+    text = f"name: x\ntrain: [{', '.join(rows)}]\n"
+    return Drawn(text, inertia, is_free, torque, frequency, wound)
 
 
 def moved(drawn: Drawn, **body: object) -> TransientMotion:
@@ -85,7 +89,7 @@ def test_a_train_that_is_left_alone_gains_no_energy(drawn: Drawn) -> None:
     assert found.switching is not None
     assert found.switching.work == 0.0
     of_motion = energy(drawn, found)
-    assert of_motion.max() <= of_motion[0] * (1.0 + 1e-9)
+    assert of_motion.max() <= (of_motion[0] + drawn.wound) * (1.0 + 1e-9)
 
 
 @settings(max_examples=15, deadline=None, derandomize=True)

@@ -8,7 +8,7 @@ import pytest
 from tests.analyses.motion.test_given_cases import moved
 
 from torsion.analyses.motion.transient_settings import TransientSettings
-from torsion.analyses.motion.worst_phase import over_phases
+from torsion.analyses.motion.worst_case import over_phases
 from torsion.arrays import FloatArray
 
 LOADS = {

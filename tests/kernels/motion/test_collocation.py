@@ -11,11 +11,10 @@ from tests.kernels.motion.test_damped_motion import chain
 
 from torsion.errors import SolveError
 from torsion.kernels.motion import torque_laws as laws
-from torsion.kernels.motion.collocation import Collocated, Conditions, Law, Points, Scheme, march
+from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
 from torsion.kernels.motion.damped_motion import ModalTrain, motion
-from torsion.kernels.motion.driven_motion import DrivenMotion, driven
 from torsion.kernels.motion.dry_friction import FORWARD, STANDS, DryFriction
-from torsion.kernels.motion.interface_motion import interfaces
+from torsion.kernels.motion.interface_motion import DrivenMotion, StepsTaken, interfaces
 from torsion.kernels.motion.polynomial_torques import NODES, POINTS, SERIES, answers, integrals
 from torsion.kernels.motion.torque_history import Piece, history
 
@@ -29,7 +28,7 @@ def solved(
     scheme: Scheme,
     speed: float = 0.0,
     pieces: tuple[Piece, ...] = (),
-) -> tuple[DrivenMotion, Collocated]:
+) -> tuple[DrivenMotion, Marched]:
     """The motion under laws at interfaces of shapes (interfaces, rigid motions + modes), and pieces at the first."""
     none = np.zeros(shape.shape[1])
     force = np.concatenate([shape[:1], shape]).T
@@ -43,13 +42,14 @@ def solved(
             shape @ given.acceleration(time, place, moving),
         )
 
-    answer = march(interfaces(given, shape), found, known, scheme)
-    return driven(given, answer.steps), answer
+    taken = StepsTaken(interfaces(given, shape), known)
+    answer = march(taken, found, scheme)
+    return DrivenMotion(**vars(given), steps=taken.steps()), answer
 
 
 def one_disc(
     inertia: float, found: Sequence[Law], duration: float, speed: float = 0.0
-) -> tuple[Collocated, object]:
+) -> tuple[Marched, object]:
     """A disc alone, and its speed over time."""
     shape = np.full((len(found), 1), 1.0 / math.sqrt(inertia))
     scheme = Scheme(duration, 1e-9, duration / 1000.0, duration / 8.0, np.ones(len(found)))
@@ -207,7 +207,7 @@ def test_a_brake_that_grows_with_the_square_of_the_speed() -> None:
 def test_dry_friction_stops_a_disc_and_holds_it() -> None:
     square = laws.BySpeed(0, laws.quadratic(-0.02 * 100.0**2, 100.0))
     answer, speed = one_disc(
-        50.0, [square, DryFriction((1,), (30.0,), 150.0, inertia=50.0)], 100.0, 150.0
+        50.0, [square, DryFriction(1, (30.0,), 150.0, inertia=50.0)], 100.0, 150.0
     )
     when = next(time for time, law, regime in answer.changes if (law, regime) == (1, STANDS))
     assert when == pytest.approx(85.08402656466177, rel=1e-13)
@@ -215,7 +215,7 @@ def test_dry_friction_stops_a_disc_and_holds_it() -> None:
 
 
 def test_dry_friction_holds_until_the_torque_exceeds_it() -> None:
-    friction = DryFriction((0,), (30.0,), 100.0, inertia=2.0)
+    friction = DryFriction(0, (30.0,), 100.0, inertia=2.0)
     ramp = laws.Wave(
         1, laws.constant(40.0), 0.0, -math.pi / 2.0, 1j
     )  # 40 sin t exceeds 30 from arcsin(3/4) on

@@ -17,13 +17,13 @@ def turning(*w: float) -> np.ndarray:
     return found
 
 
-def regime(matrix: np.ndarray, *events: np.ndarray, dips: bool = True) -> Regime:
+def regime(matrix: np.ndarray, *events: np.ndarray) -> Regime:
     """With steps for the fastest motion."""
     none, step = (
         np.zeros((0, len(matrix))),
         RADIANS / float(np.abs(np.linalg.eigvals(matrix)).max()),
     )
-    return Regime(matrix, np.array(events).reshape(-1, len(matrix)), none, none, step, dips)
+    return Regime(matrix, np.array(events).reshape(-1, len(matrix)), none, none, step)
 
 
 @pytest.mark.parametrize("parts", [0.0, 0.3, 1.0, 5.7, 63.999, 64.0, 200.5, 255.0, 256.0])

@@ -16,10 +16,10 @@ from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.findings import Progress
 from torsion.kernels.motion.event_driven_motion import NEWS
+from torsion.study import Study
 
-MULTIPLE = (
-    8.0  # of the highest frequency of excitation, and of the modes of which the couplings have most
-)
+# of the highest frequency of excitation, and of the modes of which the couplings have most
+MULTIPLE = 8.0
 CHEAP = 2e5  # rad of the fastest mode in the first windows, up to which modes are kept anyway
 MOST_WORK = 2.5e5  # blocks of a small train in all comparisons: about 25 s
 ALONE = 3.0  # one motion has this share of what is left: 1/ALONE
@@ -32,54 +32,47 @@ class WorkEnds(Exception):
 
 @dataclass
 class Band:
-    """The modes that are kept, and the work that is left."""
+    """A response that is compared, the modes that exact motions keep, and the work that is left for them."""
 
-    found: Response
+    study: Study
+    response: Response
     balanced: Balanced
     progress: Progress
     modes: int = 0  # 0: not known yet
-    change: float | None = (
-        None  # largest of an amplitude or a peak on doubling the band; None: not known yet
-    )
-    is_whole: bool = False
+    # largest of an amplitude or a peak on doubling the band; None: not known yet
+    change: float | None = None
+    is_complete: bool = False
     left: float = field(default_factory=lambda: MOST_WORK)
-    own: float = math.inf  # of the motion under way
+    left_of_motion: float = math.inf
     cost: float = 1.0  # of a block
-    share: tuple[float, int] = field(
-        default=(0.0, 1)
-    )  # of the comparisons that are done, and their number
-
-    def begin(self, done: float, number: int) -> None:
-        """The next comparison."""
-        self.share = done, number
+    done: float = 0.0  # share of the comparisons
+    number: int = 1  # of comparisons
 
     def limit(self, duration: float) -> int:
         """Number of modes, of motions whose first windows last so long (s)."""
         if not self.modes:
-            modes = modes_as_discretised(self.found.system, None)
+            modes = modes_as_discretised(self.response.system, None)
             w = 2.0 * math.pi * np.sort(modes.frequency)
-            mainly = modes.elastic[list(self.balanced.spans)].argmax(axis=1)
-            highest = (
-                2.0
-                * math.pi
-                * max(float(modes.frequency[mainly].max()), float(self.found.frequency.max()))
-            )
-            self.modes = max(int(np.searchsorted(w, max(MULTIPLE * highest, CHEAP / duration))), 1)
+            mainly = modes.frequency[modes.elastic[list(self.balanced.spans)].argmax(axis=1)]
+            highest = max(float(mainly.max()), float(self.response.frequency.max()))
+            kept = max(MULTIPLE * 2.0 * math.pi * highest, CHEAP / duration)
+            self.modes = max(int(np.searchsorted(w, kept)), 1)
         return self.modes
 
-    def known(self, built: Built) -> None:
-        """The train of the next motion."""
-        self.is_whole = not built.is_band
-        if self.is_whole:
+    def begin_motion(self, built: Built) -> None:
+        """Allot work to the motion of a train."""
+        self.is_complete = not built.is_band
+        if self.is_complete:
             self.change = 0.0
-        self.cost, self.own = 1.0 + (built.train.size / LARGE) ** 2, self.left / ALONE
+        self.cost = 1.0 + (built.train.size / LARGE) ** 2
+        self.left_of_motion = self.left / ALONE
 
     def spend(self, what: str, share: float) -> None:
         """The work of some blocks; raises WorkEnds."""
         self.left -= NEWS * self.cost
-        self.own -= NEWS * self.cost
-        self.progress(f"exact motion at peaks, {what}", self.share[0] + share / self.share[1])
-        if self.own < 0.0:
+        self.left_of_motion -= NEWS * self.cost
+        self.progress(f"exact motion at peaks, {what}", self.done + share / self.number)
+        if self.left_of_motion < 0.0:
             raise WorkEnds
 
     def raised(self, torque: FloatArray) -> FloatArray:
@@ -88,7 +81,7 @@ class Band:
 
     @property
     def words(self) -> str:
-        """For the plan."""
+        """What the plan says of the band; empty if all modes are kept."""
         if not self.change:
             return ""
         return f"; {self.modes} modes of the parts, half as many change torques by {100.0 * self.change:.2g} %"

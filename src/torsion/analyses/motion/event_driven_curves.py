@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.motion.event_driven_train import Built, build
 from torsion.analyses.motion.times_looked_at import Wave, waves_of
-from torsion.analyses.motion.torque_curves import forced
+from torsion.analyses.motion.torque_curves import Curves, Vibrations
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
@@ -76,187 +76,135 @@ class Switching:
 
 
 @dataclass(frozen=True)
-class EventDrivenCurves:
+class EventDrivenCurves(Curves):
     """Torques and speeds at any time of an event-driven motion."""
 
     built: Built
     motion: EventDrivenMotion
-    marched: Marched | None
-
-    @property
-    def shape(self) -> FloatArray:
-        """(stations, rigid motions + modes)."""
-        return self.built.shape
-
-    @property
-    def slowed(self) -> FloatArray:
-        """(spans, rigid motions + modes)."""
-        return self.built.slowed
-
-    @property
-    def cuts(self) -> FloatArray:
-        """Times of all events, and at which a torque begins or ends."""
-        events = [event.time for event in self.motion.events]
-        steps = [] if self.built.following is None else self.motion.begin.tolist()
-        return np.unique([*events, *self.built.train.signals.breaks, *steps])
 
     @cached_property
     def rows(self) -> tuple[FloatArray, ...]:
         """(spans, state) N m of every regime."""
-        built, (_, place, speed, _, _) = self.built, self.built.train.layout
-        linear = np.zeros((len(built.slowed), built.train.size))
-        linear[:, place] = built.modes.torque / built.train.w
-        linear[:, speed] = built.slowed
-        linear += built.train.rows(built.direct)
-        return tuple(linear + built.of_elements @ one.torque for one in self.motion.regimes)
-
-    @property
-    def fastest(self) -> float:
-        """rad/s of the fastest motion of a regime."""
-        return max(RADIANS / one.step for one in self.motion.regimes)
-
-    @property
-    def waves(self) -> tuple[Wave, ...]:
-        """What vibrates: torques, and every regime while it lasts."""
-        return (*waves_of(self.built.train.signals.pieces), *self.regimes)
+        loaded, train = self.loaded, self.built.train
+        _, position, speed, _, _ = train.layout
+        linear = np.zeros((len(loaded.slowed), train.size))
+        linear[:, position] = loaded.modes.torque / train.w
+        linear[:, speed] = loaded.slowed
+        linear += train.rows(self.direct)
+        regimes = self.motion.regimes
+        return tuple(linear + self.built.of_elements @ regime.torque for regime in regimes)
 
     @cached_property
     def regimes(self) -> tuple[Wave, ...]:
         """Every regime while it lasts, with its fastest vibration."""
         motion, inner = self.motion, self.built.train.layout[3].start
-        w = [
-            float(np.abs(np.linalg.eigvals(one.matrix[:inner, :inner]).imag).max(initial=0.0))
-            for one in motion.regimes
-        ]
+        roots = [np.linalg.eigvals(regime.matrix[:inner, :inner]) for regime in motion.regimes]
+        w = [float(np.abs(root.imag).max(initial=0.0)) for root in roots]
         first = np.flatnonzero(np.diff(motion.regime, prepend=-1))
-        ends = [*motion.begin[first[1:]].tolist(), motion.end]
-        lasting = zip(
-            motion.begin[first].tolist(), ends, motion.regime[first].tolist(), strict=True
-        )
-        return tuple(Wave(begin, end, w[number]) for begin, end, number in lasting)
+        begins = motion.begin[first].tolist()
+        lasting = zip(begins, [*begins[1:], motion.end], motion.regime[first].tolist(), strict=True)
+        return tuple(Wave(begin, end, w[regime]) for begin, end, regime in lasting)
 
-    @property
-    def quickest(self) -> float:
-        """1/s of the fastest that dies away."""
-        return self.fastest
-
-    def unseen(self, w: float) -> FloatArray:
-        """(spans,) N m that torques as fast as w (rad/s) and faster shake at most."""
-        train, rows = self.built.train, (self.built.modes.torque, self.slowed, self.built.direct)
-        return forced(rows, train.w, train.force, train.signals.pieces, w)
-
-    @property
-    def rigid_motions(self) -> int:
-        """Number of rigid motions."""
-        return self.built.train.rigid
+    def vibrations(self) -> Vibrations:
+        motion = self.motion
+        times = [event.time for event in motion.events]
+        steps = [] if self.loaded.follows is None else motion.begin.tolist()
+        cuts = np.unique([*times, *self.built.train.signals.breaks, *steps])
+        fastest = max(RADIANS / regime.step for regime in motion.regimes)
+        return Vibrations(cuts, fastest, fastest, (*waves_of(self.pieces), *self.regimes))
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places of the modes, behind angles of rigid motions where these are known, and speeds of all motions."""
         return self._read(self.motion.at(time)[0])
 
     def _read(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        _, place, speed, _, turned = self.built.train.layout
-        return np.concatenate([z[turned], z[place] / self.built.train.w[:, None]]), z[speed]
+        """Places of the modes, behind angles of rigid motions where these are known, and speeds of all motions."""
+        _, position, speed, _, turned = self.built.train.layout
+        return np.concatenate([z[turned], z[position] / self.built.train.w[:, None]]), z[speed]
 
-    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
-        """(rigid motions + modes, times)."""
-        (z, regime), here = self.motion.at(time), self.built.train.layout[2]
-        return np.stack(
-            [self.motion.regimes[r].matrix[here] @ z[:, k] for k, r in enumerate(regime.tolist())],
-            axis=1,
-        )
-
-    def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
-        """Speeds (stations, times) of the stations."""
-        angle, turning, _ = self.built.carrier.at(time)
-        turning += self.shape @ speed
-        for cut in self.built.cuts:
-            if cut.massless:
-                cut.patched(self.built.system, angle + self.shape @ place, turning)
-        return turning
+    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
+        (z, regime), rows = self.motion.at(time), self.built.train.layout[2]
+        regimes = self.motion.regimes
+        columns = [regimes[r].matrix[rows] @ z[:, k] for k, r in enumerate(regime.tolist())]
+        return np.stack(columns, axis=1)
 
     def torque(
-        self, time: FloatArray
+        self, time: FloatArray, span: IntArray | None = None
     ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-        """Torques (spans, times), their rates, and places and speeds of the modes (each, times)."""
         z, regime = self.motion.at(time)
-        torque, rate = np.empty((2, len(self.slowed), len(time)))
+        torque, rate = np.empty((2, *(() if span is not None else (len(self.direct),)), len(time)))
         for number in np.unique(regime).tolist():
-            here, rows = regime == number, self.rows[number]
-            torque[:, here] = rows @ z[:, here]
-            rate[:, here] = rows @ (self.motion.regimes[number].matrix @ z[:, here])
+            columns = np.flatnonzero(regime == number)
+            rows, state = self.rows[number], z[:, columns]
+            change = self.motion.regimes[number].matrix @ state
+            if span is None:
+                torque[:, columns], rate[:, columns] = rows @ state, rows @ change
+            else:
+                rows = rows[span[columns]]
+                torque[columns] = np.einsum("ks,sk->k", rows, state)
+                rate[columns] = np.einsum("ks,sk->k", rows, change)
         return torque, rate, self._read(z)
 
-    def torque_of(self, span: IntArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Torque and its rate (pairs,) of every span at a time of its own."""
-        order = np.argsort(at, kind="stable")
-        z, regime = self.motion.at(at[order])
-        torque, rate = np.empty((2, len(at)))
-        for number in np.unique(regime).tolist():
-            here = np.flatnonzero(regime == number)
-            rows = self.rows[number][span[order[here]]]
-            torque[order[here]] = np.einsum("ks,sk->k", rows, z[:, here])
-            rate[order[here]] = np.einsum(
-                "ks,sk->k", rows, self.motion.regimes[number].matrix @ z[:, here]
-            )
-        return torque, rate
+
+def curves_of(built: Built, motion: EventDrivenMotion) -> EventDrivenCurves:
+    """Return the torques and speeds of a motion."""
+    train = built.train
+    return EventDrivenCurves(
+        built.loaded, train.signals.pieces, train.force, built.direct, built, motion
+    )
 
 
 def event_driven_curves(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path,
+    path: Path,
     damping_ratio: float | None = None,
     progress: Progress = silent,
-) -> tuple[EventDrivenCurves, EnergyBalance, Switching, EventDrivenCurves]:
-    """The motion of a train with nonlinear couplings, its balance of energy and its events; last with halved steps."""
-    built = build(study, system, settings, place, damping_ratio=damping_ratio)
-    curves = EventDrivenCurves(built, *built.run(settings.duration, 1.0, progress))
-    balance = energy_balance(curves.motion)
+) -> tuple[EventDrivenCurves, EventDrivenCurves, EnergyBalance, Switching, Marched | None]:
+    """The motion of a train with nonlinear couplings, that with halved steps, its balance of energy and its events.
+
+    Last stands how it was marched, where torques follow it.
+    """
+    built = build(study, system, settings, path, damping_ratio=damping_ratio)
+    motion, marched = built.run(settings.duration, 1.0, progress)
+    curves = curves_of(built, motion)
+    balance = energy_balance(motion)
     time = np.linspace(0.0, settings.duration, COMPARED)
-    fine = EventDrivenCurves(built, *built.run(settings.duration, 0.5, progress))
-    changes = _changes(curves, fine, time)
-    late = np.flatnonzero(changes > TOLERANCE)
+    fine = curves_of(built, built.run(settings.duration, 0.5, progress)[0])
+    late = np.flatnonzero(_changes(curves, fine, time) > TOLERANCE)
     change = 0.0
     if built.is_band:
-        half = build(study, system, settings, place, damping_ratio=damping_ratio, halved=True)
-        change = float(
-            _changes(curves, EventDrivenCurves(half, *half.run(settings.duration)), time).max()
-        )
-    words = Counter(
-        (built.standing[event.element].coupling, event.word) for event in curves.motion.events
-    )
-    heat = np.zeros(len(built.couplings))
-    np.add.at(heat, [one.coupling for one in built.standing], balance.heat)
+        half = build(study, system, settings, path, damping_ratio=damping_ratio, halved=True)
+        half_curves = curves_of(half, half.run(settings.duration)[0])
+        change = float(_changes(curves, half_curves, time).max())
+
+    couplings = [stand.coupling for stand in built.standing]
+    names = [coupling.part.name for coupling in built.couplings]
+    counts = Counter((couplings[event.element], event.word) for event in motion.events)
+    heat = np.zeros(len(names))
+    np.add.at(heat, couplings, balance.heat)
     works = tuple(
         CouplingWork(
-            one.part.name,
-            words[number, "contact"],
-            words[number, "separation"],
-            words[number, "slip"],
-            float(joule),
+            name,
+            counts[number, "contact"],
+            counts[number, "separation"],
+            counts[number, "slip"],
+            float(heat[number]),
         )
-        for number, (one, joule) in enumerate(zip(built.couplings, heat, strict=True))
+        for number, name in enumerate(names)
     )
-    names = [built.couplings[one.coupling].part.name for one in built.standing]
     events = tuple(
-        CouplingEvent(event.time, names[event.element], event.word)
-        for event in curves.motion.events
+        CouplingEvent(event.time, names[couplings[event.element]], event.word)
+        for event in motion.events
     )
     sensitive = float(time[late[0]]) if late.size else None
-    return (
-        curves,
-        balance,
-        Switching(events, works, balance.work, balance.damped, sensitive, change),
-        fine,
-    )
+    switching = Switching(events, works, balance.work, balance.damped, sensitive, change)
+    return curves, fine, balance, switching, marched
 
 
-def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArray) -> FloatArray:
+def _changes(curves: EventDrivenCurves, finer: EventDrivenCurves, time: FloatArray) -> FloatArray:
     """(times,) largest difference of a torque, of the peak of its span."""
-    first, second = (one.torque(time)[0] for one in (curves, other))
+    first, second = (motion.torque(time)[0] for motion in (curves, finer))
     peak = np.maximum(np.abs(first).max(axis=1), 1e-9 * np.abs(first).max())
-    return np.asarray(
-        (np.abs(first - second) / np.where(peak > 0.0, peak, 1.0)[:, None]).max(axis=0)
-    )
+    scale = np.where(peak > 0.0, peak, 1.0)[:, None]
+    return np.asarray((np.abs(first - second) / scale).max(axis=0))

@@ -6,43 +6,41 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, create_model, model_validator
+from pydantic import create_model, model_validator
 
 from torsion import fields
-from torsion.analyses.motion.event_kind import Kind, Lack, Length, Point, Time, settings_in_words
+from torsion.analyses.motion.event_kind import (
+    Kind,
+    Lack,
+    Length,
+    Pairs,
+    Point,
+    Time,
+    rows_over_time,
+    settings_in_words,
+)
 from torsion.analyses.motion.following_events import Load, SpeedProgram, Start
 from torsion.analyses.motion.milling_ice import Ice
 from torsion.analyses.motion.short_circuit import ShortCircuit
-from torsion.analyses.motion.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.torque_history import Piece
+from torsion.two_columns import Columns, pairs
 
+TIME_AND_TORQUE = Columns(
+    ("time", "torque"),
+    ("s", "N*m"),
+    "time [s], torque [N*m]",
+    "0.5, 120",
+    "a finite torque at a finite time from 0 on",
+    0.0,
+)
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
-
-
-def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
-    """[[time, torque], ...] in s and N m, the times rising."""
-    time, torque = Quantity("s", at_least=0), Quantity("N*m")
-    if not isinstance(value, list | tuple):
-        raise refuse("the rows of a table over time are a list", "[[0 s, 0 N*m], [0.5 s, 100 N*m]]")
-    rows = []
-    for row in value:
-        if not isinstance(row, list | tuple) or len(row) != 2:
-            raise refuse(
-                "a row of a table over time is [time, torque]", "for example [0.5 s, 120 N*m]"
-            )
-        rows.append((time.read(row[0]), torque.read(row[1])))
-    if len(rows) < 2 or any(a[0] >= b[0] for a, b in pairwise(rows)):
-        raise refuse("a table over time needs two rows or more with rising times")
-    return tuple(rows)
-
-
 Rows = Annotated[
-    tuple[tuple[float, float], ...],
-    BeforeValidator(_read_rows, json_schema_input_type=tuple[tuple[float | str, float | str], ...]),
+    Pairs,
+    rows_over_time(Quantity("N*m"), "a table over time", "[[0 s, 0 N*m], [0.5 s, 100 N*m]]"),
 ]
 
 
@@ -63,8 +61,7 @@ class Lasting(Kind):
     @property
     def lasts(self) -> float:
         """s, infinite to the end of the motion."""
-        given_length = self.length if self.until is None else self.until
-        return math.inf if given_length is None else given_length
+        return self.length or self.until or math.inf
 
 
 class Step(Lasting):
@@ -74,17 +71,15 @@ class Step(Lasting):
 
     torque: SignedTorque = required("torque; negative brakes")
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         yield Piece(begin, begin + self.lasts, self.torque)
 
 
 class Table(Kind):
     """A torque by a table over time, linear between its rows and nothing outside."""
 
-    key, meaning = (
-        "table",
-        "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time",
-    )
+    key = "table"
+    meaning = "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time"
 
     rows: Rows | None = given("[[time, torque], ...], times from the begin of the event")
     file: str | None = given(
@@ -95,17 +90,22 @@ class Table(Kind):
         if (self.rows is None) == (self.file is None):
             raise refuse("a table over time has `rows` or a `file`", "give one of them")
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
-        yield from ramps([(begin + time, torque) for time, torque in rows or ()])
+    def _rows(self, point: Point) -> Pairs:
+        """(s, N m) of every row; raises ValueError as `pairs` does."""
+        if self.file is None:
+            return self.rows or ()
+        rows = pairs(point.folder / self.file, TIME_AND_TORQUE)
+        return tuple((time, torque) for time, torque in rows)
 
-    def corners(self, at: Point) -> tuple[float, ...]:
-        rows = self.rows if self.file is None else torque_rows(at.folder / self.file)
-        return tuple(time for time, _ in rows or ())
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        return ramps([(begin + time, torque) for time, torque in self._rows(point)])
 
-    def lacks(self, at: Point) -> Lack:
+    def corners(self, point: Point) -> tuple[float, ...]:
+        return tuple(time for time, _ in self._rows(point))
+
+    def lacks(self, point: Point) -> Lack:
         try:
-            torque_rows(at.folder / self.file) if self.file is not None else None
+            self._rows(point)
         except ValueError as error:
             return str(error.args[0]), str(error.args[-1])
         return None
@@ -120,10 +120,10 @@ class Pulse(Kind):
     length: Length = required("how long it lasts")
     shape: Literal["half-sine", "rectangle", "triangle"] = given("its shape", "half-sine")
 
-    def corners(self, at: Point) -> tuple[float, ...]:
+    def corners(self, point: Point) -> tuple[float, ...]:
         return (0.0, self.length / 2.0, self.length)
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         end = begin + self.length
         if self.shape == "triangle":
             yield from ramps([(begin, 0.0), (begin + self.length / 2.0, self.torque), (end, 0.0)])
@@ -136,10 +136,8 @@ class Pulse(Kind):
 class Sine(Lasting):
     """A torque that oscillates: torque * exp(-t / decay) * sin(2 pi frequency t + phase)."""
 
-    key, meaning = (
-        "sine",
-        "{torque, frequency or order, decay, phase, length}: an oscillating torque",
-    )
+    key = "sine"
+    meaning = "{torque, frequency or order, decay, phase, length}: an oscillating torque"
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
@@ -156,40 +154,34 @@ class Sine(Lasting):
             raise refuse("a sine has a `frequency` or an `order`", "give one of them")
         return self
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        w = (
-            2.0 * math.pi * self.frequency
-            if self.frequency is not None
-            else float(self.order or 0) * at.speed
-        )
-        rate = complex(0.0 if self.decay is None else -1.0 / self.decay, w)
-        yield Piece(
-            begin, begin + self.lasts, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate
-        )
+    @property
+    def _decay_rate(self) -> float:
+        """Rate at which the amplitude decays, 0 or negative, in 1/s."""
+        return 0.0 if self.decay is None else -1.0 / self.decay
 
-    def lacks(self, at: Point) -> Lack:
-        if self.order is not None and not (at.speed or at.turns):
-            return (
-                "an order has no frequency in a train that stands still",
-                "give `frequency`, or an `initial` speed",
-            )
-        return None
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        w = float(self.order or 0) * point.speed
+        if self.frequency is not None:
+            w = 2.0 * math.pi * self.frequency
+        level = -1j * self.torque * cmath.exp(1j * self.phase)
+        yield Piece(begin, begin + self.lasts, level, rate=complex(self._decay_rate, w))
+
+    def lacks(self, point: Point) -> Lack:
+        if self.order is None or point.speed or point.turns:
+            return None
+        hint = "give `frequency`, or an `initial` speed"
+        return "an order has no frequency in a train that stands still", hint
 
     @property
     def by_angle(self) -> bool:
         return self.order is not None
 
-    def laws(self, begin: float, at: Point) -> Iterator[Law]:
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
         if self.order is not None:
-            rate, phase = (
-                0.0 if self.decay is None else -1.0 / self.decay,
-                self.phase - math.pi / 2.0,
-            )
-            size, window = (
-                torque_laws.constant(self.torque),
-                torque_laws.Window(begin, begin + self.lasts),
-            )
-            yield torque_laws.Wave(0, size, float(self.order), phase, rate, window, from_begin=True)
+            size, order = torque_laws.constant(self.torque), float(self.order)
+            window = torque_laws.Window(begin, begin + self.lasts)
+            phase, rate = self.phase - math.pi / 2.0, self._decay_rate
+            yield torque_laws.Wave(0, size, order, phase, rate, window, from_begin=True)
 
 
 class Stop(Lasting):
@@ -200,7 +192,7 @@ class Stop(Lasting):
     share: Share = given("of the mean torque that ends", 1.0)
     ramp: Time = given("time in which it falls", 0.0)
 
-    def corners(self, at: Point) -> tuple[float, ...]:
+    def corners(self, point: Point) -> tuple[float, ...]:
         return (0.0, self.ramp) if self.ramp else ()
 
     def taken(self, late: float) -> float:
@@ -209,23 +201,23 @@ class Stop(Lasting):
             return 0.0
         return self.share * (min(late / self.ramp, 1.0) if self.ramp else 1.0)
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        low, end = self.share * at.mean, begin + self.ramp + self.lasts
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        low, full = self.share * point.mean, begin + self.ramp
         if self.ramp:
-            yield Piece(begin, begin + self.ramp, 0.0, -low / self.ramp)
-        yield Piece(begin + self.ramp, end, -low)
+            yield Piece(begin, full, 0.0, -low / self.ramp)
+        yield Piece(full, full + self.lasts, -low)
 
-    def lacks(self, at: Point) -> Lack:
+    def lacks(self, point: Point) -> Lack:
         hint = "name a motor or a load of a steady train"
-        return None if at.mean else (f"no mean torque acts at '{at.name}'", hint)
+        return None if point.mean else (f"no mean torque acts at '{point.name}'", hint)
 
 
 class Clutch(Kind):
-    """A clutch closes or opens: its capacity over time from here on."""
+    """A clutch closes or opens: its capacity over time from the begin on."""
 
-    key, meaning = (
-        "clutch",
-        "{torque, close or open}: a coupling with `capacity` closes or opens; `at` is its name",
+    key = "clutch"
+    meaning = (
+        "{torque, close or open}: a coupling with `capacity` closes or opens; `at` is its name"
     )
 
     torque: Rows | None = given(
@@ -238,24 +230,15 @@ class Clutch(Kind):
 
     def refuse_clashes(self) -> None:
         if [self.torque, self.close, self.open].count(None) != 2:
-            raise refuse(
-                "a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`"
-            )
+            hint = "for example `close: 0.5 s`"
+            raise refuse("a clutch has one of `torque`, `close` and `open`", hint)
         if self.torque is not None and any(torque < 0.0 for _, torque in self.torque):
-            raise refuse(
-                "the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque"
-            )
+            message = "the capacity of a clutch is not negative"
+            raise refuse(message, "torques of 0 N*m and more", "torque")
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        """No torque by itself."""
-        yield from ()
-
-    def lacks(self, at: Point) -> Lack:
-        return (
-            None
-            if at.is_clutch
-            else (f"'{at.name}' is no clutch", "name a coupling with `capacity`")
-        )
+    def lacks(self, point: Point) -> Lack:
+        hint = "name a coupling with `capacity`"
+        return None if point.is_clutch else (f"'{point.name}' is no clutch", hint)
 
     def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
         """((s, N m), ...) its capacity, linear between rows and constant after the last."""
@@ -265,11 +248,9 @@ class Clutch(Kind):
         first, last = (capacity, 0.0) if self.close is None else (0.0, capacity)
         return ((begin, first), (begin + late, last)) if late else ((begin, last),)
 
-    def corners(self, at: Point) -> tuple[float, ...]:
-        if self.torque is not None:
-            return tuple(time for time, _ in self.torque)
-        late = self.open or self.close
-        return (0.0, late) if late else ()
+    def corners(self, point: Point) -> tuple[float, ...]:
+        rows = self.rows(0.0, 0.0)
+        return tuple(time for time, _ in rows) if len(rows) > 1 or self.torque else ()
 
     @property
     def begins_open(self) -> bool:
@@ -317,14 +298,17 @@ class _Event(Declared):
                 raise refuse(f"`{key}` is part of the format but not built yet", hint, key)
         return data
 
+    @property
+    def _bodies(self) -> list[Kind]:
+        """Of all kinds that are given."""
+        bodies = (getattr(self, kind.field()) for kind in KINDS)
+        return [body for body in bodies if isinstance(body, Kind)]
+
     def refuse_clashes(self) -> None:
-        kinds = [kind.key for kind in KINDS if getattr(self, _field(kind)) is not None]
+        kinds = [body.key for body in self._bodies]
         if len(kinds) != 1:
-            words = ", ".join(kind.key for kind in KINDS)
-            raise refuse(
-                f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given",
-                f"one of {words}",
-            )
+            message = f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given"
+            raise refuse(message, f"one of {', '.join(kind.key for kind in KINDS)}")
 
     @model_validator(mode="after")
     def _lasts_from_its_begin(self) -> Self:
@@ -333,30 +317,28 @@ class _Event(Declared):
             message = (
                 f"`until` counts from the begin of the event, and {until:g} s is before its `time`"
             )
-            raise refuse(message, f"`length: {until:g} s` for so long", _field(type(self.body)))
+            raise refuse(message, f"`length: {until:g} s` for so long", self.body.field())
         return self
 
     @property
     def body(self) -> Kind:
-        """What happens."""
-        return next(body for kind in KINDS if isinstance(body := getattr(self, _field(kind)), Kind))
+        """The settings of the one kind that is given."""
+        return self._bodies[0]
 
     @property
     def words(self) -> str:
         """Its settings, those that are not left at their defaults."""
         return settings_in_words(self.body)
 
-    def pieces(self, at: Point) -> tuple[Piece, ...]:
+    def pieces(self, point: Point) -> tuple[Piece, ...]:
         """What of its torque is known by time, N m at own speed, positive in the sense of rotation."""
-        return () if at.turns and self.body.by_angle else tuple(self.body.pieces(self.time, at))
-
-
-def _field(kind: type[Kind]) -> str:
-    return kind.key.replace("-", "_")
+        if point.turns and self.body.by_angle:
+            return ()
+        return tuple(self.body.pieces(self.time, point))
 
 
 if TYPE_CHECKING:
     Event = _Event
 else:
-    _FIELDS = {_field(kind): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}
+    _FIELDS = {kind.field(): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}
     Event = create_model("Event", __base__=_Event, __doc__=_Event.__doc__, **_FIELDS)

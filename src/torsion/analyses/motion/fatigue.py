@@ -1,5 +1,6 @@
 """Damage of a motion over time: cycles by rainflow (ASTM E1049, the residue as half cycles), their sum after Miner."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
@@ -15,32 +16,28 @@ def cycles(points: FloatArray) -> Iterator[tuple[float, float, float]]:
     """(half range, mean, count) of every cycle of turning points (points,) N m."""
     import rainflow
 
-    return (
-        (spread / 2.0, mean, count) for spread, mean, count, *_ in rainflow.extract_cycles(points)
-    )
+    for spread, mean, count, *_ in rainflow.extract_cycles(points):
+        yield spread / 2.0, mean, count
 
 
 @source("Miner1945")
 def miner(counted: Iterable[tuple[float, float, float]], line: Fatigue) -> float:
     """The sum of count / cycles borne; by Goodman an amplitude is divided by 1 - mean/ultimate, infinite from there."""
-    found = 0.0
+    damage = 0.0
     for amplitude, mean, count in counted:
         left = 1.0 if line.ultimate is None else 1.0 - abs(mean) / line.ultimate
-        found += (
-            count * (amplitude / left / line.amplitude) ** line.slope / line.cycles
-            if left > 0.0
-            else np.inf
-        )
-    return found
+        if left <= 0.0:
+            return math.inf
+        damage += count * (amplitude / left / line.amplitude) ** line.slope / line.cycles
+    return damage
 
 
 def damages(system: System, line: Fatigue, turns: Sequence[FloatArray]) -> FloatArray:
     """(spans,) Miner's sum of torques, each given by all values at which it turns; NaN where the file names others."""
-    names = [system.train.parts[part].name for part in system.span_part.tolist()]
-    known = [not line.at or name in line.at for name in names]
+    names = (system.train.parts[part].name for part in system.span_part.tolist())
     return np.array(
         [
-            miner(cycles(one), line) if judged else np.nan
-            for one, judged in zip(turns, known, strict=True)
+            miner(cycles(points), line) if not line.at or name in line.at else np.nan
+            for name, points in zip(names, turns, strict=True)
         ]
     )

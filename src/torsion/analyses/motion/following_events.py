@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from torsion import fields
-from torsion.analyses.motion.event_kind import Kind, Lack, Length, Point
+from torsion.analyses.motion.event_kind import Kind, Lack, Length, Pairs, Point, rows_over_time
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.fields import WrittenRows as SpeedTable
 from torsion.kernels.motion import torque_laws
@@ -29,56 +29,36 @@ def _read_rows(value: Any) -> Any:
         raise refuse("a table over speed is a list", "[[0 rpm, 900 N*m], [1500 rpm, 0 N*m]]")
     rows = read_table(value)
     if rows[0][0] != 0.0:
-        raise refuse(
-            "a table over speed for a transient response begins at 0 rpm",
-            "add its row [0 rpm, ...]",
-        )
+        message = "a table over speed for a transient response begins at 0 rpm"
+        raise refuse(message, "add its row [0 rpm, ...]")
     return rows
 
 
 def _read_law(value: Any) -> Any:
-    if isinstance(value, str):
-        if value not in ("propeller", "constant"):
-            raise refuse(
-                f"unknown load law '{value}'",
-                "propeller, constant, or a table [[speed, torque], ...]",
-            )
+    if value in ("propeller", "constant"):
         return value
+    if isinstance(value, str):
+        hint = "propeller, constant, or a table [[speed, torque], ...]"
+        raise refuse(f"unknown load law '{value}'", hint)
     rows = _read_rows(value)
     if any(torque < 0.0 for _, torque in rows):
-        raise refuse(
-            "a load brakes: its torques are 0 N*m or more", "what drives is a `start`, or a `step`"
-        )
+        hint = "what drives is a `start`, or a `step`"
+        raise refuse("a load brakes: its torques are 0 N*m or more", hint)
     return rows
-
-
-def _read_program(value: Any) -> tuple[tuple[float, float], ...]:
-    time, speed = Quantity("s", at_least=0), Quantity("rad/s", at_least=0)
-    if not isinstance(value, list | tuple) or not all(
-        isinstance(row, list | tuple) and len(row) == 2 for row in value
-    ):
-        raise refuse(
-            "a program of speed is a list of [time, speed]", "[[0 s, 0 rpm], [2 s, 1500 rpm]]"
-        )
-    rows = tuple((time.read(row[0]), speed.read(row[1])) for row in value)
-    if len(rows) < 2 or any(a[0] >= b[0] for a, b in pairwise(rows)):
-        raise refuse("a program of speed needs two rows or more with rising times")
-    return rows
-
-
-Program = Annotated[
-    tuple[tuple[float, float], ...],
-    BeforeValidator(_read_program, json_schema_input_type=SpeedTable),
-]
-Rows = Annotated[
-    tuple[tuple[float, float], ...], BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)
-]
 
 
 def _read_phase(value: Any) -> Any:
     return value if value == WORST else Quantity("rad").read(value)
 
 
+Program = Annotated[
+    Pairs,
+    rows_over_time(
+        Quantity("rad/s", at_least=0), "a program of speed", "[[0 s, 0 rpm], [2 s, 1500 rpm]]"
+    ),
+]
+Rows = Annotated[Pairs, BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)]
+LoadLaw = Literal["propeller", "constant"] | SpeedTable
 Phase = Annotated[Any, BeforeValidator(_read_phase, json_schema_input_type=float | str)]
 
 
@@ -118,61 +98,50 @@ class Start(Kind):
 
     @model_validator(mode="after")
     def _curve(self) -> Self:
-        kloss = (self.pull_out, self.slip, self.synchronous)
-        if self.torque is None and None in kloss:
-            raise refuse(
-                "a start needs its torque over speed",
-                "`torque: [[speed, torque], ...]`, or `pull_out`, `slip` and `synchronous`",
-            )
+        if self.torque is None and None in (self.pull_out, self.slip, self.synchronous):
+            hint = "`torque: [[speed, torque], ...]`, or `pull_out`, `slip` and `synchronous`"
+            raise refuse("a start needs its torque over speed", hint)
         if self.torque is not None and (self.pull_out is not None or self.slip is not None):
-            raise refuse(
-                "`torque` and `pull_out` with `slip` exclude each other",
-                "keep one of them",
-                "torque",
-            )
+            message = "`torque` and `pull_out` with `slip` exclude each other"
+            raise refuse(message, "keep one of them", "torque")
         if self.slip_pulsation is not None and self.synchronous is None:
-            raise refuse(
-                "`slip_pulsation` needs `synchronous`, the synchronous speed", key="slip_pulsation"
-            )
+            message = "`slip_pulsation` needs `synchronous`, the synchronous speed"
+            raise refuse(message, key="slip_pulsation")
         if self.slip_pulsation is None and "phase" in self.model_fields_set:
-            raise refuse(
-                "`phase` is that of `slip_pulsation`",
-                "`pulsation: {phase: ...}` has its own",
-                "phase",
-            )
+            hint = "`pulsation: {phase: ...}` has its own"
+            raise refuse("`phase` is that of `slip_pulsation`", hint, "phase")
         return self
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
             level = -1j * self.pulsation.torque * cmath.exp(1j * self.pulsation.phase)
-            yield Piece(begin, self._window(begin).end, level, rate=rate)
+            yield Piece(begin, _window(begin, self.off).end, level, rate=rate)
 
-    def laws(self, begin: float, at: Point) -> Iterator[Law]:
-        window = self._window(begin)
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+        window, synchronous = _window(begin, self.off), self.synchronous or 1.0
         if self.torque is not None:
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
         else:
             note("Kloss1916")
-            yield torque_laws.InductionMotor(
-                0, self.pull_out or 0.0, self.slip or 1.0, self.synchronous or 1.0, window
-            )
+            pull_out, slip = self.pull_out or 0.0, self.slip or 1.0
+            yield torque_laws.InductionMotor(0, pull_out, slip, synchronous, window)
         if self.slip_pulsation is not None:
             twice = 4.0 * math.pi * self.line
-            turned = -twice / (self.synchronous or 1.0)
-            size, phase = (
-                torque_laws.table(self.slip_pulsation),
-                0.0 if self.phase == WORST else self.phase,
-            )
-            yield torque_laws.Wave(0, size, turned, phase, 1j * twice, window, from_begin=True)
+            size = torque_laws.table(self.slip_pulsation)
+            phase = 0.0 if self.phase == WORST else self.phase
+            order = -twice / synchronous
+            yield torque_laws.Wave(0, size, order, phase, 1j * twice, window, from_begin=True)
 
     @property
     def has_worst_phase(self) -> bool:
-        """Its phase is left open."""
+        """Whether the file leaves the phase of its slip pulsation open."""
         return self.slip_pulsation is not None and self.phase == WORST
 
-    def _window(self, begin: float) -> torque_laws.Window:
-        return torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)
+
+def _window(begin: float, off: float | None) -> torque_laws.Window:
+    """From the begin to the time after which it is off."""
+    return torque_laws.Window(begin, math.inf if off is None else begin + off)
 
 
 class Load(Kind):
@@ -181,12 +150,7 @@ class Load(Kind):
     key, drives = "load", True
     meaning = "{law, torque, speed, off}: what brakes the point, by its speed; its slope is the damping there"
 
-    law: Annotated[
-        Any,
-        BeforeValidator(
-            _read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable
-        ),
-    ] = required(
+    law: Annotated[Any, BeforeValidator(_read_law, json_schema_input_type=LoadLaw)] = required(
         "propeller (T ~ n**2), constant (holds at rest), or [[speed, torque], ...] from 0 rpm on"
     )
     torque: fields.Torque | None = given("torque of the law at `speed` (default: the rated torque)")
@@ -198,9 +162,8 @@ class Load(Kind):
     @model_validator(mode="after")
     def _no_more_than_its_law(self) -> Self:
         if not isinstance(self.law, str) and (self.torque is not None or self.speed is not None):
-            raise refuse(
-                "a table contains torque and speed", "leave `torque` and `speed` out", "law"
-            )
+            hint = "leave `torque` and `speed` out"
+            raise refuse("a table contains torque and speed", hint, "law")
         return self
 
     def is_beyond(self, law: Law, regime: int, late: float) -> bool:
@@ -212,42 +175,35 @@ class Load(Kind):
     @property
     def damps(self) -> bool:
         """Its torque changes with the speed."""
-        return (
-            self.law == "propeller"
-            if isinstance(self.law, str)
-            else len({torque for _, torque in self.law}) > 1
-        )
+        if isinstance(self.law, str):
+            return self.law == "propeller"
+        return len({torque for _, torque in self.law}) > 1
 
     def acts_throughout(self, begin: float, duration: float) -> bool:
         """It acts over the whole motion."""
         return begin == 0.0 and (self.off is None or self.off >= duration)
 
-    def laws(self, begin: float, at: Point) -> Iterator[Law]:
-        window = torque_laws.Window(begin, math.inf if self.off is None else begin + self.off)
-        torque, speed = self.torque or at.rated, self.speed or at.rated_speed or 1.0
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+        window = _window(begin, self.off)
+        torque, speed = self.torque or point.rated, self.speed or point.rated_speed or 1.0
         if self.law == "propeller":
             yield torque_laws.BySpeed(0, torque_laws.quadratic(-torque, speed), window)
             return
         rows = [(0.0, torque), (speed, torque)] if self.law == "constant" else self.law
         still = rows[0][1]
         if still:
-            yield DryFriction((0,), (still,), rows[-1][0], (window,))
+            yield DryFriction(0, (still,), rows[-1][0], (window,))
         if self.law != "constant":
-            line = torque_laws.marked(
-                [(turning, still - value) for turning, value in rows], SAME_SPEED
-            )
-            yield torque_laws.BySpeed(
-                0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window
-            )
+            moving = [(turning, still - value) for turning, value in rows]
+            line = torque_laws.mirrored(torque_laws.marked(moving, SAME_SPEED), sign=-1.0)
+            yield torque_laws.BySpeed(0, torque_laws.table(line), window)
 
-    def lacks(self, at: Point) -> Lack:
-        size = isinstance(self.law, str) and self.torque is None and not at.rated
-        if not size and (self.law != "propeller" or self.speed or at.rated_speed):
+    def lacks(self, point: Point) -> Lack:
+        has_size = not isinstance(self.law, str) or self.torque is not None or point.rated
+        if has_size and (self.law != "propeller" or self.speed or point.rated_speed):
             return None
-        return (
-            "the load has no size",
-            "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`",
-        )
+        hint = "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`"
+        return "the load has no size", hint
 
 
 class SpeedProgram(Kind):
@@ -262,15 +218,14 @@ class SpeedProgram(Kind):
     def rates(self, begin: float) -> list[tuple[float, float, float]]:
         """Begin and end (s) and rate (rad/s2) of every line of it."""
         return [
-            (begin + a[0], begin + b[0], (b[1] - a[1]) / (b[0] - a[0]))
-            for a, b in pairwise(self.program)
+            (begin + time, begin + end, (later - speed) / (end - time))
+            for (time, speed), (end, later) in pairwise(self.program)
         ]
 
-    def lacks(self, at: Point) -> Lack:
-        if math.isclose(self.program[0][1], at.speed, rel_tol=SAME_SPEED, abs_tol=SAME_SPEED):
+    def lacks(self, point: Point) -> Lack:
+        first = self.program[0][1]
+        if math.isclose(first, point.speed, rel_tol=SAME_SPEED, abs_tol=SAME_SPEED):
             return None
-        begins, runs = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (self.program[0][1], at.speed))
-        return (
-            f"the program begins at {begins}, and '{at.name}' runs at {runs}",
-            "begin with that, or give `initial`",
-        )
+        begins, runs = (f"{speed * 30.0 / math.pi:.6g} rpm" for speed in (first, point.speed))
+        message = f"the program begins at {begins}, and '{point.name}' runs at {runs}"
+        return message, "begin with that, or give `initial`"

@@ -62,9 +62,8 @@ CLASSES: Mapping[IceClassName, IceClass] = {
     "IC": IceClass(1.0),
 }
 SMALL = 1.8  # times the thickness: a propeller up to this diameter is wholly in the ice
-LARGE_FACTOR = (
-    1.9  # of k beyond it; 1.8^1.1 = 1.909 would meet the other formula, and the rules round
-)
+# of k beyond it; 1.8^1.1 = 1.909 would meet the other formula, and the rules round
+LARGE_FACTOR = 1.9
 
 
 @reported
@@ -100,12 +99,12 @@ def greatest_ice_torque(
     >>> round(greatest_ice_torque(10.9, 1.0, screw, 4.0 * math.pi) / 1e3, 3)
     297.286
     """
-    diameter, hub, pitch = (
-        record.diameter or 0.0,
-        record.hub_ratio or 0.0,
-        record.pitch_ratio or 0.0,
+    diameter, pitch = record.diameter or 0.0, record.pitch_ratio or 0.0
+    shape = (
+        (1.0 - (record.hub_ratio or 0.0))
+        * pitch**0.16
+        * (speed / (2.0 * math.pi) * diameter) ** 0.17
     )
-    shape = (1.0 - hub) * pitch**0.16 * (speed / (2.0 * math.pi) * diameter) ** 0.17
     if diameter <= SMALL * thickness:
         return float(1e3 * factor * shape * diameter**3)
     return float(1e3 * LARGE_FACTOR * factor * shape * diameter**1.9 * thickness**1.1)
@@ -151,28 +150,20 @@ class Ice(Kind):
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         if (self.torque is None) == (self.ice_class is None):
-            what = (
-                "has a `torque` or a `class`"
-                if self.torque is None
-                else "of a `class` has no separate `torque`"
-            )
-            raise refuse(
-                f"ice {what}",
-                f"give one of them; the classes are {', '.join(get_args(IceClassName))}",
-            )
+            what = "of a `class` has no separate `torque`"
+            if self.torque is None:
+                what = "has a `torque` or a `class`"
+            hint = f"give one of them; the classes are {', '.join(get_args(IceClassName))}"
+            raise refuse(f"ice {what}", hint)
         for key in ("thickness", "speed"):
             if self.ice_class is None and getattr(self, key) is not None:
-                raise refuse(
-                    f"`{key}` is of a class of ice",
-                    "`class` in place of `torque`, or leave it out",
-                    key,
-                )
+                hint = "`class` in place of `torque`, or leave it out"
+                raise refuse(f"`{key}` is of a class of ice", hint, key)
         if (self.case is None) == (self.angle is None):
             raise refuse("ice has a `case`, or an `angle` and a `factor`", "give one of them")
         if self.case is not None and "factor" in self.model_fields_set:
-            raise refuse(
-                "a case of ice contains its factor", "leave `factor` out, or `case`", "factor"
-            )
+            hint = "leave `factor` out, or `case`"
+            raise refuse("a case of ice contains its factor", hint, "factor")
         if self.ramp > math.pi * self.revolutions:
             hint = f"at most {180 * self.revolutions:g} deg for {self.revolutions:g} turns"
             raise refuse("the two ramps are longer than the milling", hint, "ramp")
@@ -180,21 +171,21 @@ class Ice(Kind):
 
     @property
     def revolutions(self) -> float:
-        """Of the milling."""
+        """Revolutions for which the propeller mills ice."""
         if self.turns is not None or self.ice_class is None:
             return self.turns or REVOLUTIONS
         return PER_THICKNESS * (self.thickness or CLASSES[self.ice_class].thickness)
 
-    def of_class(self, at: Point) -> IceTorque | None:
+    def of_class(self, point: Point) -> IceTorque | None:
         """The greatest torque of its class there; None where the file says the torque itself."""
-        screw, speed = at.propeller, self.speed or at.rated_speed or at.speed
+        screw, speed = point.propeller, self.speed or point.rated_speed or point.speed
         if self.ice_class is None or screw is None:
             return None
-        known = CLASSES[self.ice_class]
-        thickness = self.thickness or known.thickness
-        factor = known.ducted_factor if screw.is_ducted else known.open_factor
+        design = CLASSES[self.ice_class]
+        thickness = self.thickness or design.thickness
+        factor = design.ducted_factor if screw.is_ducted else design.open_factor
         return IceTorque(
-            at.name,
+            point.name,
             self.ice_class,
             thickness,
             factor,
@@ -207,84 +198,72 @@ class Ice(Kind):
             greatest_ice_torque(factor, thickness, screw, speed),
         )
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        found = self.of_class(at)
-        yield from self._milled(
-            begin, at.speed, at.blades, (self.torque or 0.0) if found is None else found.torque
-        )
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        return self._milled(begin, point.speed, point)
 
-    def laws(self, begin: float, at: Point) -> Iterator[Law]:
-        found = self.of_class(at)
-        over_angle = list(
-            self._milled(
-                0.0, 1.0, at.blades, (self.torque or 0.0) if found is None else found.torque
-            )
-        )
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+        over_angle = list(self._milled(0.0, 1.0, point))
         yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
 
-    def lacks(self, at: Point) -> Lack:
-        if not (at.blades and (at.speed or at.turns)):
+    def lacks(self, point: Point) -> Lack:
+        if not (point.blades and (point.speed or point.turns)):
             return "ice needs a turning propeller with `blades`", "give `blades` and a speed"
-        if self.case is not None and at.blades not in CASES[self.case][1]:
-            return (
-                f"the cases of the ice rules are of 3 to 6 blades, not {at.blades}",
-                "give `angle` and `factor`",
-            )
+        if self.case is not None and point.blades not in CASES[self.case][1]:
+            message = f"the cases of the ice rules are of 3 to 6 blades, not {point.blades}"
+            return message, "give `angle` and `factor`"
         if self.ice_class is None:
             return None
         needed = ("diameter", "pitch_ratio", "hub_ratio")
-        missing = " and ".join(
-            f"`{key}`" for key in needed if getattr(at.propeller, key, None) is None
-        )
+        missing = [f"`{key}`" for key in needed if getattr(point.propeller, key, None) is None]
+        needs = f"the ice torque of class {self.ice_class} needs"
         if missing:
             hint = "give it in the train, or the `torque` of the ice in place of its `class`"
-            return f"the ice torque of class {self.ice_class} needs {missing} of '{at.name}'", hint
-        if not (self.speed or at.rated_speed or at.speed):
+            return f"{needs} {' and '.join(missing)} of '{point.name}'", hint
+        if not (self.speed or point.rated_speed or point.speed):
             hint = "give `speed` of the ice, or `operation: rated`"
-            return f"the ice torque of class {self.ice_class} needs the speed of '{at.name}'", hint
+            return f"{needs} the speed of '{point.name}'", hint
         return None
 
     @property
     def by_angle(self) -> bool:
         return True
 
-    def _milled(self, begin: float, speed: float, blades: int, torque: float) -> Iterator[Piece]:
-        """All blades that hit, turning at a speed (rad/s), where Q_max is so great."""
+    def _milled(self, begin: float, speed: float, point: Point) -> Iterator[Piece]:
+        """All blades that hit, turning at a speed (rad/s)."""
+        ice = self.of_class(point)
+        torque = (self.torque or 0.0) if ice is None else ice.torque
         factor, angle = self.factor, self.angle or 0.0
         if self.case is not None:
             factor, angles = CASES[self.case]
-            angle = math.radians(angles[blades])
-        blocks = (0.0, math.pi / blades) if self.case == TWO_BLOCKS else (0.0,)
-        last = 2.0 * math.pi * self.revolutions
-        for hit in range(math.ceil(blades * self.revolutions)):
+            angle = math.radians(angles[point.blades])
+        blocks = (0.0, math.pi / point.blades) if self.case == TWO_BLOCKS else (0.0,)
+        end = 2.0 * math.pi * self.revolutions
+        for hit in range(math.ceil(point.blades * self.revolutions)):
             for block in blocks:
-                first = 2.0 * math.pi * hit / blades + block
-                if last - first > ROUNDING:
-                    blade = _Blade(first, min(first + angle, last), angle, factor * torque)
-                    yield from self._hit(begin, speed, blade)
+                first = 2.0 * math.pi * hit / point.blades + block
+                if end - first > ROUNDING:
+                    last = min(first + angle, end)
+                    yield from self._hit(begin, speed, (first, last), angle, factor * torque)
 
-    def _hit(self, begin: float, speed: float, blade: "_Blade") -> Iterator[Piece]:
-        """One blade, in pieces over which the ramps have one slope."""
+    def _hit(
+        self, begin: float, speed: float, ends: tuple[float, float], angle: float, torque: float
+    ) -> Iterator[Piece]:
+        """One blade, in pieces over which the ramps have one slope.
+
+        ends: angles (rad) since the begin; angle: of the whole contact; torque: amid it (N m).
+        """
         last = 2.0 * math.pi * self.revolutions
-        inner = blade.first + ROUNDING, blade.last - ROUNDING
-        kinks = [kink for kink in (self.ramp, last - self.ramp) if inner[0] < kink < inner[1]]
-        edges = sorted({blade.first, blade.last, *kinks})
-        corners, levels = (
-            ([0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]) if self.ramp else ([0.0], [1])
-        )
-        for start, end in pairwise(edges):
+        kinks = [
+            kink
+            for kink in (self.ramp, last - self.ramp)
+            if ends[0] + ROUNDING < kink < ends[1] - ROUNDING
+        ]
+        corners, levels = [0.0], [1]
+        if self.ramp:
+            corners, levels = [0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]
+        for start, end in pairwise(sorted({*ends, *kinks})):
             level, later = (float(np.interp(x, corners, levels)) for x in (start, end))
-            wave = 1j * blade.torque * cmath.exp(1j * math.pi * (start - blade.first) / blade.angle)
+            wave = 1j * torque * cmath.exp(1j * math.pi * (start - ends[0]) / angle)
             slope = (later - level) / (end - start) * speed
             times = begin + start / speed, begin + end / speed
-            yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / blade.angle)
-
-
-@dataclass(frozen=True)
-class _Blade:
-    """A blade in the ice: angles (rad) since the begin, the contact angle, and the torque amid it (N m)."""
-
-    first: float
-    last: float
-    angle: float
-    torque: float
+            yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)

@@ -1,29 +1,135 @@
-"""A train as rigid motions and modes for its motion over time: their shapes, what damps them, where they begin."""
+"""A train in rigid motions and modes: their shapes, what damps them, where they begin, and what spans carry at once.
+
+Modes say everything of an elastic span between inertias. A rigid span, or a point without inertia, carries its share of
+a torque that acts there without any motion: the same at every frequency, and so the exact response at one frequency
+less that of all modes.
+"""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.modes.modal_basis import massless, rigid_shapes
-from torsion.analyses.motion.direct_torques import direct_torques
+from torsion.analyses.modes.modal_basis import beside_modes, massless, rigid_shapes
 from torsion.analyses.motion.state_before import State
 from torsion.analyses.motion.transient_settings import PATH
-from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.response.harmonic_components import Sources
+from torsion.analyses.response.solver import ground_damping, swept, undamped
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.kernels.motion.damped_motion import ModalTrain
-from torsion.study import Study
 
 MOST_MODES = 3000
 BAND = 50  # modes kept of a train of finite elements, where the file names no number
 
 
+@dataclass(frozen=True)
+class TrainInModes:
+    """A linear train in rigid motions and modes of generalised inertia 1, and the state about which it moves."""
+
+    system: System
+    modes: Modes
+    before: State
+    is_driven: bool  # its speed changes by itself: dampers to ground then damp the deviation from the motion as one
+    shape: FloatArray  # (stations, rigid motions + modes) rad at own speed
+
+    @property
+    def rigid(self) -> int:
+        """How many rigid motions stand before the modes."""
+        return int(self.shape.shape[1]) - len(self.modes.frequency)
+
+    @property
+    def w(self) -> FloatArray:
+        """Natural circular frequencies, (modes,) rad/s."""
+        return 2.0 * math.pi * self.modes.frequency
+
+    @property
+    def deviation(self) -> FloatArray:
+        """(stations, rigid motions + modes) the shapes from which dampers to ground count."""
+        if not self.is_driven or self.system.held.any():
+            return self.shape
+        return np.column_stack([np.zeros(len(self.shape)), self.shape[:, 1:]])
+
+    @property
+    def ground(self) -> FloatArray:
+        """(stations,) N m s/rad of the dampers to ground at the speed before the events."""
+        return ground_damping(self.system, np.array([self.before.speed]), self.before.mean)[:, 0]
+
+    def twists(self, spans: IntArray) -> FloatArray:
+        """(spans, rigid motions + modes) rad at the driving station's speed: from torques, as angles would cancel."""
+        flexibility = self.system.flexibility[spans]
+        slips = np.isinf(flexibility)
+        twist = np.zeros((len(spans), self.shape.shape[1]))
+        twist[:, self.rigid :] = (
+            np.where(slips, 0.0, flexibility)[:, None] * self.modes.torque[spans]
+        )
+        relative = self.system.twist(self.shape / self.system.speed_ratio[:, None])[spans]
+        if not self.system.held.any():
+            relative[:, 0] = 0.0  # the motion of the whole train as one twists nothing
+        return np.where(slips[:, None], relative, twist)
+
+    def positions(self, twist: FloatArray) -> FloatArray:
+        """(rigid motions + modes,) in which the spans are twisted by angles (spans,) rad."""
+        return np.concatenate([np.zeros(self.rigid), self.modes.torque.T @ twist / self.w**2])
+
+    def damped(self) -> ModalTrain:
+        """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is."""
+        system = self.system
+        ratio = 0.5 * system.loss_factor @ self.modes.elastic
+        damped = np.flatnonzero(system.viscous > 0)
+        twist = self.twists(damped)
+        damping = (system.viscous[damped, None] * twist).T @ twist
+        if system.dampers:
+            damping += (self.ground[:, None] * self.deviation).T @ self.deviation
+        return ModalTrain(self.w, ratio + system.modal_ratios(len(self.w)), damping)
+
+    def slowed_torques(self) -> FloatArray:
+        """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them.
+
+        The loss factor of a span adds its share of the torque of every mode, as of a vibration at the mode's frequency.
+        Raises SolveError for viscous damping at a point without inertia.
+        """
+        system, ratio, without = self.system, self.system.speed_ratio, massless(self.system)
+        damped = np.flatnonzero(system.viscous > 0)
+        driving, driven, column = (
+            system.driving[damped],
+            system.driven[damped],
+            np.arange(len(damped)),
+        )
+        grounded = np.array([damper.station for damper in system.dampers], dtype=np.int64)
+        stations = np.concatenate([driving, driven, grounded])
+        if without[stations].any():
+            name = system.train.parts[system.station_part[stations[without[stations]][0]]].name
+            message = f"viscous damping acts at '{name}', a point without inertia"
+            raise SolveError(message, "give the point an inertia, or use `loss_factor`", PATH)
+
+        slowed = np.zeros((len(system.spans), self.shape.shape[1]))
+        slowed[damped] = system.viscous[damped, None] * self.twists(damped)
+        acting = np.zeros((len(system.stations), len(damped)))
+        acting[driving, column] -= 1.0
+        acting[driven, column] += ratio[driving] / ratio[driven]
+        slowed += direct_torques(system, self.modes, acting) @ slowed[damped]
+        if grounded.size:
+            stations = np.unique(grounded)
+            torque = self.ground[stations, None] * self.deviation[stations]
+            slowed -= direct_torques(system, self.modes, np.eye(len(without))[:, stations]) @ torque
+        slowed[:, self.rigid :] += system.loss_factor[:, None] * self.modes.torque / self.w
+        return slowed
+
+
+def train_in_modes(
+    system: System, modes: Modes, before: State, *, is_driven: bool = False
+) -> TrainInModes:
+    """Return the train with the shapes of its rigid motions before those of its modes."""
+    shape = np.concatenate([rigid_shapes(system), modes.shape], axis=1)
+    return TrainInModes(system, modes, before, is_driven, shape)
+
+
 def kept_modes(
-    system: System, count: int | Literal["all"], place: Path = PATH
+    system: System, count: int | Literal["all"], path: Path = PATH
 ) -> tuple[Modes, Modes]:
     """The certified elastic modes that are kept, and twice as many; both are the same where all are kept.
 
@@ -31,142 +137,53 @@ def kept_modes(
     a train too large for all.
     """
     if system.groups is not None:
-        raise SolveError(
-            "a shaft has too many segments for a transient response",
-            "give it fewer `segments`",
-            place,
-        )
+        message = "a shaft has too many segments for a transient response"
+        raise SolveError(message, "give it fewer `segments`", path)
     size = system.condensed.tree.size
     if count == "all" and system.bars is None:
         if size > MOST_MODES:
             message = f"the transient response needs all modes, and the train has {size} stations, more than {MOST_MODES}"
-            raise SolveError(message, "keep the lowest, for example `modes: 100`", place)
-        found = modes_as_discretised(system, None)
-        return found, found
+            raise SolveError(message, "keep the lowest, for example `modes: 100`", path)
+        modes = modes_as_discretised(system, None)
+        return modes, modes
     number = BAND if count == "all" else count
-    found = modes_as_discretised(system, 2 * number)
-    return lowest(found, number), found
+    modes = modes_as_discretised(system, 2 * number)
+    return lowest_modes(modes, number), modes
 
 
-def lowest(found: Modes, number: int) -> Modes:
-    """The lowest modes alone."""
-    rows = {name: getattr(found, name)[:number] for name in ("frequency", "lower", "upper")}
-    columns = {name: getattr(found, name)[:, :number] for name in ("shape", "torque")}
-    shafts = found.distributed
+def lowest_modes(modes: Modes, number: int) -> Modes:
+    """Return the lowest modes, without those above them."""
+    rows = {name: getattr(modes, name)[:number] for name in ("frequency", "lower", "upper")}
+    columns = {name: getattr(modes, name)[:, :number] for name in ("shape", "torque")}
+    shafts = modes.distributed
     if shafts is not None:
-        shafts = replace(
-            shafts, **{name: values[:, :number] for name, values in vars(shafts).items()}
-        )
-    return replace(found, **rows, **columns, distributed=shafts)
+        changes = {name: values[:, :number] for name, values in vars(shafts).items()}
+        shafts = replace(shafts, **changes)
+    return replace(modes, **rows, **columns, distributed=shafts)
 
 
-def shapes(system: System, found: Modes) -> FloatArray:
-    """(stations, rigid motions + modes) rad at own speed, generalised inertia 1."""
-    return np.concatenate([rigid_shapes(system), found.shape], axis=1)
+def direct_torques(
+    system: System, modes: Modes, acting: np.ndarray, *, is_band: bool = False
+) -> np.ndarray:
+    """(spans, loads) N m at once under torques `acting` (stations, loads) N m at own speeds, real or complex as these.
 
-
-def modal_train(
-    study: Study,
-    system: System,
-    found: Modes,
-    shape: FloatArray,
-    before: State,
-    *,
-    turns: bool = False,
-) -> ModalTrain:
-    """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
-
-    turns: the speed changes by itself; dampers to ground then damp the deviation from the motion of the train as one.
+    is_band: higher modes are left out, and stand at once for what they carry, as far as they do so slowly.
     """
-    ratio = 0.5 * system.loss_factor @ found.elastic + system.modal_ratios(len(found.frequency))
-    damping = np.zeros((shape.shape[1],) * 2)
-    damped = np.flatnonzero(system.viscous > 0)
-    if damped.size:
-        twist = twists(system, found, shape, damped)
-        damping += (system.viscous[damped, None] * twist).T @ twist
-    if system.dampers:
-        ground = ground_damping(system, np.array([before.speed]), before.mean)[:, 0]
-        deviation = deviations(system, shape) if turns else shape
-        damping += (ground[:, None] * deviation).T @ deviation
-    return ModalTrain(2.0 * math.pi * found.frequency, ratio, damping)
-
-
-def deviations(system: System, shape: FloatArray) -> FloatArray:
-    """The shapes without the motion of the whole train as one, from which dampers to ground count."""
-    return shape if system.held.any() else np.column_stack([np.zeros(len(shape)), shape[:, 1:]])
-
-
-def twists(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> FloatArray:
-    """(spans, rigid motions + modes) rad at the driving station's speed: from torques, as angles would cancel."""
-    rigid = shape.shape[1] - found.torque.shape[1]
-    slips = np.isinf(system.flexibility[spans])
-    twist = np.zeros((len(spans), shape.shape[1]))
-    whole = 0 if system.held.any() else 1
-    twist[:, rigid:] = (
-        np.where(slips, 0.0, system.flexibility[spans])[:, None] * found.torque[spans]
-    )
-    ends = system.twist(shape / system.speed_ratio[:, None])[spans]
-    ends[:, :whole] = 0.0
-    return np.where(slips[:, None], ends, twist)
-
-
-def start(
-    system: System, found: Modes, before: State, shape: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
-    rigid = shape.shape[1] - found.torque.shape[1]
-    place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
-    if before.twist.any():
-        flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
-        place[rigid:] = (
-            found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
-        )
-    return place, speed
-
-
-def slowed_torques(
-    study: Study,
-    system: System,
-    found: Modes,
-    shape: FloatArray,
-    before: State,
-    *,
-    turns: bool = False,
-) -> FloatArray:
-    """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them at once.
-
-    The loss factor of a span adds its share of the torque of every mode, as of a vibration at the mode's frequency.
-
-    Raises SolveError for viscous damping at a point without inertia.
-    """
-    slowed, damped = (
-        np.zeros((len(system.spans), shape.shape[1])),
-        np.flatnonzero(system.viscous > 0),
-    )
-    slowed[damped] = system.viscous[damped, None] * twists(system, found, shape, damped)
-    grounded = np.array([one.station for one in system.dampers], dtype=np.int64)
-    without, ends = (
-        massless(system),
-        np.concatenate([system.driving[damped], system.driven[damped], grounded]),
-    )
-    if without[ends].any():
-        name = study.train.parts[system.station_part[ends[without[ends]][0]]].name
-        message = f"viscous damping acts at '{name}', a point without inertia"
-        raise SolveError(message, "give the point an inertia, or use `loss_factor`", PATH)
-    acting, ratio = np.zeros((len(system.stations), len(damped))), system.speed_ratio
-    acting[system.driving[damped], np.arange(len(damped))] -= 1.0
-    acting[system.driven[damped], np.arange(len(damped))] += (
-        ratio[system.driving[damped]] / ratio[system.driven[damped]]
-    )
-    slowed += direct_torques(system, found, acting) @ slowed[damped]
-    if grounded.size:
-        stations, moves = np.unique(grounded), deviations(system, shape) if turns else shape
-        ground = ground_damping(system, np.array([before.speed]), before.mean)[stations, 0]
-        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (
-            ground[:, None] * moves[stations]
-        )
-    rigid = shape.shape[1] - found.torque.shape[1]
-    slowed[:, rigid:] += (
-        system.loss_factor[:, None] * found.torque / (2.0 * math.pi * found.frequency)
-    )
-    return slowed
+    direct = np.zeros((len(system.spans), acting.shape[1]), dtype=acting.dtype)
+    rows = np.flatnonzero(is_band | beside_modes(system)[1])
+    loads = np.flatnonzero(acting.any(axis=0))
+    if not (rows.size and loads.size):
+        return direct
+    w = 2.0 * math.pi * modes.frequency
+    slow = 0.5 * float(w.min(initial=2.0))  # rad/s, far from every mode
+    condensed, ratio = system.condensed, system.speed_ratio[:, None]
+    force = np.zeros((condensed.tree.size, len(loads)), dtype=complex)
+    np.add.at(force, condensed.node, ratio * acting[:, loads])
+    sources, none = Sources(force, None), np.zeros((len(system.stations), len(loads)))
+    torque = swept(undamped(system), np.full(len(loads), slow), sources, none).torque.T
+    moved = (modes.shape.T @ acting[:, loads]) / (w**2 - slow**2)[:, None]
+    carried = (torque if np.iscomplexobj(acting) else torque.real)[rows] - modes.torque[
+        rows
+    ] @ moved
+    direct[np.ix_(rows, loads)] = carried
+    return direct

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class Standing:
 
 
 def couplings(train: Train, system: System) -> tuple[Coupling, ...]:
-    """Of a train."""
+    """Return the nonlinear couplings of a train."""
     return tuple(
         Coupling(part, int(np.flatnonzero(system.span_part == number)[0]), part.nonlinear)
         for number, part in enumerate(train.parts)
@@ -52,45 +53,41 @@ def couplings(train: Train, system: System) -> tuple[Coupling, ...]:
     )
 
 
-def opened(system: System, found: tuple[Coupling, ...]) -> System:
+def opened(system: System, nonlinear: tuple[Coupling, ...]) -> System:
     """The system without the couplings that can part or slip.
 
     Raises SolveError where an end of a nonlinear coupling has no inertia.
     """
-    flexibility, viscous, loss = (
-        one.copy() for one in (system.flexibility, system.viscous, system.loss_factor)
-    )
-    spans = [one.span for one in found if one.record.interrupts]
-    flexibility[spans], viscous[spans], loss[spans] = math.inf, 0.0, 0.0
-    bare = replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss)
+    spans = [coupling.span for coupling in nonlinear if coupling.record.interrupts]
+    changed = dict[str, Any]()
+    for name, value in (("flexibility", math.inf), ("viscous", 0.0), ("loss_factor", 0.0)):
+        changed[name] = getattr(system, name).copy()
+        changed[name][spans] = value
+    bare = replace(system, **changed)
     without = massless(bare)
-    for one in found:
-        if without[system.driving[one.span]] or without[system.driven[one.span]]:
-            message = f"'{one.part.name}' ends at a point without inertia, and its backlash or friction needs an inertia"
-            raise SolveError(
-                message, "give the point, or a half of the coupling, an inertia", one.part.path
-            )
+    for coupling in nonlinear:
+        if without[system.driving[coupling.span]] or without[system.driven[coupling.span]]:
+            name = coupling.part.name
+            message = f"'{name}' ends at a point without inertia, and its backlash or friction needs an inertia"
+            hint = "give the point, or a half of the coupling, an inertia"
+            raise SolveError(message, hint, coupling.part.path)
     return bare
 
 
-def capacity_pieces(settings: TransientSettings, one: Coupling) -> tuple[Piece, ...] | None:
+def capacity_pieces(settings: TransientSettings, coupling: Coupling) -> tuple[Piece, ...] | None:
     """The capacity of a clutch over time; None where no event changes it."""
-    events = sorted(
-        (
-            (event.time, event.body)
-            for event in settings.events
-            if isinstance(event.body, Clutch) and event.at == one.part.name
-        ),
-        key=lambda pair: pair[0],
-    )
-    if not events:
+    clutches = [
+        (event.time, event.body)
+        for event in sorted(settings.events, key=lambda event: event.time)
+        if isinstance(event.body, Clutch) and event.at == coupling.part.name
+    ]
+    if not clutches:
         return None
-    full = one.record.capacity or 0.0
-    pieces = [Piece(0.0, events[0][0], 0.0 if events[0][1].begins_open else full)]
-    for (begin, event), end in zip(
-        events, [*(time for time, _ in events[1:]), math.inf], strict=True
-    ):
-        rows = event.rows(begin, full)
+    full = coupling.record.capacity or 0.0
+    times = [time for time, _ in clutches]
+    pieces = [Piece(0.0, times[0], 0.0 if clutches[0][1].begins_open else full)]
+    for (begin, clutch), end in zip(clutches, [*times[1:], math.inf], strict=True):
+        rows = clutch.rows(begin, full)
         after = [*ramps(rows), Piece(rows[-1][0], math.inf, rows[-1][1])]
         pieces += [replace(piece, end=min(piece.end, end)) for piece in after]
     return tuple(
@@ -100,62 +97,63 @@ def capacity_pieces(settings: TransientSettings, one: Coupling) -> tuple[Piece, 
 
 def standing(
     number: int,
-    one: Coupling,
+    coupling: Coupling,
     ends: FloatArray,
     torque: float,
     speed: FloatArray,
     signal: tuple[int, bool] | None,
-) -> tuple[float, Iterator[Standing]]:
+) -> tuple[float, list[Standing]]:
     """The torque that the linear spring of a coupling carries before the events, and its elements.
 
     ends: (rigid motions + modes,) of its relative angle. torque: N m that it carries in all. speed: of all motions.
     signal: of a clutch that events change, its capacity over time, and whether that is zero at first.
     """
-    record, side = one.record, int(np.sign(torque))
+    record, side = coupling.record, int(np.sign(torque))
     if record.capacity is not None:
-        return 0.0, iter([_clutch(number, one, ends, torque, speed, signal)])
+        return 0.0, [_clutch(number, coupling, ends, torque, speed, signal)]
     twist = side * _twist_under(record, abs(torque))
     linear = 0.0 if record.play else record.stiffness * twist
-    return linear, _elements(number, record, ends, twist)
+    return linear, list(_elements(number, record, ends, twist))
 
 
 def _clutch(
     number: int,
-    one: Coupling,
+    coupling: Coupling,
     ends: FloatArray,
     torque: float,
     speed: FloatArray,
     signal: tuple[int, bool] | None,
 ) -> Standing:
-    record, capacity = one.record, one.record.capacity or 0.0
+    stiffness, capacity = coupling.record.stiffness, coupling.record.capacity or 0.0
     slipping = float(ends @ speed)
     slips = abs(slipping) > 1e-9 * float(np.abs(ends) @ np.abs(speed))
     regime = OPEN if signal is not None and signal[1] else int(np.sign(slipping)) if slips else 0
-    if abs(torque) >= capacity or (torque and regime):
-        message = f"the mean torque of {abs(torque):.6g} N m slips the clutch '{one.part.name}' before the events"
+    if torque and (abs(torque) >= capacity or regime):
+        name = coupling.part.name
+        message = (
+            f"the mean torque of {abs(torque):.6g} N m slips the clutch '{name}' before the events"
+        )
         hint = "begin with `initial: rest` or `{speed: ...}`, or give it more `capacity`"
-        if torque:
-            raise InputError([Fault((*PATH, "initial"), message, hint)])
-    element = Friction(ends, record.stiffness, capacity, None if signal is None else signal[0])
-    return Standing(element, number, torque / record.stiffness, regime)
+        raise InputError([Fault((*PATH, "initial"), message, hint)])
+    element = Friction(ends, stiffness, capacity, None if signal is None else signal[0])
+    return Standing(element, number, torque / stiffness, regime)
 
 
 def _elements(
     number: int, record: NonlinearRecord, ends: FloatArray, twist: float
 ) -> Iterator[Standing]:
     """What stands beside, or in place of, the spring of a coupling that is twisted so; friction carries nothing yet."""
-    side = int(np.sign(twist))
+
+    def contact(stiffness: float, half: float, viscous: float = 0.0) -> Standing:
+        touches = int(np.sign(twist)) if abs(twist) > half else 0
+        return Standing(Clearance(ends, stiffness, half, viscous), number, twist, touches)
+
     if record.play:
-        touches = side if abs(twist) > record.play else 0
-        yield Standing(
-            Clearance(ends, record.stiffness, record.play, record.viscous), number, twist, touches
-        )
+        yield contact(record.stiffness, record.play, record.viscous)
     for torque, stiffness in record.friction:
         yield Standing(Friction(ends, stiffness, torque), number, 0.0, 0)
     for begin, stiffness, (torque, friction) in record.stages:
-        yield Standing(
-            Clearance(ends, stiffness, begin), number, twist, side if abs(twist) > begin else 0
-        )
+        yield contact(stiffness, begin)
         if torque:
             yield Standing(DelayedFriction(ends, friction, torque, begin), number, 0.0, 0)
 
@@ -164,15 +162,12 @@ def _twist_under(record: NonlinearRecord, torque: float) -> float:
     """rad, of a torque > 0 on the springs alone; 0 under none."""
     if not torque:
         return 0.0
-    begins = [
-        (0.0, record.stiffness),
-        *((begin, stiffness) for begin, stiffness, _ in record.stages),
-    ]
-    at, carried, total = 0.0, 0.0, 0.0
-    for (begin, stiffness), (end, _) in zip(begins, [*begins[1:], (math.inf, 0.0)], strict=True):
+    springs = [(0.0, record.stiffness), *((begin, k) for begin, k, _ in record.stages)]
+    ends = [*(begin for begin, _ in springs[1:]), math.inf]
+    carried = total = 0.0
+    for (begin, stiffness), end in zip(springs, ends, strict=True):
         total += stiffness
-        if carried + total * (end - begin) >= torque or math.isinf(end):
-            at = begin + (torque - carried) / total
+        if math.isinf(end) or carried + total * (end - begin) >= torque:
             break
         carried += total * (end - begin)
-    return record.play + at
+    return record.play + begin + (torque - carried) / total

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.analyses.motion.compared_band import Band, WorkEnds
-from torsion.analyses.motion.event_driven_curves import EventDrivenCurves
+from torsion.analyses.motion.event_driven_curves import curves_of
 from torsion.analyses.motion.event_driven_train import Built, build
 from torsion.analyses.motion.nonlinear_couplings import Standing
 from torsion.analyses.motion.transient_settings import TransientSettings
@@ -19,12 +19,10 @@ from torsion.findings import Work
 from torsion.kernels.motion.piecewise_elements import Clearance, DelayedFriction
 from torsion.kernels.tree_response import Status
 from torsion.results import reported, result
-from torsion.study import Study
 
 SETTLED = 1e-4  # of the amplitude: change from one window to the next
-PARTS = (
-    4  # of the range in which a coupling is not linear: the largest amplitude of each is compared
-)
+# of the range in which a coupling is not linear: the largest amplitude of each is compared
+PARTS = 4
 CYCLES = 16  # of the component, in a window
 WINDOWS = (8, 16, 32, 64)  # after which the last two are compared
 SMALL = 1e-6  # of the largest torque: less is not compared
@@ -96,87 +94,75 @@ class NonlinearPeaks:
     )
 
 
-def exact_peaks(work: Work, found: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
-    """The peaks of every nonlinear coupling; none where the train has no such motion, and the plan then says why."""
+def exact_peaks(work: Work, response: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
+    """The peaks of every nonlinear coupling; none where the train has no such motion, and the plan then says why.
+
+    The first speed of each coupling is computed before the second of any.
+    """
     title = "exact motion at the peaks of nonlinear couplings"
     try:
         with work.log.step(title, "the response has one harmonic of their torques") as step:
-            band = Band(found, balanced, work.progress)
-            peaks = _peaks(work.study, found, balanced, band)
+            band = Band(work.study, response, balanced, work.progress)
+            compared = [
+                (span, rank, speed)
+                for span in balanced.spans
+                for rank, speed in enumerate(_compared_speeds(response, balanced, span))
+            ]
+            peaks, band.number = dict[tuple[int, int, int], NonlinearPeak](), len(compared)
+            for key in sorted(compared, key=lambda key: key[1]):
+                band.done = len(peaks) / band.number
+                peaks[key] = _peak(band, key[0], key[2])
             step.method = "from event to event, until it repeats itself"
             step.size = f"{len(balanced.spans)} couplings, {len(peaks)} motions{band.words}"
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
         return ()
-    return peaks
+    return tuple(peaks[key] for key in compared)
 
 
-def _peaks(
-    study: Study, found: Response, balanced: Balanced, band: Band
-) -> tuple[NonlinearPeak, ...]:
-    """Coupling by coupling, but the first speed of each is computed before the second of any."""
-    each = [
-        (span, rank, at)
-        for span in balanced.spans
-        for rank, at in enumerate(_compared(found, balanced, span))
-    ]
-    there = dict[tuple[int, int, int], NonlinearPeak]()
-    for number, one in enumerate(sorted(each, key=lambda one: one[1])):
-        band.begin(number / len(each), len(each))
-        there[one] = _peak(study, found, balanced, one[0], one[2], band)
-    return tuple(there[one] for one in each)
-
-
-def _compared(found: Response, balanced: Balanced, span: int) -> list[int]:
+def _compared_speeds(response: Response, balanced: Balanced, span: int) -> list[int]:
     """Speeds, by number: of the largest torque amplitude, then of that in each part of the range that is not linear."""
-    number, size = balanced.spans.index(span), _amplitude(found, span).max(axis=1)
+    number, size = balanced.spans.index(span), _amplitude(response, span).max(axis=1)
     beyond = np.flatnonzero(balanced.amplitude[:, number] > balanced.first[:, number])
     parts = (part for part in np.array_split(beyond, PARTS) if part.size)
-    return list(
-        dict.fromkeys([int(size.argmax()), *(int(part[size[part].argmax()]) for part in parts)])
-    )
+    largest = [int(part[size[part].argmax()]) for part in parts]
+    return list(dict.fromkeys([int(size.argmax()), *largest]))
 
 
-def _amplitude(found: Response, span: int) -> FloatArray:
+def _amplitude(response: Response, span: int) -> FloatArray:
     """(speeds, components) N m, 0 where it is not known."""
-    return np.where(found.status == Status.OK, np.abs(found.torque[:, :, span]), 0.0)
+    return np.where(response.status == Status.OK, np.abs(response.torque[:, :, span]), 0.0)
 
 
-def _peak(
-    study: Study, found: Response, balanced: Balanced, span: int, at: int, band: Band
-) -> NonlinearPeak:
-    amplitude, number = _amplitude(found, span), balanced.spans.index(span)
-    line, part = int(amplitude[at].argmax()), int(found.system.span_part[span])
-    speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
-    window, record = _window(found, speed, w), study.train.parts[part].nonlinear
-    motion = in_band(study, found, span, at, w, window, band)
-    linear, exact, solutions = (
-        float(amplitude[at, line]),
-        motion.amplitude,
-        int(balanced.number[at, number]),
+def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
+    """The comparison of a coupling at the speed number `index`."""
+    response, balanced = band.response, band.balanced
+    amplitude, number = _amplitude(response, span)[index], balanced.spans.index(span)
+    component, part = (
+        int(amplitude.argmax()),
+        band.study.train.parts[int(response.system.span_part[span])],
     )
-    rest = (
-        settled(study, found, span, at, w, window, band, vibrates=False).amplitude
-        if solutions > 1
-        else None
-    )
-    several = _ends(found.speed[balanced.number[:, number] > 1])
-    opens = _ends(
-        found.speed[balanced.share[:, number] < 1.0]
-        if record is not None and record.play
-        else np.empty(0)
-    )
-    mode, frequency = _natural_frequency(found, balanced, span, at)
+    speed, w = float(response.speed[index]), _rates(response, index)[component]
+    window = _window(response, speed, w)
+    motion = _in_band(band, span, index, w, window)
+    balance, exact = float(amplitude[component]), motion.amplitude
+    solutions, from_rest = int(balanced.number[index, number]), None
+    if solutions > 1:
+        from_rest = _settle(band, span, index, w, window, vibrates=False).amplitude
+    several = _ends(response.speed[balanced.number[:, number] > 1])
+    has_play = part.nonlinear is not None and bool(part.nonlinear.play)
+    opens = _ends(response.speed[has_play & (balanced.share[:, number] < 1.0)])
+    mode, frequency = _natural_frequency(band, span, index)
     return NonlinearPeak(
-        coupling=study.train.parts[part].name,
-        component=found.lines[line].words,
+        coupling=part.name,
+        component=response.lines[component].words,
         speed=speed,
-        response=linear,
+        response=balance,
         exact=exact,
-        difference=linear / exact - 1.0 if exact else None,
+        difference=balance / exact - 1.0 if exact else None,
         half_range=float(motion.half_range[span]),
         greatest=float(motion.greatest[span]),
-        from_rest=rest,
+        from_rest=from_rest,
         solutions=solutions,
         several_from=several[0],
         several_to=several[1],
@@ -191,31 +177,36 @@ def _peak(
     )
 
 
+def _rates(response: Response, index: int) -> FloatArray:
+    """Circular frequencies of the components at a speed, (components,) rad/s."""
+    return np.asarray(2.0 * math.pi * response.frequency[index])
+
+
 def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
-    """The lowest and highest of some."""
+    """The lowest and highest of some speeds."""
     return (float(speed[0]), float(speed[-1])) if speed.size else (None, None)
 
 
-def _natural_frequency(
-    found: Response, balanced: Balanced, span: int, at: int
-) -> tuple[int, float]:
-    """The mode that a span has most of, from 1, and its frequency (Hz) at the amplitudes of the speed number `at`."""
-    system, flexibility = found.system, found.system.flexibility.copy()
+def _natural_frequency(band: Band, span: int, index: int) -> tuple[int, float]:
+    """The mode that a span has most of, from 1, and its frequency (Hz) at the amplitudes of a speed."""
+    balanced, system = band.balanced, band.response.system
+    flexibility, spans = system.flexibility.copy(), list(balanced.spans)
     mode = int(modes_as_discretised(system, None).elastic[span].argmax())
-    own, spans = balanced.share[at] / flexibility[list(balanced.spans)], list(balanced.spans)
-    flexibility[spans] = 1.0 / (own + balanced.extra[at].real)
-    there = modes_as_discretised(replace(system, flexibility=flexibility), None)
-    return mode + 1, float(there.frequency[mode])
+    stiffness = balanced.share[index] / flexibility[spans] + balanced.extra[index].real
+    flexibility[spans] = 1.0 / stiffness
+    modes = modes_as_discretised(replace(system, flexibility=flexibility), None)
+    return mode + 1, float(modes.frequency[mode])
 
 
-def _window(found: Response, speed: float, w: float) -> float:
+def _window(response: Response, speed: float, w: float) -> float:
     """s in which all orders repeat, CYCLES of the component at least."""
-    orders = [one.order for one in found.lines if one.order is not None]
+    orders = [line.order for line in response.lines if line.order is not None]
     turns = math.lcm(*(order.denominator for order in orders)) if orders else 1
-    window = (
-        2.0 * math.pi / speed * turns if orders and turns <= LARGEST_COMMON else 2.0 * math.pi / w
-    )
-    return window * max(1, math.ceil(CYCLES * 2.0 * math.pi / (w * window)))
+    period = 2.0 * math.pi / w
+    window = period
+    if orders and turns <= LARGEST_COMMON:
+        window = 2.0 * math.pi / speed * turns
+    return float(window * max(1, math.ceil(CYCLES * period / window)))
 
 
 @dataclass(frozen=True)
@@ -228,66 +219,52 @@ class Settled:
     ended: bool = True
 
 
-def in_band(
-    study: Study, found: Response, span: int, at: int, w: float, window: float, band: Band
-) -> Settled:
+def _in_band(band: Band, span: int, index: int, w: float, window: float) -> Settled:
     """The settled motion that begins as the response is; the first that settles also says how wide a band has to be."""
-    motion = settled(study, found, span, at, w, window, band, vibrates=True)
+    motion = _settle(band, span, index, w, window, vibrates=True)
     while band.change is None and motion.amplitude:
         coarse, band.modes = motion, 2 * band.modes
-        motion = settled(study, found, span, at, w, window, band, vibrates=True)
-        change = (
-            abs(coarse.amplitude / motion.amplitude - 1.0)
-            if coarse.amplitude and motion.amplitude
-            else math.inf
-        )
-        if change <= WIDE or band.is_whole:
-            ends = np.array([[one.half_range, one.greatest] for one in (coarse, motion)])
-            of_peaks = float(
-                (np.abs(ends[0] - ends[1]) / np.maximum(ends[1], SMALL * ends[1].max())).max()
-            )
-            band.change = 0.0 if band.is_whole else max(change, of_peaks)
+        motion = _settle(band, span, index, w, window, vibrates=True)
+        change = math.inf
+        if coarse.amplitude and motion.amplitude:
+            change = abs(coarse.amplitude / motion.amplitude - 1.0)
+        if change <= WIDE or band.is_complete:
+            narrow, wide = (np.array([m.half_range, m.greatest]) for m in (coarse, motion))
+            of_peaks = float((np.abs(narrow - wide) / np.maximum(wide, SMALL * wide.max())).max())
+            band.change = 0.0 if band.is_complete else max(change, of_peaks)
     return motion
 
 
-def settled(
-    study: Study,
-    found: Response,
-    span: int,
-    at: int,
-    w: float,
-    window: float,
-    band: Band,
-    *,
-    vibrates: bool,
+def _settle(
+    band: Band, span: int, index: int, w: float, window: float, *, vibrates: bool
 ) -> Settled:
-    """The component of circular frequency w (rad/s) in a span over a window (s), at the speed number `at`.
+    """The component of circular frequency w (rad/s) in a span over a window (s), at the speed number `index`.
 
     The motion begins with the mean torques, and as the response is where it `vibrates`; its windows are compared until
     one repeats the one before.
     """
-    speed, ends = float(found.speed[at]), [windows * window for windows in WINDOWS]
+    response, ends = band.response, [windows * window for windows in WINDOWS]
     settings = TransientSettings.model_construct(
         duration=ends[0], initial="steady", events=(), samples=None, modes=band.limit(ends[0])
     )
-    built = build(
-        replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed
-    )
-    band.known(built)
+    study, path = replace(band.study, analyses={}), ("analyses", "response")
+    built = build(study, response.system, settings, path, speed=float(response.speed[index]))
+    band.begin_motion(built)
     if vibrates:
-        built = vibrating(built, found, at)
-    last, none = None, np.zeros(len(found.system.spans))
+        built = _vibrating(built, response, index)
+    last, none = None, np.zeros(len(response.system.spans))
     try:
         for end, motion in zip(ends, built.until(ends, progress=band.spend), strict=True):
-            curves = EventDrivenCurves(built, motion, None)
-            each = [_torques(curves, end - back * window, window) for back in (2, 1)]
-            before, own = (
-                2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time))))
-                for time, torque in each
-            )
-            torque, repeats = each[1][1], abs(own - before) <= SETTLED * own
+            curves, amplitudes = curves_of(built, motion), list[float]()
+            for begin in (end - 2.0 * window, end - window):
+                time = begin + np.linspace(0.5, SAMPLES - 0.5, SAMPLES) * (window / SAMPLES)
+                torque = curves.torque(time)[0]
+                amplitudes.append(2.0 * abs(np.mean(torque[span] * np.exp(-1j * w * time))))
+            before, amplitude = amplitudes
+            repeats = abs(amplitude - before) <= SETTLED * amplitude
             half_range = (torque.max(axis=1) - torque.min(axis=1)) / 2.0
-            last = Settled(own if repeats else None, half_range, np.abs(torque).max(axis=1))
+            greatest = np.abs(torque).max(axis=1)
+            last = Settled(amplitude if repeats else None, half_range, greatest)
             if repeats:
                 return last
     except WorkEnds:
@@ -296,70 +273,55 @@ def settled(
     return last
 
 
-def _torques(
-    curves: EventDrivenCurves, begin: float, window: float
-) -> tuple[FloatArray, FloatArray]:
-    """Times (samples,) s of a window and the torques (spans, samples) N m."""
-    time: FloatArray = begin + (np.arange(SAMPLES, dtype=np.float64) + 0.5) * (window / SAMPLES)
-    return time, curves.torque(time)[0]
-
-
-def vibrating(built: Built, found: Response, at: int) -> Built:
-    """The same, begun as a response is at the speed number `at`."""
-    balanced, system = found.balanced, built.system
+def _vibrating(built: Built, response: Response, index: int) -> Built:
+    """The same train, begun as a response is at the speed number `index`."""
+    balanced, loaded, system = response.balanced, built.loaded, built.loaded.system
     if balanced is None:
         return built
-    rate = 2.0j * math.pi * found.frequency[at][:, None]
-    shape, inertia = built.shape, np.where(system.held, 0.0, system.lumped_inertia)
-    motion = [
-        shape.T @ (inertia * part.sum(axis=0).real)
-        for part in (found.angle[at], rate * found.angle[at])
-    ]
-    place, speed = (
-        built.place + motion[0][len(built.speed) - len(built.place) :],
-        built.speed + motion[1],
+    rate, angle = 1j * _rates(response, index)[:, None], response.angle[index]
+    inertia = np.where(system.held, 0.0, system.lumped_inertia)
+    position, speed = (
+        loaded.shape.T @ (inertia * part.sum(axis=0).real) for part in (angle, rate * angle)
     )
-    standing = list(built.standing)
+    position = built.position + position[loaded.rigid :]
+    stands = list(built.standing)
     for number, span in enumerate(balanced.spans):
-        coupling = balanced_spans(found.system)[span]
-        mean = found.mean[at, span]
-        size, torque = balanced.amplitude[at, [number]], np.abs(found.mean[at, [span]])
+        coupling = balanced_spans(response.system)[span]
+        mean = response.mean[index, span]
+        size, torque = balanced.amplitude[index, [number]], np.abs(mean)[None]
         bias = float(np.sign(mean) * coupling.bias(size, torque)[0])
         if not coupling.half:  # its own spring is one of the linear train
             moved = coupling.stiffness * (bias - float(np.sign(mean) * coupling.static(torque)[0]))
-            w = 2.0 * math.pi * built.modes.frequency
-            place += built.modes.torque[span] * (moved / coupling.stiffness) / w**2
-        own = coupling_twists(found, balanced, number, at)
-        twist, twisting = float(own.sum().real), float((rate[:, 0] * own).sum().real)
-        for k, one in enumerate(standing):
-            if built.couplings[one.coupling].span == span:
-                standing[k] = _standing(one, bias, twist, twisting)
-    return replace(built, place=place, speed=speed, standing=tuple(standing))
+            position += loaded.modes.torque[span] * (moved / coupling.stiffness) / loaded.w**2
+        twists = _coupling_twists(response, balanced, number, index)
+        twist, twisting = float(twists.sum().real), float((rate[:, 0] * twists).sum().real)
+        for k, stand in enumerate(stands):
+            if built.couplings[stand.coupling].span == span:
+                stands[k] = _stand(stand, bias, twist, twisting)
+    return replace(built, position=position, speed=built.speed + speed, standing=tuple(stands))
 
 
-def coupling_twists(found: Response, balanced: Balanced, number: int, at: int) -> ComplexArray:
-    """(components,) rad of a coupling."""
-    span, system, w = balanced.spans[number], found.system, 2.0 * math.pi * found.frequency[at]
-    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[
-        span
-    ] + 1j * w * system.viscous[span]
-    return np.asarray(
-        found.torque[at, :, span]
-        / (balanced.share[at, number] * stiffness + balanced.extra[at, number])
-    )
+def _coupling_twists(
+    response: Response, balanced: Balanced, number: int, index: int
+) -> ComplexArray:
+    """(components,) rad of a coupling at the speed number `index`."""
+    span, system = balanced.spans[number], response.system
+    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[span]
+    stiffness = stiffness + 1j * _rates(response, index) * system.viscous[span]
+    stiffness = balanced.share[index, number] * stiffness + balanced.extra[index, number]
+    return np.asarray(response.torque[index, :, span] / stiffness)
 
 
-def _standing(one: Standing, bias: float, twist: float, twisting: float) -> Standing:
+def _stand(stand: Standing, bias: float, twist: float, twisting: float) -> Standing:
     """How an element stands at a deviation (rad) from its mean twist and a rate of it (rad/s)."""
-    element = one.element
+    element = stand.element
     if isinstance(element, Clearance):
-        whole = bias + twist
-        side = int(np.sign(whole)) if abs(whole) > element.half else 0
-        torque = side * (
-            element.stiffness * (whole - side * element.half) + element.viscous * twisting
-        )
-        return replace(one, twist=whole, regime=side if torque >= 0.0 else 2 * side)
+        total = bias + twist
+        side = int(np.sign(total)) if abs(total) > element.half else 0
+        spring = element.stiffness * (total - side * element.half)
+        torque = side * (spring + element.viscous * twisting)
+        return replace(stand, twist=total, regime=side if torque >= 0.0 else 2 * side)
     half = element.half if isinstance(element, DelayedFriction) else 0.0
-    most = half + element.capacity / element.stiffness
-    x = min(max(twist, -most), most)
-    return replace(one, twist=x, regime=int(np.sign(x)) if half and abs(x) > half else 0)
+    limit = half + element.capacity / element.stiffness
+    x = min(max(twist, -limit), limit)
+    return replace(stand, twist=x, regime=int(np.sign(x)) if half and abs(x) > half else 0)

@@ -8,48 +8,31 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from torsion.fields import Declared, OneOrMany, Quantity, given
+from torsion.analyses.motion.resonances_passed import mean_speed
+from torsion.analyses.motion.transient_settings import ABOVE, HIGHEST, TransientSettings
+from torsion.analyses.response.harmonic_components import excitations
+from torsion.analyses.steady import reference_station
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path
 from torsion.kernels.motion.order_spectrum import hann, phasors, phasors_of, times_at
 from torsion.results import derived, reported, result
+from torsion.study import Study
 
 TURNS = 8  # revolutions of a window
 MOST_WINDOWS = 200
 PER_TURN = 4  # windows that begin in a revolution, at most
-HIGHEST = 12.0  # order of a waterfall, where no higher one is tracked
-ABOVE = 2.0  # orders beyond the highest that is tracked
 PER_ORDER = 8  # samples to a revolution, of the highest order
 ALIASED = 1e-4  # of the largest amplitude: what half of the samples may change
-DOUBTFUL = (
-    0.01  # of the largest amplitude: windows that half of the samples change by more are left out
-)
+# of the largest amplitude: windows that half of the samples change by more are left out
+DOUBTFUL = 0.01
 MOST_POINTS = 2**18
 BLOCK = 2**21  # values of one array at once
-
-Order = Annotated[float, Quantity("1", above=0, at_most=200)]
-
-
-class OrderSettings(Declared):
-    """Settings of `orders`."""
-
-    at: Annotated[tuple[str, ...], OneOrMany] = given(
-        "couplings, shafts or gears whose torque is tracked (default: the components of `plot`, else the largest "
-        "torque)",
-        (),
-    )
-    reference: str | None = given(
-        "point whose angle is the reference (default: the point of `operation.at`, else the first)"
-    )
-    track: Annotated[tuple[Order, ...], OneOrMany] = given(
-        "orders of the reference that are tracked (default: those that excite the train)", ()
-    )
-    highest: Order | None = given(
-        f"highest order of the waterfall (default: {HIGHEST:g}, or {ABOVE:g} above the highest that is tracked)"
-    )
+SWEPT = 0.05  # of the largest speed: by how much it changes where orders are tracked unrequested
 
 
 @reported
@@ -68,7 +51,7 @@ class TrackedTorque:
 
     @derived("N*m", ("order",), "largest amplitude of every order that is tracked")
     def largest(self) -> FloatArray:
-        """(orders,) N m."""
+        """The largest amplitude of each order over all windows, (orders,) N m."""
         return np.asarray(np.abs(self.torque).max(axis=0, initial=0.0))
 
     @property
@@ -117,83 +100,137 @@ class Tracked:
     spans: tuple[tuple[str, int], ...]  # element, and the span of its largest torque
 
 
+def orders_requested(
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    path: Path,
+    *,
+    peak: FloatArray,
+    turning: FloatArray,
+    follows: bool,
+) -> Tracked | None:
+    """Whose orders are tracked, and over whose angle: as the file says, or what its speed sweeps; None for none.
+
+    peak: (spans,) N m; turning: (stations, times) rad/s; follows: torques follow the motion. Raises InputError for a
+    reference between a joint and its elastic neighbour, whose angle is no coordinate.
+    """
+    given, train = settings.orders, study.train
+    name, station = (
+        study.operation.at or train.parts[0].name,
+        reference_station(train, study.operation),
+    )
+    if given and given.reference:
+        name, station = given.reference, train.part(given.reference).stations[0]
+    orders = np.array(given.track if given else (), dtype=float)
+    if not orders.size:
+        orders = _exciting_orders(study, system, settings)
+        orders = orders / abs(float(system.speed_ratio[station]))
+    speed = mean_speed(system, turning)
+    sweeps = np.ptp(speed) > SWEPT * np.abs(speed).max()
+    if not peak.size or (given is None and not (follows and orders.size and sweeps)):
+        return None
+    is_coordinate = system.lumped_inertia[station] or system.held[station]
+    if given is not None and study.has_joints and not is_coordinate:
+        message = (
+            f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
+        )
+        hint = "name a point with an inertia"
+        raise InputError([Fault((*path, "orders", "reference"), message, hint)])
+    names = [train.parts[part].name for part in system.span_part.tolist()]
+    spans = dict[str, int]()
+    for part in map(train.part, (given.at if given else ()) or settings.plot):
+        of_part = [k for k, name in enumerate(names) if name == part.name]
+        if of_part and not part.is_point:
+            spans[part.name] = max(of_part, key=peak.__getitem__)
+    if not spans:
+        largest = int((peak * system.span_ratio).argmax())
+        spans[names[largest]] = largest
+    most_tracked = float(np.ceil(orders.max(initial=0.0) + ABOVE))
+    highest = (given.highest if given else None) or max(HIGHEST, most_tracked)
+    return Tracked(name, station, orders, highest, tuple(spans.items()))
+
+
+def _exciting_orders(study: Study, system: System, settings: TransientSettings) -> FloatArray:
+    """(orders,) of the reference station of the train, ascending: of the file's torques, of joints and of events."""
+    lines = (excitation.line.order for excitation in excitations(system))
+    orders = {float(order) for order in lines if order is not None}
+    for event in settings.events:
+        if event.body.by_angle:
+            part = study.train.part(event.at)
+            blades = part.propeller.blades if part.propeller else None
+            if order := getattr(event.body, "order", None) or blades:
+                orders.add(float(order * abs(system.speed_ratio[part.stations[0]])))
+    return np.array(sorted(orders))
+
+
 def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: int) -> OrderTracking:
     """The orders of a motion with samples at some times; size: values of the motion at one time."""
-    angle, speed = _blocks(lambda at: curves.turned(tracked.station, at), time, size)
-    here, sense = one_sense(angle, speed)
-    turns = abs(float(angle[here][-1] - angle[here][0])) / (2.0 * np.pi)
+    angle, speed = _blocks(lambda part: curves.turned(tracked.station, part), time, size)
+    piece, sense = one_sense(angle, speed)
+    time, angle = time[piece], sense * angle[piece]
+    turns = abs(float(angle[-1] - angle[0])) / (2.0 * np.pi)
+    resolution, none = 1.0 / TURNS, np.empty(0)
     if turns < TURNS:
-        none = np.empty(0)
         return OrderTracking(
-            tracked.name, turns, tracked.orders, 1.0 / TURNS, none, none, 0.0, 0, ()
+            tracked.name, turns, tracked.orders, resolution, none, none, 0.0, 0, ()
         )
 
-    def turned(at: FloatArray) -> tuple[FloatArray, FloatArray]:
-        there = _blocks(lambda part: curves.turned(tracked.station, part), at, size)
-        return sense * there[0], sense * there[1]
+    def turned(times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        rows = _blocks(lambda part: curves.turned(tracked.station, part), times, size)
+        return sense * rows[0], sense * rows[1]
 
-    rows, begin = np.array([span for _, span in tracked.spans]), sense * float(angle[here][0])
-    samples, number = (
-        2 ** math.ceil(math.log2(PER_ORDER * tracked.highest)),
-        int(tracked.highest * TURNS),
-    )
+    spans, begin = np.array([span for _, span in tracked.spans]), float(angle[0])
+    samples = 2 ** math.ceil(math.log2(PER_ORDER * tracked.highest))
     while True:
-        count = int(turns * samples)
-        at = times_at(
-            begin + np.arange(count) * (2.0 * np.pi / samples),
-            time[here],
-            sense * angle[here],
-            turned,
-        )
-        (value,) = _blocks(lambda part: (curves.torque(part)[0][rows],), at, size)
+        count, step = int(turns * samples), 2.0 * np.pi / samples
+        times = times_at(begin + np.arange(count) * step, time, angle, turned)
+        (torque,) = _blocks(lambda part: (curves.torque(part)[0][spans],), times, size)
         first = windows(count, samples)
-        within, start = (
-            first[:, None] + np.arange(TURNS * samples),
-            begin + first * (2.0 * np.pi / samples),
-        )
-        spectrum, change = list[FloatArray](), np.zeros(len(first))
-        for one in value:
+        within, start = first[:, None] + np.arange(TURNS * samples), begin + first * step
+        waterfalls, change = list[FloatArray](), np.zeros(len(first))
+        for values in torque:
             fine, coarse = (
-                phasors(one[within[:, ::step]], start, TURNS, number) for step in (1, 2)
+                phasors(values[within[:, ::stride]], start, TURNS, int(tracked.highest * TURNS))
+                for stride in (1, 2)
             )
-            spectrum.append(np.abs(fine))
-            largest = max(float(spectrum[-1].max()), np.finfo(float).tiny)
+            waterfalls.append(np.abs(fine))
+            largest = max(float(waterfalls[-1].max()), np.finfo(float).tiny)
             change = np.maximum(change, np.abs(fine - coarse).max(axis=1) / largest)
         if change.max() <= ALIASED or 2 * count > MOST_POINTS:
             break
         samples *= 2
-    good: BoolArray = change <= DOUBTFUL
-    each = tuple(
+    good = np.flatnonzero(change <= DOUBTFUL)
+    torques = tuple(
         TrackedTorque(
-            name, phasors_of(one[within[good]], start[good], TURNS, tracked.orders), of_orders[good]
+            name,
+            phasors_of(values[within[good]], start[good], TURNS, tracked.orders),
+            waterfall[good],
         )
-        for (name, _), one, of_orders in zip(tracked.spans, value, spectrum, strict=True)
+        for (name, _), values, waterfall in zip(tracked.spans, torque, waterfalls, strict=True)
     )
-    mean_speed = turned(at)[1][within] @ hann(TURNS * samples) / (TURNS * samples)
+    mean = turned(times)[1][within] @ hann(TURNS * samples) / (TURNS * samples)
     return OrderTracking(
         tracked.name,
         turns,
         tracked.orders,
-        1.0 / TURNS,
-        at[first + TURNS * samples // 2][good],
-        mean_speed[good],
+        resolution,
+        times[first + TURNS * samples // 2][good],
+        mean[good],
         float(change[good].max(initial=0.0)),
-        int(np.count_nonzero(~good)),
-        each if good.any() else (),
+        len(change) - len(good),
+        torques if len(good) else (),
     )
 
 
 def one_sense(angle: FloatArray, speed: FloatArray) -> tuple[slice, float]:
     """The longest piece, by its angle, in which a shaft turns in one sense at all samples, and the sense."""
-    sense = np.where(np.diff(angle) > 0.0, 1.0, np.where(np.diff(angle) < 0.0, -1.0, 0.0))
-    against = (sense * speed[:-1] < 0.0) | (sense * speed[1:] < 0.0)
-    sense[against] = 0.0
+    sense = np.sign(np.diff(angle))
+    sense[(sense * speed[:-1] < 0.0) | (sense * speed[1:] < 0.0)] = 0.0
     edges = np.flatnonzero(np.diff(sense, prepend=2.0, append=2.0))
-    longest = max(
-        ((abs(float(angle[b] - angle[a])), a, b) for a, b in pairwise(edges) if sense[a]),
-        default=(0.0, 0, 1),
-    )
-    return slice(int(longest[1]), int(longest[2]) + 1), float(sense[longest[1]] or 1.0)
+    pieces = ((abs(float(angle[b] - angle[a])), a, b) for a, b in pairwise(edges) if sense[a])
+    _, first, last = max(pieces, default=(0.0, 0, 1))
+    return slice(int(first), int(last) + 1), float(sense[first] or 1.0)
 
 
 def windows(count: int, samples: int) -> IntArray:
@@ -208,5 +245,5 @@ def _blocks(
 ) -> list[FloatArray]:
     """What is read at times, block by block."""
     step = max(2, BLOCK // max(size, 1))
-    found = [read(time[first : first + step]) for first in range(0, len(time), step)]
-    return [np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True)]
+    blocks = [read(time[first : first + step]) for first in range(0, len(time), step)]
+    return [np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True)]

@@ -35,18 +35,15 @@ def _excitations(
     system: System, follows: Following, time: FloatArray, speed: FloatArray
 ) -> Iterator[tuple[str, FloatArray]]:
     """What excites, and its frequency (times,) rad/s."""
-    ratio = np.abs(system.speed_ratio[follows.station])
-    joints = dict(zip(follows.first, follows.cuts, strict=True))
-    for law, words in zip(follows.laws, follows.words, strict=True):
-        at = float(ratio[law.at[0]])
-        if isinstance(law, Wave):
-            yield (
-                words,
-                law.window.holds(time) * np.abs(law.order * at * speed + complex(law.rate).imag),
-            )
-        elif law.at[0] in joints:
-            for order in joints[law.at[0]].orders:
-                yield f"order {order} of {words}", order * at * speed
+    for follower in follows.followers:
+        law, words = follower.law, follower.words
+        own_speed = abs(float(system.speed_ratio[follower.stations[0]])) * speed
+        if isinstance(law, Wave) and np.ndim(law.order) == 0:
+            frequency = np.abs(law.order * own_speed + complex(law.rate).imag)
+            yield words, law.window.holds(time) * frequency
+        elif follower.cut is not None:
+            for order in follower.cut.orders:
+                yield f"order {order} of {words}", order * own_speed
 
 
 def mean_speed(system: System, turning: FloatArray) -> FloatArray:
@@ -60,27 +57,25 @@ def passages(
     system: System, follows: Following, train: ModalTrain, time: FloatArray, turning: FloatArray
 ) -> tuple[Passage, ...]:
     """In the order of time; turning: (stations, times) rad/s."""
-    found, speed = list[Passage](), mean_speed(system, turning)
-    ratio = np.diag(train.damping)[train.rigid :] / (2.0 * train.w)
+    passages, speed = list[Passage](), mean_speed(system, turning)
+    ratios = np.diag(train.damping)[train.rigid :] / (2.0 * train.w)
     for words, excited in _excitations(system, follows, time, speed):
         rate = np.diff(excited) / np.diff(time)
-        for mode, (w, damping) in enumerate(zip(train.w.tolist(), ratio.tolist(), strict=True)):
-            here = np.flatnonzero(
-                (np.diff(np.signbit(excited - w)) != 0) & (np.abs(rate) * time[-1] > NEAR * w)
-            )
-            for at in here.tolist():
-                share = (w - excited[at]) / (excited[at + 1] - excited[at])
-                when = float(time[at] + share * (time[at + 1] - time[at]))
-                passed = abs(float(rate[at]))
-                found.append(
-                    Passage(
-                        mode + 1,
-                        words,
-                        when,
-                        float(np.interp(when, time, speed)),
-                        w / (2.0 * math.pi),
-                        2.0 * damping * w / passed,
-                        share_of_steady(damping * w / math.sqrt(passed)),
-                    )
+        for mode, (w, ratio) in enumerate(zip(train.w.tolist(), ratios.tolist(), strict=True), 1):
+            is_crossed = np.diff(np.signbit(excited - w)) != 0
+            samples = np.flatnonzero(is_crossed & (np.abs(rate) * time[-1] > NEAR * w))
+            for sample in samples.tolist():
+                share = (w - excited[sample]) / (excited[sample + 1] - excited[sample])
+                when = float(time[sample] + share * (time[sample + 1] - time[sample]))
+                passed = abs(float(rate[sample]))
+                passage = Passage(
+                    mode,
+                    words,
+                    when,
+                    float(np.interp(when, time, speed)),
+                    w / (2.0 * math.pi),
+                    2.0 * ratio * w / passed,
+                    share_of_steady(ratio * w / math.sqrt(passed)),
                 )
-    return tuple(sorted(found, key=lambda one: one.time))
+                passages.append(passage)
+    return tuple(sorted(passages, key=lambda passage: passage.time))

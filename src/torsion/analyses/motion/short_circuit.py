@@ -28,20 +28,16 @@ def _read_reclose(value: Any) -> Any:
         return (time.read(value),) * 2
     if len(value) != 2:
         raise refuse("a range of times is [shortest, longest]", "for example [0.2 s, 0.6 s]")
-    shortest, longest = (time.read(one) for one in value)
+    shortest, longest = (time.read(end) for end in value)
     if shortest > longest:
-        raise refuse(
-            "a range of times runs from the shorter to the longer",
-            f"[{longest:g} s, {shortest:g} s]",
-        )
+        message = "a range of times runs from the shorter to the longer"
+        raise refuse(message, f"[{longest:g} s, {shortest:g} s]")
     return shortest, longest
 
 
+Written = float | str | tuple[float | str, float | str]
 Reclose = Annotated[
-    tuple[float, float],
-    BeforeValidator(
-        _read_reclose, json_schema_input_type=float | str | tuple[float | str, float | str]
-    ),
+    tuple[float, float], BeforeValidator(_read_reclose, json_schema_input_type=Written)
 ]
 
 
@@ -89,49 +85,41 @@ class ShortCircuit(Kind):
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         if self.reclose is not None and (self.clear is None or self.reclose[0] <= self.clear):
-            raise refuse(
-                "`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose"
-            )
+            hint = "give `clear`, and a later `reclose`"
+            raise refuse("`reclose` comes after `clear`", hint, "reclose")
         if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
+            message = f"the coefficients do not belong to a short circuit of {self.phases} phases"
             hint = "`double` is only for a short circuit of 2 phases"
-            raise refuse(
-                f"the coefficients do not belong to a short circuit of {self.phases} phases",
-                hint,
-                "coefficients",
-            )
+            raise refuse(message, hint, "coefficients")
         return self
 
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        frequency, coefficients, (first, second) = (
-            2.0 * math.pi * self.line,
-            self.coefficients,
-            self.decay,
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        w, (first, second) = 2.0 * math.pi * self.line, self.decay
+        rated = point.rated if self.sense == "drives" else -point.rated
+        parts = (
+            (-1j * self.coefficients.line, complex(-1.0 / first, w)),
+            (1j * self.coefficients.double, complex(-1.0 / second, 2.0 * w)),
+            (self.coefficients.mean, -1.0 / second),
         )
-        rated = at.rated if self.sense == "drives" else -at.rated
         for start in [begin] if self.reclose is None else [begin, begin + self.reclose[0]]:
             end = math.inf if self.clear is None else start + self.clear
-            yield Piece(
-                start, end, -1j * rated * coefficients.line, rate=complex(-1.0 / first, frequency)
-            )
-            yield Piece(
-                start,
-                end,
-                1j * rated * coefficients.double,
-                rate=complex(-1.0 / second, 2.0 * frequency),
-            )
-            yield Piece(start, end, rated * coefficients.mean, rate=-1.0 / second)
+            for coefficient, rate in parts:
+                yield Piece(start, end, rated * coefficient, rate=rate)
             if self.load == "falls":
-                yield Piece(start, end, -at.mean)
+                yield Piece(start, end, -point.mean)
 
-    def lacks(self, at: Point) -> Lack:
-        if not at.rated:
+    def lacks(self, point: Point) -> Lack:
+        if not point.rated:
             return "a short circuit needs the rated torque", "give `operation: rated` with a power"
-        if self.load == "falls" and not at.mean:
-            return (
-                f"no mean torque acts at '{at.name}', that could fall",
-                "`load: stays`, or begin `steady`",
-            )
+        if self.load == "falls" and not point.mean:
+            message = f"no mean torque acts at '{point.name}', that could fall"
+            return message, "`load: stays`, or begin `steady`"
         return None
+
+    @property
+    def is_scanned(self) -> bool:
+        """It closes again at a time between two."""
+        return self.reclose is not None and self.reclose[0] < self.reclose[1]
 
     @property
     def words(self) -> str:
@@ -142,20 +130,19 @@ class ShortCircuit(Kind):
     def variants(self, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
         """Faults of one sense and one time of reclosing each; frequency: (modes,) Hz, natural ones of the train."""
         senses = ("brakes", "drives") if self.sense == "both" else (self.sense,)
-        times = (
-            [None]
-            if self.reclose is None
-            else [(time, time) for time in self._times(frequency)[::FINER]]
-        )
-        changes = [{"sense": sense, "reclose": time} for sense in senses for time in times]
+        scanned = [] if self.reclose is None else self._times(frequency)[::FINER]
+        times: list[tuple[float, float] | None] = [(time, time) for time in scanned]
+        changes = [
+            {"sense": sense, "reclose": time} for sense in senses for time in times or [None]
+        ]
         return tuple(self.model_copy(update=change) for change in changes)
 
     def variants_beside(self, time: float, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
         """Faults that close again at the finer times between that before and that after a time (s) of `variants`."""
         times = self._times(frequency)
-        place = times.index(time)
-        beside = [*times[max(place - FINER + 1, 0) : place], *times[place + 1 : place + FINER]]
-        return tuple(self.model_copy(update={"reclose": (one, one)}) for one in beside)
+        number = times.index(time)
+        finer = [*times[max(number - FINER + 1, 0) : number], *times[number + 1 : number + FINER]]
+        return tuple(self.model_copy(update={"reclose": (time, time)}) for time in finer)
 
     def _times(self, frequency: FloatArray) -> list[float]:
         """Times of reclosing (s), FINER to a step of the scan, with both ends of the range."""
@@ -163,4 +150,4 @@ class ShortCircuit(Kind):
         shortest, longest = self.reclose
         excited = frequency[(frequency > self.line) & (frequency <= HIGHEST * self.line)]
         steps = math.ceil(PER_PERIOD * (longest - shortest) * float(excited.max(initial=self.line)))
-        return [float(time) for time in np.linspace(shortest, longest, FINER * steps + 1)]
+        return list(np.linspace(shortest, longest, FINER * steps + 1).tolist())

@@ -32,92 +32,67 @@ class State:
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
     twist: FloatArray  # (spans,) N m that twist it at rest and are released
-    angle: ComplexArray | None = (
-        None  # (components, stations) rad of its steady vibration, own shafts
-    )
-    speeds: Mapping[str, float] = field(
-        default_factory=dict
-    )  # rad/s of points whose parts turn by themselves
+    # (components, stations) rad of its steady vibration, own shafts
+    angle: ComplexArray | None = None
+    # rad/s of points whose parts turn by themselves
+    speeds: Mapping[str, float] = field(default_factory=dict)
 
 
 def state_before(
     study: Study,
     system: System,
     settings: TransientSettings,
-    place: Path = PATH,
+    path: Path = PATH,
     *,
     vibrates: bool = True,
     speed: float | None = None,
 ) -> State:
     """The state before the events; without its steady vibration where that is not `vibrates`.
 
-    speed: rad/s of the steady state, in place of the operation's.
+    speed: rad/s of the steady state, in place of the operation's. Raises InputError where a steady state has no speed
+    or an initial twist no span, SolveError where the steady vibration has no finite value.
     """
-    spans, operation = len(system.spans), study.operation
-    initial = (
-        settings.initial
-        if settings.initial is not None
-        else "steady"
-        if operation.speed
-        else "rest"
-    )
-    none = State(
-        0.0,
-        None,
-        np.zeros(spans),
-        np.empty(0),
-        np.empty((0, spans), dtype=complex),
-        np.zeros(spans),
-    )
+    operation, none = study.operation, np.zeros(len(system.spans))
+    initial, path = settings.initial, (*path, "initial")
+    if initial is None:
+        initial = "steady" if operation.speed else "rest"
+    standstill = State(0.0, None, none, none[:0], np.empty((0, len(none)), dtype=complex), none)
     if initial == "rest":
-        return none
+        return standstill
     if isinstance(initial, dict) and "torque" in initial:
-        twist, names = (
-            np.zeros(spans),
-            [study.train.parts[part].name for part in system.span_part.tolist()],
-        )
+        twist, names = none.copy(), [study.train.parts[part].name for part in system.span_part]
         for name, torque in initial["torque"].items():
-            here = [k for k, span in enumerate(system.spans) if name in (span.name, names[k])]
-            if not here:
+            spans = [k for k, span in enumerate(system.spans) if name in (span.name, names[k])]
+            if not spans:
                 hint = ", ".join(dict.fromkeys(names))
-                raise InputError(
-                    [
-                        Fault(
-                            (*place, "initial", "torque", name), f"no span is called '{name}'", hint
-                        )
-                    ]
-                )
-            twist[here] = torque
-        return replace(none, twist=twist)
+                message = f"no span is called '{name}'"
+                raise InputError([Fault((*path, "torque", name), message, hint)])
+            twist[spans] = torque
+        return replace(standstill, twist=twist)
     if isinstance(initial, dict):
-        each = initial["speed"]
-        return replace(none, speeds=each) if isinstance(each, dict) else replace(none, speed=each)
+        given = initial["speed"]
+        return replace(standstill, **{"speeds" if isinstance(given, dict) else "speed": given})
     if not (speed or operation.speed):
-        fault = Fault(
-            (*place, "initial"), "a steady state needs a speed", "give `operation: rated`"
-        )
+        fault = Fault(path, "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
-    at = np.array([speed or operation.speed])
-    mean = steady(study.train, system, operation, at) if study.has_mean_torque else None
-    state = replace(
-        none,
-        speed=float(at[0]),
-        mean=mean,
-        torque=none.torque if mean is None else mean.torque[:, 0],
-    )
+    speeds = np.array([speed or operation.speed])
+    mean = steady(study.train, system, operation, speeds) if study.has_mean_torque else None
+    torque = none if mean is None else mean.torque[:, 0]
+    state = replace(standstill, speed=float(speeds[0]), mean=mean, torque=torque)
     if not (study.excites and vibrates):
         return state
-    vibration = response(study, system, speeds=at, refine=False)
+    vibration = response(study, system, speeds=speeds, refine=False)
     if (vibration.status != Status.OK).any():
         message = "its steady vibration at the operating speed has no finite value"
-        raise SolveError(
-            message,
-            "give the damping of the train, or `initial: {speed: ...}`",
-            (*place, "initial"),
-        )
-    own = int(np.flatnonzero(vibration.speed == at[0])[0])
-    frequency, amplitude = 2.0 * math.pi * vibration.frequency[own], vibration.torque[own]
-    return replace(state, frequency=frequency, amplitude=amplitude, angle=vibration.angle[own])
+        hint = "give the damping of the train, or `initial: {speed: ...}`"
+        raise SolveError(message, hint, path)
+    index = int(np.flatnonzero(vibration.speed == speeds[0])[0])
+    return replace(
+        state,
+        frequency=2.0 * math.pi * vibration.frequency[index],
+        amplitude=vibration.torque[index],
+        angle=vibration.angle[index],
+    )
 
 
 def points_of_events(
@@ -125,7 +100,7 @@ def points_of_events(
     system: System,
     events: Sequence[Event],
     before: State,
-    place: Path,
+    path: Path,
     *,
     turns: bool,
 ) -> list[Point]:
@@ -133,35 +108,20 @@ def points_of_events(
 
     turns: torques follow the motion.
     """
-    found, faults = list[Point](), list[Fault]()
+    points, faults = list[Point](), list[Fault]()
     for number, event in enumerate(events):
-        at = replace(point(study, system, before.speed, event.at, before.mean), turns=turns)
-        found.append(at)
+        where = replace(point(study, system, before.speed, event.at, before.mean), turns=turns)
+        points.append(where)
         lack = (
             _lack_of_freedom(study, system, event)
-            or _lack_of_order(events, event, at.mean)
-            or event.body.lacks(at)
+            or _lack_of_order(events, event, where.mean)
+            or event.body.lacks(where)
         )
         if lack is not None:
-            faults.append(Fault((*place, "events", number, event.body.key), *lack))
+            faults.append(Fault((*path, "events", number, event.body.key), *lack))
     if faults:
         raise InputError(faults)
-    return found
-
-
-def _lack_of_stop(events: Sequence[Event], event: Event) -> Lack:
-    """A brake whose point is driven, unless that torque has ended before, or a start has taken its place."""
-    there = [one for one in events if one.at == event.at and one.time <= event.time]
-    late = [one.body.taken(event.time - one.time) for one in there if isinstance(one.body, Stop)]
-    if any(isinstance(one.body, Start) for one in there) or math.isclose(
-        sum(late), 1.0, rel_tol=1e-9
-    ):
-        return None
-    message = f"the mean torque of '{event.at}' drives, and a load would take its place"
-    return (
-        message,
-        f"add `{{at: {event.at}, time: {event.time:g} s, stop: {{}}}}`, or put the load at another point",
-    )
+    return points
 
 
 def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
@@ -169,21 +129,31 @@ def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
 
     mean: N m at the point, positive where it drives.
     """
-    others = [one for one in events if one.at == event.at and one.body.drives]
-    if isinstance(event.body, Load) and mean > 0.0:
-        return _lack_of_stop(events, event)
-    if isinstance(event.body, ShortCircuit) and event.body.load == "falls" and others:
-        return (
-            f"a start or a load takes the place of the mean torque of '{event.at}'",
-            "`load: stays`",
+    name, body, at_point = event.at, event.body, [other for other in events if other.at == event.at]
+    drivers = [other.time for other in at_point if other.body.drives]
+    if isinstance(body, Load) and mean > 0.0:
+        # A brake whose point is driven, unless that torque has ended before, or a start has taken its place.
+        earlier = [other for other in at_point if other.time <= event.time]
+        stopped = sum(
+            other.body.taken(event.time - other.time)
+            for other in earlier
+            if isinstance(other.body, Stop)
         )
-    if not isinstance(event.body, Stop) or not others:
+        has_start = any(isinstance(other.body, Start) for other in earlier)
+        if has_start or math.isclose(stopped, 1.0, rel_tol=1e-9):
+            return None
+        hint = f"add `{{at: {name}, time: {event.time:g} s, stop: {{}}}}`, or put the load at another point"
+        return f"the mean torque of '{name}' drives, and a load would take its place", hint
+    if isinstance(body, ShortCircuit) and body.load == "falls" and drivers:
+        message = f"a start or a load takes the place of the mean torque of '{name}'"
+        return message, "`load: stays`"
+    if not isinstance(body, Stop) or not drivers:
         return None
-    begins = min(one.time for one in others)
-    if event.time + event.body.ramp <= begins and math.isinf(event.body.lasts):
+    begins = min(drivers)
+    if event.time + body.ramp <= begins and math.isinf(body.lasts):
         return None
     message = (
-        f"from {begins:g} s on a start or a load takes the place of the mean torque of '{event.at}'"
+        f"from {begins:g} s on a start or a load takes the place of the mean torque of '{name}'"
     )
     return message, "end that by its `off`, or stop before, without `until`"
 
@@ -191,18 +161,17 @@ def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
 def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
     """A program of speed where nothing is fixed or more is, a torque at a fixed point, a start that cannot turn."""
     is_fixed = bool(system.held[study.train.part(event.at).stations[0]])
+    fixed = np.flatnonzero(system.held)
     if isinstance(event.body, SpeedProgram):
-        if is_fixed and np.count_nonzero(system.held) == 1:
+        if is_fixed and len(fixed) == 1:
             return None
         why = "other points are fixed" if is_fixed else "it turns freely"
-        return (
-            f"the speed of '{event.at}' is prescribed, and {why}",
-            "`held: true` there, and nowhere else",
-        )
+        message = f"the speed of '{event.at}' is prescribed, and {why}"
+        return message, "`held: true` there, and nowhere else"
     if is_fixed:
         return f"'{event.at}' is fixed, and no torque moves it", "name a point that turns"
-    if isinstance(event.body, Start) and system.held.any():
-        name = system.stations[int(np.flatnonzero(system.held)[0])].name
+    if isinstance(event.body, Start) and len(fixed):
+        name = system.stations[int(fixed[0])].name
         return f"a start turns the train, and it is fixed at {name}", "leave `held` out"
     return None
 
@@ -211,25 +180,23 @@ def point(
     study: Study, system: System, speed: float, name: str, mean: Steady | None = None
 ) -> Point:
     """The train where an event acts, at a reference speed (rad/s) and with the mean torques before it."""
-    part = study.train.part(name)
-    station, rated = part.stations[0], study.operation.rated
+    part, rated = study.train.part(name), study.operation.rated
+    station = part.stations[0]
     ratio = abs(float(system.speed_ratio[station]))
-    own_speed = 0.0 if rated is None else rated.speed * ratio
-    torque = None if part.machine is None else part.machine.rated_torque(own_speed)
+    rated_speed = 0.0 if rated is None else rated.speed * ratio
+    torque = None if part.machine is None else part.machine.rated_torque(rated_speed)
     if torque is None and rated is not None and study.has_mean_torque:
         torque = _share_of_full_torque(study, station, rated.speed) / ratio
     if not torque:
-        torque = 0.0 if rated is None or rated.power is None else rated.power / own_speed
-    driving = 0.0 if mean is None else float(mean.applied[station, 0])
-    blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
+        torque = 0.0 if rated is None or rated.power is None else rated.power / rated_speed
     return Point(
         name,
         speed * ratio,
-        driving,
+        0.0 if mean is None else float(mean.applied[station, 0]),
         torque,
-        blades,
+        0 if part.propeller is None else part.propeller.blades or 0,
         FilePath(study.file).parent,
-        own_speed,
+        rated_speed,
         is_clutch=part.is_clutch,
         propeller=part.propeller,
     )

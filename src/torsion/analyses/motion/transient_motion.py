@@ -189,7 +189,7 @@ class TransientMotion:
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
-        """In words."""
+        """Return ok, or each doubt with its remedy in words."""
         found = []
         if self.residual > BALANCED:
             found.append(

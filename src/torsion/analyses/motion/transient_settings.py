@@ -10,9 +10,8 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.motion.event_kind import Length, Point
-from torsion.analyses.motion.events import Event, Stop
+from torsion.analyses.motion.events import Clutch, Event, Stop, Table
 from torsion.analyses.motion.following_events import SpeedProgram, Start
-from torsion.analyses.motion.order_tracking import OrderSettings
 from torsion.analyses.motion.short_circuit import ELECTRICAL, ShortCircuit
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
@@ -24,26 +23,24 @@ MOST_SAMPLES = 1_000_000
 DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
 ROUNDING = 1e-9  # of shares that are summed, and of times that are one
 DEFAULT_MOST = 20_000  # samples where the file names no number
+HIGHEST = 12.0  # order of a waterfall, where no higher one is tracked
+ABOVE = 2.0  # orders beyond the highest that is tracked
+Order = Annotated[float, Quantity("1", above=0, at_most=200)]
 
 
 def _read_initial(value: Any) -> Any:
     if value in ("rest", "steady"):
         return value
     if isinstance(value, dict) and set(value) == {"speed"}:
-        speed, each = Quantity("rad/s", at_least=0), value["speed"]
-        if isinstance(each, dict):
-            return {"speed": {str(name): speed.read(one) for name, one in each.items()}}
-        return {"speed": speed.read(each)}
+        speed, given_speed = Quantity("rad/s", at_least=0), value["speed"]
+        if isinstance(given_speed, dict):
+            return {"speed": {str(name): speed.read(text) for name, text in given_speed.items()}}
+        return {"speed": speed.read(given_speed)}
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
-        return {
-            "torque": {
-                str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()
-            }
-        }
-    raise refuse(
-        "this is no initial state",
-        "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}",
-    )
+        torque = Quantity("N*m")
+        return {"torque": {str(name): torque.read(text) for name, text in value["torque"].items()}}
+    hint = "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}"
+    raise refuse("this is no initial state", hint)
 
 
 def _read_torques(value: Any) -> Any:
@@ -51,14 +48,11 @@ def _read_torques(value: Any) -> Any:
     if value == "none" or value is None:
         return () if value else None
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
-        raise refuse(
-            "`torques` is `none` or a list of names", "torques: none, or torques: [engine]"
-        )
+        hint = "torques: none, or torques: [engine]"
+        raise refuse("`torques` is `none` or a list of names", hint)
     if not value:
-        raise refuse(
-            "`torques` names nothing",
-            "`torques: none`, or leave it out: then all periodic torques act",
-        )
+        hint = "`torques: none`, or leave it out: then all periodic torques act"
+        raise refuse("`torques` names nothing", hint)
     return tuple(dict.fromkeys(value))
 
 
@@ -76,11 +70,9 @@ def _read_method(value: Any) -> Any:
 
 
 def _read_band(value: Any) -> Any:
-    if value == "all":
+    if value == "all" or (isinstance(value, int) and not isinstance(value, bool) and value >= 1):
         return value
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise refuse("`modes` is `all` or the number of lowest modes", "all, or for example 50")
-    return value
+    raise refuse("`modes` is `all` or the number of lowest modes", "all, or for example 50")
 
 
 class Fatigue(Declared):
@@ -99,15 +91,30 @@ class Fatigue(Declared):
 
     def refuse_clashes(self) -> None:
         if (self.mean == "goodman") != (self.ultimate is not None):
-            raise refuse(
-                "`mean: goodman` and `ultimate` belong together", "give both, or none", "mean"
-            )
+            message = "`mean: goodman` and `ultimate` belong together"
+            raise refuse(message, "give both, or none", "mean")
         if self.amplitude == 0.0 or self.ultimate == 0.0:
-            raise refuse(
-                "a torque of 0 bears no cycle",
-                "give the torque of the maker or of a test",
-                "amplitude",
-            )
+            hint = "give the torque of the maker or of a test"
+            raise refuse("a torque of 0 bears no cycle", hint, "amplitude")
+
+
+class OrderSettings(Declared):
+    """Settings of `orders`."""
+
+    at: Annotated[tuple[str, ...], OneOrMany] = given(
+        "couplings, shafts or gears whose torque is tracked (default: the components of `plot`, else the largest "
+        "torque)",
+        (),
+    )
+    reference: str | None = given(
+        "point whose angle is the reference (default: the point of `operation.at`, else the first)"
+    )
+    track: Annotated[tuple[Order, ...], OneOrMany] = given(
+        "orders of the reference that are tracked (default: those that excite the train)", ()
+    )
+    highest: Order | None = given(
+        f"highest order of the waterfall (default: {HIGHEST:g}, or {ABOVE:g} above the highest that is tracked)"
+    )
 
 
 class TransientSettings(Declared):
@@ -174,159 +181,143 @@ class TransientSettings(Declared):
         faults = [isinstance(event.body, ShortCircuit) for event in self.events]
         return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
 
+    def initial_by_name(self, key: str) -> dict[str, float]:
+        """Initial speeds (rad/s) of points, or torques (N m) that twist spans, by their names."""
+        values = self.initial.get(key) if isinstance(self.initial, dict) else None
+        return values if isinstance(values, dict) else {}
+
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
     """Every motion that the file names, and where it stands there."""
     named = study.analyses.get("transient")
-    each = named.each if isinstance(named, Several) else () if named is None else (named,)
     is_list = isinstance(named, Several)
+    motions = named.each if isinstance(named, Several) else (named,)
     return [
-        (one, (*PATH, place) if is_list else PATH)
-        for place, one in enumerate(each)
-        if isinstance(one, TransientSettings)
+        (settings, (*PATH, number) if is_list else PATH)
+        for number, settings in enumerate(motions)
+        if isinstance(settings, TransientSettings)
     ]
 
 
 def transient_faults(study: Study) -> list[Fault]:
     """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
-    found, seen, every = list[Fault](), set[str](), cases(study)
+    faults, names, motions = list[Fault](), set[str](), cases(study)
     meshes = {torque.mesh[0] for torque in study.train.torques if torque.mesh}
-    if any(
-        settings.torques is None or meshes.intersection(settings.torques) for settings, _ in every
-    ):
-        found += mesh_faults(study, "motion over time")
-    if not every:
-        found.append(
-            Fault(
-                PATH,
-                "the list of motions is empty",
-                "`- {name: start, duration: 2 s, events: [...]}`",
-            )
-        )
-    if every and study.model == "exact" and study.train.has_shafts:
+    acting = [settings.torques for settings, _ in motions]
+    if any(torques is None or meshes.intersection(torques) for torques in acting):
+        faults += mesh_faults(study, "motion over time")
+    if not motions:
+        hint = "`- {name: start, duration: 2 s, events: [...]}`"
+        faults.append(Fault(PATH, "the list of motions is empty", hint))
+    if motions and study.model == "exact" and study.train.has_shafts:
         message = (
             "the transient response supports lumped or finite-element shafts, not the model exact"
         )
-        found.append(Fault(("analyses", "model"), message, "model: lumped"))
-    for settings, path in every:
-        if len(every) > 1 and (not settings.name or settings.name in seen):
-            what = (
-                f"two motions are called '{settings.name}'"
-                if settings.name
-                else "a motion in a list needs a name"
-            )
-            found.append(
-                Fault(
-                    (*path, "name") if settings.name else path, what, "`name: start`, each another"
-                )
-            )
-        seen.add(settings.name)
-        found += _faults(study, settings, path)
-    return found
+        faults.append(Fault(("analyses", "model"), message, "model: lumped"))
+    for settings, path in motions:
+        name = settings.name
+        if len(motions) > 1 and (not name or name in names):
+            what = f"two motions are called '{name}'" if name else "a motion in a list needs a name"
+            name_path = (*path, "name") if name else path
+            faults.append(Fault(name_path, what, "`name: start`, each another"))
+        names.add(name)
+        faults += _faults(study, settings, path)
+    return faults
 
 
 def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[Fault]:
-    """Of one motion."""
-    each = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
-    apart = each if isinstance(each, dict) else {}
-    twists = settings.initial.get("torque", {}) if isinstance(settings.initial, dict) else {}
-    if not (settings.events or apart or any(twists.values()) or _is_shaken(study, settings)):
+    """What is wrong in one motion."""
+    speeds, train = settings.initial_by_name("speed"), study.train
+    twists = settings.initial_by_name("torque").values()
+    if not (settings.events or speeds or any(twists) or _is_shaken(study, settings)):
         hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or `excitations`"
         message = "nothing moves the train: no event, no periodic torque, no twist that is released"
         yield Fault(path, message, hint)
-    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
-    named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
+    kinds = {part.name: (part.kind, part.is_point) for part in train.parts}
+    named = [name_fault(name, (*path, "initial", "speed", name), kinds) for name in speeds]
     yield from (fault for fault in named if fault is not None)
-    if apart and not study.train.has_nonlinear_couplings:
+    if speeds and not train.has_nonlinear_couplings:
         message = "speeds of several points need a clutch or a clearance between them"
         yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
     for name in settings.torques or ():
-        if name not in study.train.periodic_torques:
-            hint = ", ".join(study.train.periodic_torques) or "leave `torques` out"
+        if name not in train.periodic_torques:
+            hint = ", ".join(train.periodic_torques) or "leave `torques` out"
             yield Fault((*path, "torques"), f"no periodic torque acts at '{name}'", hint)
-    here = Point(folder=FilePath(study.file).parent)
     for number, event in enumerate(settings.events):
-        place = (*path, "events", number)
-        is_clutch = getattr(event, "clutch", None) is not None
-        if (fault := name_fault(event.at, (*place, "at"), known, point=not is_clutch)) is not None:
-            yield fault
-        elif is_clutch and not study.train.part(event.at).is_clutch:
-            yield Fault(
-                (*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`"
-            )
-        elif isinstance(event.body, ShortCircuit) and known[event.at][0] not in ELECTRICAL:
-            hint = f"make '{event.at}' a `generator`; its load then leaves there"
-            yield Fault((*place, "at"), "a short circuit acts in an electrical machine", hint)
-        if event.time >= settings.duration:
-            hint = f"within {settings.duration:g} s, or a longer `duration`"
-            yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
-        table = getattr(event, "table", None)
-        if table is not None and table.file is not None:
-            lack = table.lacks(here)
-            if lack is not None:
-                yield Fault((*place, "table", "file"), *lack)
-                continue
-        corners = [event.time + late for late in event.body.corners(here)]
-        if any(a >= b for a, b in pairwise(corners)):
-            message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
-            yield Fault(
-                (*place, event.body.key),
-                message,
-                f"at least {4.0 * math.ulp(event.time):.1g} s between them",
-            )
-    yield from _reclosed_late(settings, path)
+        yield from _event_faults(study, settings, event, (*path, "events", number), kinds)
     yield from _stopped_twice(settings, path)
     yield from _given_twice(settings, path)
-    yield from _names(settings, path, known)
-    yield from _order_faults(study, settings, path, known)
+    yield from _wrong_names(settings, path, kinds)
+    yield from _order_faults(study, settings, (*path, "orders"), kinds)
+
+
+def _event_faults(
+    study: Study,
+    settings: TransientSettings,
+    event: Event,
+    path: Path,
+    kinds: Mapping[str, tuple[str, bool]],
+) -> Iterator[Fault]:
+    """What is wrong in one event; kinds: of every component its kind, and whether it is a point."""
+    body, files = event.body, Point(folder=FilePath(study.file).parent)
+    is_clutch = isinstance(body, Clutch)
+    if (fault := name_fault(event.at, (*path, "at"), kinds, point=not is_clutch)) is not None:
+        yield fault
+    elif is_clutch and not study.train.part(event.at).is_clutch:
+        yield Fault((*path, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
+    elif isinstance(body, ShortCircuit) and kinds[event.at][0] not in ELECTRICAL:
+        hint = f"make '{event.at}' a `generator`; its load then leaves there"
+        yield Fault((*path, "at"), "a short circuit acts in an electrical machine", hint)
+    if event.time >= settings.duration:
+        hint = f"within {settings.duration:g} s, or a longer `duration`"
+        yield Fault((*path, "time"), "the event begins after the end of the motion", hint)
+    if isinstance(body, Table) and (lack := body.lacks(files)) is not None:
+        yield Fault((*path, "table", "file"), *lack)
+        return
+    corners = [event.time + late for late in body.corners(files)]
+    if any(a >= b for a, b in pairwise(corners)):
+        message = (
+            f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
+        )
+        hint = f"at least {4.0 * math.ulp(event.time):.1g} s between them"
+        yield Fault((*path, body.key), message, hint)
+    again = body.reclose if isinstance(body, ShortCircuit) else None
+    if again is not None and event.time < settings.duration <= event.time + again[1]:
+        message = (
+            f"the short circuit begins again at {event.time + again[1]:g} s, after the end of the "
+            "transient response"
+        )
+        hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
+        yield Fault((*path, "short-circuit", "reclose"), message, hint)
 
 
 def _is_shaken(study: Study, settings: TransientSettings) -> bool:
     """Without events: periodic torques act, or joints turn unevenly at a speed."""
     if study.train.periodic_torques if settings.torques is None else settings.torques:
         return True
-    if settings.initial in (None, "steady"):
-        return bool(study.operation.speed) and study.has_joints
-    return (
-        study.has_joints
-        and isinstance(settings.initial, dict)
-        and bool(settings.initial.get("speed"))
-    )
+    initial = settings.initial
+    speed = initial.get("speed") if isinstance(initial, dict) else None
+    if initial in (None, "steady"):
+        speed = study.operation.speed
+    return study.has_joints and bool(speed)
 
 
-def _names(
-    settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]
+def _wrong_names(
+    settings: TransientSettings, path: Path, kinds: Mapping[str, tuple[str, bool]]
 ) -> Iterator[Fault]:
-    """Of `plot`, `fatigue` and `orders`; known: of every component its kind, and whether it is a point."""
-    named = [("plot", settings.plot)]
-    named += [
-        (key, one.at)
-        for key in ("fatigue", "orders")
-        if (one := getattr(settings, key)) is not None
-    ]
-    for key, names in named:
-        for word in names:
-            where = (*path, key) if key == "plot" else (*path, key, "at")
-            if key != "plot" and word in known and known[word][1]:
-                links = ", ".join(name for name, (_, is_point) in known.items() if not is_point)
-                yield Fault(
-                    where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links
-                )
-            elif word not in known:
-                yield Fault(where, f"no component is called '{word}'", ", ".join(known))
-
-
-def _reclosed_late(settings: TransientSettings, path: Path) -> Iterator[Fault]:
-    """Faults of machines that would begin anew after the end."""
-    for number, event in enumerate(settings.events):
-        again = event.body.reclose if isinstance(event.body, ShortCircuit) else None
-        if again is not None and event.time < settings.duration <= event.time + again[1]:
-            message = (
-                f"the short circuit begins again at {event.time + again[1]:g} s, after the end of the "
-                "transient response"
-            )
-            hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
-            yield Fault((*path, "events", number, "short-circuit", "reclose"), message, hint)
+    """Names in `plot`, `fatigue` and `orders` that no component has, or a point."""
+    named = [((*path, "plot"), settings.plot)]
+    for key in ("fatigue", "orders"):
+        if (part := getattr(settings, key)) is not None:
+            named.append(((*path, key, "at"), part.at))
+    for key_path, names in named:
+        for name in names:
+            if name not in kinds:
+                yield Fault(key_path, f"no component is called '{name}'", ", ".join(kinds))
+            elif key_path[-1] == "at" and kinds[name][1]:
+                links = ", ".join(link for link, (_, is_point) in kinds.items() if not is_point)
+                message = f"'{name}' is a {kinds[name][0]}, and no torque goes through it"
+                yield Fault(key_path, message, links)
 
 
 def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
@@ -338,69 +329,57 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     ]
     near = ROUNDING * settings.duration
     for number, event, body in stops:
-        there = [(one.time, other) for _, one, other in stops if one.at == event.at]
+        others = [(other.time, stop) for _, other, stop in stops if other.at == event.at]
         full = event.time + body.ramp
         ends = [full + near, *([] if math.isinf(body.lasts) else [full + body.lasts - near])]
-        share = max(sum(other.taken(at - time) for time, other in there) for at in ends)
+        share = max(sum(stop.taken(end - time) for time, stop in others) for end in ends)
         if share > 1.0 + ROUNDING:
             message = (
                 f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
             )
-            yield Fault(
-                (*path, "events", number, "stop"), message, "a `share` each, of 100 % together"
-            )
+            hint = "a `share` each, of 100 % together"
+            yield Fault((*path, "events", number, "stop"), message, hint)
             return
 
 
 def _order_faults(
-    study: Study, settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]
+    study: Study, settings: TransientSettings, path: Path, kinds: Mapping[str, tuple[str, bool]]
 ) -> Iterator[Fault]:
-    """Of the reference of `orders`, and of orders above the highest."""
-    given_orders = settings.orders
-    if given_orders is None:
+    """Faults of the reference of `orders`, and of orders above the highest."""
+    orders = settings.orders
+    if orders is None:
         return
-    if given_orders.reference is not None:
-        fault = name_fault(given_orders.reference, (*path, "orders", "reference"), known)
+    if orders.reference is not None:
+        fault = name_fault(orders.reference, (*path, "reference"), kinds)
         if fault is not None:
             yield fault
-    highest = given_orders.highest
-    if highest is not None and max(given_orders.track, default=0.0) > highest:
-        message = (
-            f"order {max(given_orders.track):g} is tracked, and the waterfall ends at {highest:g}"
-        )
-        yield Fault(
-            (*path, "orders", "highest"),
-            message,
-            f"{max(given_orders.track):g} or more, or leave it out",
-        )
+    largest = max(orders.track, default=0.0)
+    if orders.highest is not None and largest > orders.highest:
+        message = f"order {largest:g} is tracked, and the waterfall ends at {orders.highest:g}"
+        yield Fault((*path, "highest"), message, f"{largest:g} or more, or leave it out")
     if study.train.has_nonlinear_couplings:
         message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
-        yield Fault((*path, "orders"), message, "leave it out, or make the couplings linear")
+        yield Fault(path, message, "leave it out, or make the couplings linear")
 
 
 def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """A second program of speed at a point, and a start there while an earlier one is on; two at one time add."""
     for number, event in enumerate(settings.events):
-        body, place = event.body, (*path, "events", number, event.body.key)
-        earlier = [
-            one
-            for one in settings.events[:number]
-            if one.at == event.at and type(one.body) is type(body)
-        ]
-        if isinstance(body, SpeedProgram) and earlier:
-            yield Fault(
-                place,
-                f"the speed of '{event.at}' is prescribed twice",
-                "one `program` with all its rows",
-            )
-        others = [(one.time, one.body) for one in settings.events if one.at == event.at]
-        on = [
-            begin
-            for begin, other in others
-            if isinstance(other, Start) and begin < event.time < begin + (other.off or math.inf)
-        ]
-        if isinstance(body, Start) and on:
-            message = f"'{event.at}' is switched on at {on[0]:g} s already"
-            yield Fault(
-                place, message, f"end that start by its `off`, at most {event.time - on[0]:g} s"
-            )
+        body, event_path = event.body, (*path, "events", number, event.body.key)
+        at_point = [(other, other.body) for other in settings.events if other.at == event.at]
+        if isinstance(body, SpeedProgram):
+            programs = [other for other, program in at_point if isinstance(program, SpeedProgram)]
+            if programs[0] is not event:
+                message = f"the speed of '{event.at}' is prescribed twice"
+                yield Fault(event_path, message, "one `program` with all its rows")
+        if isinstance(body, Start):
+            begins = [
+                other.time
+                for other, start in at_point
+                if isinstance(start, Start)
+                and other.time < event.time < other.time + (start.off or math.inf)
+            ]
+            if begins:
+                message = f"'{event.at}' is switched on at {begins[0]:g} s already"
+                hint = f"end that start by its `off`, at most {event.time - begins[0]:g} s"
+                yield Fault(event_path, message, hint)

@@ -12,8 +12,7 @@ from torsion.kernels.motion.modal_motion import (
     first_order,
     rigid_motion,
 )
-from torsion.kernels.motion.torque_history import History, Piece, value
-from torsion.kernels.motion.torque_history import history as cut
+from torsion.kernels.motion.torque_history import Piece, history, value
 
 ROUNDS = 2  # of inverse iteration: it converges with the square of the error
 LARGEST_SETTLED = 150  # coordinates up to which every root is settled, which costs their number to the fourth power
@@ -30,69 +29,59 @@ class ModalTrain:
 
     @property
     def rigid(self) -> int:
-        """Number of rigid motions."""
+        """How many rigid motions stand before the modes."""
         return len(self.viscous) - len(self.w)
 
     @property
     def w_of_all(self) -> FloatArray:
-        """(rigid motions + modes,) rad/s."""
+        """Natural frequencies, 0 for rigid motions: (rigid motions + modes,) rad/s."""
         return np.concatenate([np.zeros(self.rigid), self.w])
 
     @property
     def damping(self) -> FloatArray:
         """(rigid motions + modes, the same) 1/s, all of it."""
-        return self.viscous + np.diag(
-            2.0 * np.concatenate([np.zeros(self.rigid), self.ratio]) * self.w_of_all
-        )
+        ratio = np.concatenate([np.zeros(self.rigid), self.ratio])
+        return self.viscous + np.diag(2.0 * ratio * self.w_of_all)
 
 
 @dataclass(frozen=True)
 class Motion:
     """Rigid motions and modes over time: to be read at any times."""
 
-    train: "ModalTrain"
+    train: ModalTrain
     force: FloatArray  # (rigid motions + modes, loads)
     loads: Sequence[Sequence[Piece]]
     rigid: RigidMotion | None  # of the first of them, up to one that damping takes hold of
     coordinates: FirstOrder
-    read: (
-        tuple[np.ndarray, np.ndarray] | None
-    )  # rows of place and of speed; None: modes by themselves
-
-    @property
-    def rigid_motions(self) -> int:
-        """Number of rigid motions."""
-        return self.train.rigid
+    # rows of position and of speed; None: modes by themselves
+    read: tuple[np.ndarray, np.ndarray] | None
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
-        place, speed = self.modal(self.coordinates.at(time))
+        """Positions and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
+        position, speed = self.modal(self.coordinates.at(time))
         if self.rigid is None:
-            return place, speed
+            return position, speed
         turned, turning = self.rigid.at(time)
-        return np.concatenate([turned, place]), np.concatenate([turning, speed])
+        return np.concatenate([turned, position]), np.concatenate([turning, speed])
 
     def modal(self, y: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """Places and speeds (modes, or all that damping takes hold of, times) of coordinates (coordinates, times)."""
+        """Positions and speeds (modes, or all that damping takes hold of, times) of coordinates (coordinates, times)."""
         if self.read is not None:
             parts = np.concatenate([y.real, -y.imag])
-            place, speed = (
-                np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read
-            )
-            return place, speed
+            position, speed = (np.concatenate([row.real, row.imag], axis=1) for row in self.read)
+            return position @ parts, speed @ parts
         root = self.coordinates.root
-        place = y.imag / root.imag[:, None]
-        return place, y.real + root.real[:, None] * place
+        position = y.imag / root.imag[:, None]
+        return position, y.real + root.real[:, None] * position
 
     @property
     def reading(self) -> tuple[ComplexArray, ComplexArray]:
-        """Rows (modes or all, coordinates) of which the real parts times the coordinates are places and speeds."""
+        """Rows (modes or all, coordinates) of which the real parts times the coordinates are positions and speeds."""
         if self.read is not None:
             return self.read
-        place: ComplexArray = np.diag(-1j / self.coordinates.root.imag)
-        return place, np.asarray(
-            np.eye(len(place)) + self.coordinates.root.real * place, dtype=complex
-        )
+        root = self.coordinates.root
+        position: ComplexArray = np.diag(-1j / root.imag)
+        return position, np.eye(len(root), dtype=complex) + root.real * position
 
     @property
     def cuts(self) -> FloatArray:
@@ -100,87 +89,68 @@ class Motion:
         return self.coordinates.history.begin
 
     def loads_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times)."""
+        """Torques of the loads at times, (loads, times) N m."""
         return np.array([value(pieces, time) for pieces in self.loads]).reshape(-1, len(time))
 
     def load_rates_at(self, time: FloatArray) -> FloatArray:
-        """(loads, times) per second."""
+        """Rates of the torques of the loads, (loads, times) N m/s."""
         rates = [[piece.rate_of_change() for piece in pieces] for pieces in self.loads]
         return np.array([value(pieces, time) for pieces in rates]).reshape(-1, len(time))
 
-    def force_at(self, time: FloatArray) -> FloatArray:
-        """(rigid motions + modes, times) of all loads."""
-        return np.asarray(self.force @ self.loads_at(time))
-
-    def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
+    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times) by the balance of torques, of what `at` returned."""
-        damped, held = self.train.damping @ speed, self.train.w_of_all[:, None] ** 2 * place
-        return np.asarray(self.force_at(time) - damped - held)
+        held = self.train.w_of_all[:, None] ** 2 * position
+        return np.asarray(self.force @ self.loads_at(time) - self.train.damping @ speed - held)
 
 
 def motion(
     train: ModalTrain,
     force: FloatArray,
     loads: Sequence[Sequence[Piece]],
-    place: FloatArray,
+    position: FloatArray,
     speed: FloatArray,
 ) -> Motion:
-    """The motion of rigid motions and modes under `force` (both, loads) from a place and speed (both,) at time 0."""
-    history = cut(loads)
-    count = int(
-        np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True))
-    )  # rigid motions nothing damps
-    rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if count else None
-    kept = slice(count, None)
-    w, damping = train.w_of_all[kept], train.damping[kept, kept]
-    q, v, f = place[kept], speed[kept], force[kept]
-    each = np.diag(damping) / 2.0
-    if (
-        count == train.rigid
-        and not (damping - np.diag(np.diag(damping))).any()
-        and (each < NEARLY_CRITICAL * w).all()
-    ):
-        root = -each + 1j * np.sqrt(w**2 - each**2)
-        found = first_order(root, f.astype(complex), history, v - root.conj() * q)
-        return Motion(train, force, loads, rigid, found, None)
-    return Motion(train, force, loads, rigid, *_coupled(w, damping, f, history, q, v))
+    """The motion of rigid motions and modes under `force` (both, loads) from a position and speed (both,) at time 0."""
+    intervals = history(loads)
+    # Rigid motions that nothing damps are kept apart.
+    count = int(np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True)))
+    rigid = None
+    if count:
+        rigid = rigid_motion(force[:count], intervals, position[:count], speed[:count])
+    w, damping = train.w_of_all[count:], train.damping[count:, count:]
+    q, v, f = position[count:], speed[count:], force[count:]
+    half = np.diag(damping) / 2.0
+    is_coupled = bool((damping - np.diag(np.diag(damping))).any())
+    if count == train.rigid and not is_coupled and (half < NEARLY_CRITICAL * w).all():
+        root = -half + 1j * np.sqrt(w**2 - half**2)
+        start = v - root.conj() * q
+        return Motion(
+            train, force, loads, rigid, first_order(root, f.astype(complex), intervals, start), None
+        )
+    root, shape = _coupled_shapes(w, damping)
+    start = ((v + q @ damping.T) @ shape) + root * (q @ shape)
+    coordinates = first_order(root, shape.T @ f, intervals, start)
+    twice = np.where(root.imag != 0.0, 2.0, 1.0)
+    return Motion(train, force, loads, rigid, coordinates, (shape * twice, shape * twice * root))
 
 
-def _coupled(
-    w: FloatArray,
-    damping: FloatArray,
-    force: FloatArray,
-    history: History,
-    q: FloatArray,
-    v: FloatArray,
-) -> tuple[FirstOrder, tuple[ComplexArray, ComplexArray]]:
-    """Coordinates of the shapes x that answer (r**2 + r damping + w**2) x = 0, scaled to x (2 r + damping) x = 1.
+def _coupled_shapes(w: FloatArray, damping: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Roots and shapes x, in columns, that answer (r**2 + r damping + w**2) x = 0, scaled to x (2 r + damping) x = 1.
 
-    Their rough values are eigenvalues of the first-order form in speeds and w times places; each is then settled by
+    Their rough values are eigenvalues of the first-order form in speeds and w times positions; each is then settled by
     inverse iteration with the Rayleigh quotient of the second-order form, which keeps the digits of slow ones.
     """
     size, scale = len(w), np.where(w > 0.0, w, 1.0)
-    roots, vectors = np.linalg.eig(
-        np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
-    )
-    kept = np.flatnonzero(np.imag(roots) >= 0.0)
-    pairs = [
-        _settled(
-            complex(roots[k]),
-            np.asarray(vectors[size:, k] / scale, dtype=vectors.dtype),
-            w,
-            damping,
-        )
-        for k in kept
-    ]
-    root, shape = np.array([one for one, _ in pairs]), np.array([one for _, one in pairs]).T
-    twice = np.where(root.imag != 0.0, 2.0, 1.0)
-    start = ((v + q @ damping.T) @ shape) + root * (q @ shape)
-    found = first_order(root, shape.T @ force, history, start)
-    return found, (shape * twice, shape * twice * root)
+    first_order_form = np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
+    roots, vectors = np.linalg.eig(first_order_form)
+    pairs = []
+    for k in np.flatnonzero(np.imag(roots) >= 0.0):
+        shape = np.asarray(vectors[size:, k] / scale, dtype=vectors.dtype)
+        pairs.append(_settle(complex(roots[k]), shape, w, damping))
+    return np.array([root for root, _ in pairs]), np.array([shape for _, shape in pairs]).T
 
 
-def _settled(
+def _settle(
     root: complex, shape: ComplexArray, w: FloatArray, damping: FloatArray
 ) -> tuple[complex, ComplexArray]:
     """One root with its shape, scaled."""
@@ -193,14 +163,14 @@ def _settled(
             break  # the root is exact
         shape = np.asarray(shape / np.abs(shape).max())
         sums = shape @ shape, shape @ damping @ shape, (w * shape) @ (w * shape)
-        root = _nearest(root, *map(complex, sums))
+        root = _nearest_root(root, *map(complex, sums))
     return root, shape / np.sqrt(shape @ (2.0 * root * shape + damping @ shape))
 
 
-def _nearest(root: complex, a: complex, b: complex, c: complex) -> complex:
+def _nearest_root(root: complex, a: complex, b: complex, c: complex) -> complex:
     """The solution of a r**2 + b r + c = 0 that is nearest to `root`, without cancellation; real where it was."""
     split = np.sqrt(complex(b * b - 4.0 * a * c))
     far = -(b + split if abs(b + split) >= abs(b - split) else b - split) / 2.0
-    found = [far / a, c / far] if far != 0 else [root]
-    best = complex(min(found, key=lambda one: abs(one - root)))
-    return complex(best.real) if root.imag == 0.0 else best
+    solutions = [far / a, c / far] if far != 0 else [root]
+    nearest = complex(min(solutions, key=lambda solution: abs(solution - root)))
+    return complex(nearest.real) if root.imag == 0.0 else nearest

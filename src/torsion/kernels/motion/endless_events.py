@@ -22,9 +22,9 @@ class Chatter(SolveError):
 class TooManyEvents(SolveError):
     """More events than are kept."""
 
-    def __init__(self, number: tuple[int, int], time: float, end: float) -> None:
+    def __init__(self, number: int, most: int, time: float, end: float) -> None:
         super().__init__(
-            f"the motion has its {number[0]} events at {time:.6g} s, and no more than {number[1]} are followed"
+            f"the motion has its {number} events at {time:.6g} s, and no more than {most} are followed"
         )
         self.time = end
 
@@ -36,15 +36,13 @@ def refuse_too_many(
 
     times: s, of the events twice and once as many as are watched before, and now.
     """
-    end = math.inf
+    time, end = times[-1], math.inf
     if number >= 2 * watched:
-        first, second, time = times
-        pace = (second - first) / watched, (time - second) / (watched - 1)  # s an event
-        end = time + (most - number) * pace[1] if pace[1] <= GAIN * pace[0] else math.inf
+        pace = np.diff(times) / (watched, watched - 1)  # s an event
+        if pace[1] <= GAIN * pace[0]:
+            end = time + (most - number) * float(pace[1])
     if number > most or end < duration:
-        raise TooManyEvents(
-            (min(number, most), most), times[-1], times[-1] if number > most else end
-        )
+        raise TooManyEvents(min(number, most), most, time, time if number > most else end)
 
 
 def refuse_too_many_steps(

@@ -17,9 +17,6 @@ from torsion.kernels.motion.piecewise_train import PiecewiseTrain
 
 GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
 COLUMNS = 4096  # states at once
-Piece = tuple[
-    IntArray, FloatArray, FloatArray
-]  # blocks, states (states, columns) and lengths (s) of steps
 
 
 @dataclass(frozen=True)
@@ -35,92 +32,77 @@ class EnergyBalance:
 
 def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
-    train = motion.train
-    gained = np.zeros(
-        (2 + len(train.elements), len(motion.begin))
-    )  # work, damped, heat of each element
-    largest = 0.0
-    node, weight = np.polynomial.legendre.leggauss(GAUSS)
-    node, weight = (node + 1.0) / 2.0, weight / 2.0
-    for number in np.unique(motion.regime[:-1]).tolist():
-        one, whole = motion.regimes[number], list[FloatArray]()
-        for block, start, length in _steps(
-            motion, one, np.flatnonzero(motion.regime[:-1] == number)
-        ):
-            is_whole = len(block) >= train.size and bool((length == one.step).all())
+    train, blocks = motion.train, motion.regime[:-1]
+    # work, damped, heat of each element
+    gained = np.zeros((2 + len(train.elements), len(motion.begin)))
+    stored, largest = np.empty(len(motion.begin)), 0.0
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    nodes, weights = (nodes + 1.0) / 2.0, weights / 2.0
+    for number, regime in enumerate(motion.regimes):
+        ends = motion.regime == number
+        stored[ends] = _energies(train, regime, motion.state[ends].T)
+        full_step = list[FloatArray]()
+        for block, start, length in _steps(motion, regime, np.flatnonzero(blocks == number)):
+            is_full = len(block) >= train.size and bool((length == regime.step).all())
+            if is_full and not full_step:
+                unit, lengths = np.eye(train.size), np.full(train.size, regime.step)
+                full_step = [regime.moved(unit, share * lengths) for share in nodes]
             powers = np.zeros((len(gained), len(block)))
-            if is_whole and not whole:
-                whole = [
-                    one.moved(np.eye(train.size), np.full(train.size, share * one.step))
-                    for share in node
-                ]
-            for at, (share, factor) in enumerate(zip(node, weight, strict=True)):
-                z = whole[at] @ start if is_whole else one.moved(start, share * length)
-                powers += factor * _powers(train, one, z)
-                largest = max(largest, float(_energies(train, one, z).max(initial=0.0)))
+            for node, (share, weight) in enumerate(zip(nodes, weights, strict=True)):
+                z = full_step[node] @ start if is_full else regime.moved(start, share * length)
+                powers += weight * _powers(train, regime, z)
+                largest = max(largest, float(_energies(train, regime, z).max(initial=0.0)))
             gained[:, block] += powers * length
-    gained[2:][[not one.loses for one in train.elements]] = (
-        0.0  # what rounding left there stays in the balance
-    )
-    stored = _stored(motion)
+    # What rounding left where nothing is lost stays in the balance.
+    gained[2:][[not element.loses for element in train.elements]] = 0.0
     total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
     total[2:] += (motion.released - motion.released[0]).T
-    error = stored - stored[0] - total[0] + total[1:].sum(axis=0)
+    error = np.abs(stored - stored[0] - total[0] + total[1:].sum(axis=0)).max(initial=0.0)
     largest = max(largest, float(stored.max(initial=0.0)))
-    residual = float(np.abs(error).max(initial=0.0)) / largest if largest else 0.0
     return EnergyBalance(
         float(total[0, -1]),
         total[2:, -1],
         float(total[1, -1]),
         float(stored[-1] - stored[0]),
-        residual,
+        float(error) / largest if largest else 0.0,
     )
 
 
-def _steps(motion: EventDrivenMotion, one: Regime, blocks: IntArray) -> Iterator[Piece]:
-    """Whole steps of the blocks of a regime, then what is left of each."""
-    length = motion.begin[blocks + 1] - motion.begin[blocks]
-    number = np.minimum((length / one.step).astype(int), STEPS)
-    rest = length - number * one.step
+def _steps(
+    motion: EventDrivenMotion, regime: Regime, blocks: IntArray
+) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
+    """Blocks, states (states, columns) and lengths (s) of full steps of a regime, then of what is left of each block."""
+    length, step = motion.begin[blocks + 1] - motion.begin[blocks], regime.step
+    number = np.minimum((length / step).astype(int), STEPS)
+    remainder = length - number * step
     for part in np.array_split(np.arange(len(blocks)), len(blocks) // COLUMNS + 1):
         z = motion.state[blocks[part]].T.copy()
-        for step in range(int(number[part].max(initial=0))):
-            going = number[part] > step
-            yield blocks[part[going]], z[:, going], np.full(int(going.sum()), one.step)
-            z[:, going] = one.over_step(z[:, going])
-        left = rest[part] > 0.0
-        yield blocks[part[left]], z[:, left], rest[part[left]]
+        for full in range(int(number[part].max(initial=0))):
+            going = number[part] > full
+            yield blocks[part[going]], z[:, going], np.full(np.count_nonzero(going), step)
+            z[:, going] = regime.over_step(z[:, going])
+        left = remainder[part] > 0.0
+        yield blocks[part[left]], z[:, left], remainder[part[left]]
 
 
-def _powers(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
+def _powers(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
     """(2 + elements, columns) W: work of the torques, loss in the damping of the modes, heat of every element."""
-    change = one.matrix @ z
-    speed, torque = z[train.layout[2]], one.torque @ z / train.root[:, None]
-    of_rest = train.resting @ change
-    own = (
-        train.relative_speed @ z
-        + of_rest
-        - train.series @ (one.torque @ change / train.root[:, None])
-    )
-    work = (train.rows(train.force) @ z * speed).sum(axis=0) + (torque * of_rest).sum(axis=0)
+    change = regime.matrix @ z
+    speed, torque = z[train.layout[2]], regime.torque @ z / train.root[:, None]
+    resting = train.resting @ change
+    series = train.series @ (regime.torque @ change / train.root[:, None])
+    relative = train.relative_speed @ z + resting - series
+    work = (train.rows(train.force) @ z * speed).sum(axis=0) + (torque * resting).sum(axis=0)
     damped = (train.damping @ speed * speed).sum(axis=0)
-    return np.concatenate(
-        [work[None], damped[None], torque * own - one.elastic @ z * (one.elastic @ change)]
+    heat = torque * relative - regime.elastic @ z * (regime.elastic @ change)
+    return np.concatenate([work[None], damped[None], heat])
+
+
+def _energies(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
+    """Energy stored in the train at states (states, columns): (columns,) J."""
+    position, speed = train.layout[1:3]
+    torque = regime.torque @ z / train.root[:, None]
+    squares = (z[position] ** 2, z[speed] ** 2, (regime.elastic @ z) ** 2)
+    return np.asarray(
+        0.5 * sum(part.sum(axis=0) for part in (*squares, torque * (train.series @ torque)))
     )
-
-
-def _stored(motion: EventDrivenMotion) -> FloatArray:
-    """(blocks,) J at the begin of each."""
-    found = np.empty(len(motion.begin))
-    for number, one in enumerate(motion.regimes):
-        here = motion.regime == number
-        found[here] = _energies(motion.train, one, motion.state[here].T)
-    return found
-
-
-def _energies(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
-    """(columns,) J of states."""
-    place, speed = train.layout[1:3]
-    torque = one.torque @ z / train.root[:, None]
-    parts = (z[place] ** 2, z[speed] ** 2, (one.elastic @ z) ** 2, torque * (train.series @ torque))
-    return np.asarray(0.5 * sum(part.sum(axis=0) for part in parts))

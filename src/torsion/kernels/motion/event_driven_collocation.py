@@ -13,10 +13,17 @@ import numpy as np
 from scipy.linalg import expm
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.collocation import SAME_TIME, Law, Marched, Scheme, marched
+from torsion.kernels.motion.collocation import (
+    SAME_TIME,
+    Law,
+    Marched,
+    Report,
+    Scheme,
+    Turning,
+    march,
+)
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, March
 from torsion.kernels.motion.generated_signals import POWERS
-from torsion.kernels.motion.interface_motion import Known
 from torsion.kernels.motion.linear_regime import STEPS, Regime
 from torsion.kernels.motion.piecewise_train import PiecewiseTrain, State
 from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES
@@ -31,8 +38,8 @@ class Interfaces:
 
     shape: FloatArray  # (interfaces, rigid motions + modes)
     signal: IntArray  # (interfaces,) which of the polynomials of the train each is a part of
-    carrier: Callable[[FloatArray], Known]  # how they turn without any torque
-    untwisted: FloatArray  # (modes,) places from which their angles count
+    carrier: Callable[[FloatArray], Turning]  # how they turn without any torque
+    untwisted: FloatArray  # (modes,) positions from which their angles count
 
 
 @dataclass
@@ -40,10 +47,10 @@ class RegimesTaken:
     """The train moved on step by step: a LinearTrain of `collocation`."""
 
     march: March
-    at: Interfaces
+    interfaces: Interfaces
     z: FloatArray
     state: State
-    kept: dict[tuple[State, float], tuple[Known, Known]] = field(default_factory=dict)
+    kept: dict[tuple[State, float], tuple[Turning, Turning]] = field(default_factory=dict)
     parts: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -51,33 +58,33 @@ class RegimesTaken:
 
     @property
     def train(self) -> PiecewiseTrain:
-        """What is moved."""
+        """The train that the march moves."""
         return self.march.train
 
     @property
     def number(self) -> int:
-        return len(self.at.signal)
+        return len(self.interfaces.signal)
 
     @property
     def following(self) -> slice:
         """Where the states of the polynomials stand."""
         signal = self.train.layout[3]
-        return slice(signal.start + self.train.signals.known, signal.stop)
+        return slice(signal.start + self.train.signals.pieces_size, signal.stop)
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """(interfaces, state) of angle and speed beside the carrier."""
-        _, place, speed, _, turned = self.train.layout
+        _, position, speed, _, turned = self.train.layout
         angle, turning = np.zeros((2, self.number, self.train.size))
-        rigid = self.train.rigid
-        angle[:, turned] = self.at.shape[:, :rigid]
-        angle[:, place] = self.at.shape[:, rigid:] / self.train.w
-        angle[:, -1] = -self.at.shape[:, rigid:] @ self.at.untwisted
-        turning[:, speed] = self.at.shape
+        shape, rigid = self.interfaces.shape, self.train.rigid
+        angle[:, turned] = shape[:, :rigid]
+        angle[:, position] = shape[:, rigid:] / self.train.w
+        angle[:, -1] = -shape[:, rigid:] @ self.interfaces.untwisted
+        turning[:, speed] = shape
         return angle, turning
 
     def regime(self, length: float) -> Regime:
-        """Of now, with samples that stand as near as a step is short."""
+        """The present regime, with samples that stand as near as a step is short."""
         self.march.halvings = 0
         while self.march.regime(self.state).part > FINER * length:
             self.march.halvings += FINER.bit_length() - 1
@@ -86,66 +93,68 @@ class RegimesTaken:
     @property
     def at_once(self) -> FloatArray:
         """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
-        matrix = self.march.regime(self.state).matrix
-        return np.asarray(self.rows[1] @ matrix[:, self.following.start + POINTS * self.at.signal])
+        levels = self.following.start + POINTS * self.interfaces.signal
+        return np.asarray(self.rows[1] @ self.march.regime(self.state).matrix[:, levels])
 
-    def influence(self, length: float) -> Known:
-        return self._of(length)[1]
+    def influence(self, length: float) -> Turning:
+        return self._influence(length)[1]
 
-    def _of(self, length: float) -> tuple[Known, Known]:
+    def _influence(self, length: float) -> tuple[Turning, Turning]:
         """Rows (interfaces, ENDS, state) of how a step goes on, and what torques at its nodes add; kept by length."""
-        if (self.state, length) not in self.kept:
+        key = (self.state, length)
+        if key not in self.kept:
             if len(self.kept) > MOST_KEPT:
                 self.kept.clear()
-            self.kept[self.state, length] = self._influence(
-                self.march.regime(self.state).matrix, length
-            )
-        return self.kept[self.state, length]
+            self.kept[key] = self._find_influence(length)
+        return self.kept[key]
 
-    def _influence(self, matrix: FloatArray, length: float) -> tuple[Known, Known]:
-        angle, speed = self.rows
-        own, signals = matrix.copy(), self.train.signals
-        own[self.following, self.following] *= (
-            signals.scale / length
-        )  # coefficients of powers of the share of the step
-        moved, powers = expm(np.multiply.outer(length * ENDS, own)), POWERS @ SERIES
-        parts = (self.number, len(ENDS), signals.polynomials, POINTS)
+    def _find_influence(self, length: float) -> tuple[Turning, Turning]:
+        (angle, speed), signals = self.rows, self.train.signals
+        matrix = self.march.regime(self.state).matrix.copy()
+        # Coefficients of powers of the share of the step.
+        matrix[self.following, self.following] *= signals.scale / length
+        decay, powers = expm(np.multiply.outer(length * ENDS, matrix)), POWERS @ SERIES
         turned, turning, gained = (
-            np.moveaxis(one @ moved, 0, 1) for one in (angle, speed, speed @ own)
+            np.moveaxis(row @ decay, 0, 1) for row in (angle, speed, speed @ matrix)
         )
-        rows = turned, turning, gained
-        inputs = (one[..., self.following].reshape(parts) for one in rows)
-        by_angle, by_speed, by_rate = ((one @ powers)[:, :, self.at.signal] for one in inputs)
-        return rows, (by_angle, by_speed, by_rate)
+        parts = (self.number, len(ENDS), signals.polynomials, POINTS)
+        by_angle, by_speed, by_rate = (
+            (row[..., self.following].reshape(parts) @ powers)[:, :, self.interfaces.signal]
+            for row in (turned, turning, gained)
+        )
+        return (turned, turning, gained), (by_angle, by_speed, by_rate)
 
-    def going_on(self, time: float, length: float) -> Known:
+    def going_on(self, time: float, length: float) -> Turning:
         z = self.z.copy()
         z[self.following] = 0.0
-        rows, carried = self._of(length)[0], self.at.carrier(time + length * ENDS)
-        own = np.abs(self.rows[1]) @ np.abs(self.z)
-        self.parts = np.abs(carried[1]).max(axis=1, keepdims=True) + own[:, None]
-        angle, speed, acceleration = (one @ z + two for one, two in zip(rows, carried, strict=True))
-        return angle, speed, acceleration
+        rows, carried = self._influence(length)[0], self.interfaces.carrier(time + length * ENDS)
+        sizes = np.abs(self.rows[1]) @ np.abs(self.z)
+        self.parts = np.abs(carried[1]).max(axis=1, keepdims=True) + sizes[:, None]
+        return rows[0] @ z + carried[0], rows[1] @ z + carried[1], rows[2] @ z + carried[2]
 
-    def now(self, time: float) -> Known:
-        return self._beside(np.array([time]), self.z[:, None], self.march.regime(self.state))
+    def at_begin(self, time: float) -> Turning:
+        return self._with_carrier(np.array([time]), self.z[:, None], self.march.regime(self.state))
 
-    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Known:
-        start, one = self._under(torque, length), self.regime(length)
-        there = np.stack([_after(one, start, late) for late in (share * length).tolist()], axis=1)
-        return self._beside(time + share * length, there, one)
+    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
+        start, regime = self._under(torque, length), self.regime(length)
+        z = np.stack([_move_on(regime, start, late) for late in (share * length).tolist()], axis=1)
+        return self._with_carrier(time + share * length, z, regime)
 
-    def _beside(self, time: FloatArray, z: FloatArray, one: Regime) -> Known:
-        angle, speed = self.rows
-        turned, turning, gained = self.at.carrier(time)
-        return turned + angle @ z, turning + speed @ z, gained + speed @ (one.matrix @ z)
+    def _with_carrier(self, time: FloatArray, z: FloatArray, regime: Regime) -> Turning:
+        (angle, speed), carried = self.rows, self.interfaces.carrier(time)
+        return (
+            carried[0] + angle @ z,
+            carried[1] + speed @ z,
+            carried[2] + speed @ (regime.matrix @ z),
+        )
 
     def _under(self, torque: FloatArray, length: float) -> FloatArray:
         """The state at the begin of a step under torques (interfaces, nodes)."""
-        whole = np.zeros((self.train.signals.polynomials, POINTS))
-        np.add.at(whole, self.at.signal, torque)
+        signals = self.train.signals
+        sums = np.zeros((signals.polynomials, POINTS))
+        np.add.at(sums, self.interfaces.signal, torque)
         z = self.z.copy()
-        z[self.following] = self.train.signals.polynomial(whole, length)
+        z[self.following] = signals.polynomial(sums, length)
         return z
 
     def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
@@ -160,28 +169,28 @@ class RegimesTaken:
         return time
 
 
-def _after(one: Regime, z: FloatArray, time: float) -> FloatArray:
-    """The state after any time."""
-    block = STEPS * one.step
+def _move_on(regime: Regime, z: FloatArray, time: float) -> FloatArray:
+    """Return the state after a time that may exceed a block."""
+    block = STEPS * regime.step
     while time > block:
-        z, time = one.after(z, block), time - block
-    return one.after(z, time)
+        z, time = regime.after(z, block), time - block
+    return regime.after(z, time)
 
 
 def event_driven_under_laws(
-    march: March,
+    marching: March,
     state: State,
     z: FloatArray,
-    at: Interfaces,
+    interfaces: Interfaces,
     laws: Sequence[Law],
     scheme: Scheme,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Report = lambda share: None,
 ) -> tuple[EventDrivenMotion, Marched]:
     """The motion from regimes and a state at time 0 under the torques that laws require.
 
-    The breaks of signals have to be among the cuts of the scheme. Raises what `marched` and a March raise.
+    The breaks of signals have to be among the cuts of the scheme. Raises what `march` and a March raise.
     """
-    z, state = march.rearm(0.0, z, state)
-    taken = RegimesTaken(march, at, z, state)
-    how = marched(taken, laws, scheme, progress)
-    return march.finished(taken.z, taken.state, march.duration), how
+    z, state = marching.rearm(0.0, z, state)
+    taken = RegimesTaken(marching, interfaces, z, state)
+    marched = march(taken, laws, scheme, progress)
+    return marching.finished(taken.z, taken.state, marching.duration), marched

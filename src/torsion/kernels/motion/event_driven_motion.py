@@ -19,9 +19,8 @@ from torsion.kernels.motion.piecewise_train import PiecewiseTrain, State, regime
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
 NEWS = 100  # blocks between two reports of progress
-WATCHED = (
-    10_000  # events, after two times of which those of the whole motion are judged by their pace
-)
+# events, after two times of which those of the whole motion are judged by their pace
+WATCHED = 10_000
 
 
 @dataclass(frozen=True)
@@ -49,32 +48,32 @@ class EventDrivenMotion:
     def at(self, time: FloatArray) -> tuple[FloatArray, IntArray]:
         """States (states, times) at times (s) that ascend, and the regime of each."""
         block = np.maximum(np.searchsorted(self.begin, time, side="right") - 1, 0)
-        return self.from_blocks(block, time - self.begin[block]), self.regime[block]
-
-    def from_blocks(self, block: IntArray, late: FloatArray) -> FloatArray:
-        """States (states, columns), each a time (s) after the begin of a block."""
-        found, regime = np.empty((self.train.size, len(block))), self.regime[block]
+        late, regime = time - self.begin[block], self.regime[block]
+        states = np.empty((self.train.size, len(block)))
         for number in np.unique(regime).tolist():
-            here = np.flatnonzero(regime == number)
-            found[:, here] = self.regimes[number].moved(self.state[block[here]].T, late[here])
-        return found
+            columns = np.flatnonzero(regime == number)
+            start = self.state[block[columns]].T
+            states[:, columns] = self.regimes[number].moved(start, late[columns])
+        return states, regime
 
 
 @dataclass
 class March:
-    """The motion while it is computed."""
+    """The motion while it is computed.
+
+    fineness: of the steps, of those that the fastest motion of a regime allows. progress: called with the share of the
+    time that is done.
+    """
 
     train: PiecewiseTrain
     duration: float
-    fineness: float
-    dips: bool = True
+    fineness: float = 1.0
     progress: Callable[[float], None] = lambda share: None
     released: FloatArray = field(init=False)
     halvings: int = 0  # of the steps
     idle: int = 0  # events without progress
     last: float = -math.inf  # s, when there was some
     kept: dict[tuple[State, int], Regime] = field(default_factory=dict)
-    pairs: dict[State, list[tuple[int, int]]] = field(default_factory=dict)
     blocks: list[tuple[float, FloatArray, tuple[State, int], FloatArray]] = field(
         default_factory=list
     )
@@ -84,24 +83,22 @@ class March:
         self.released = np.zeros(len(self.train.elements))
 
     def regime(self, state: State) -> Regime:
-        """Of a state of the elements, built once."""
-        if (state, self.halvings) not in self.kept:
-            longest, fineness = self.duration / 16.0, self.fineness * 0.5**self.halvings
-            one = regime(self.train, state, longest=longest, fineness=fineness, dips=self.dips)
-            self.kept[state, self.halvings] = one
-        return self.kept[state, self.halvings]
+        """The regime of a state of the elements, built once."""
+        key = (state, self.halvings)
+        if key not in self.kept:
+            fineness = self.fineness * 0.5**self.halvings
+            longest = self.duration / 16.0
+            self.kept[key] = regime(self.train, state, longest=longest, fineness=fineness)
+        return self.kept[key]
 
-    def pair(self, state: State, function: int) -> tuple[int, int]:
+    def switch(self, state: State, function: int) -> tuple[int, int]:
         """The element that a switching function is of, and the regime that it enters."""
-        if state not in self.pairs:
-            self.pairs[state] = [
-                (number, switch.to)
-                for number, (element, own) in enumerate(
-                    zip(self.train.elements, state, strict=True)
-                )
-                for switch in element.switches(own)
-            ]
-        return self.pairs[state][function]
+        switches = [
+            (number, switch.to)
+            for number, (element, mode) in enumerate(zip(self.train.elements, state, strict=True))
+            for switch in element.switches(mode)
+        ]
+        return switches[function]
 
     def enter(
         self, time: float, z: FloatArray, state: State, number: int, to: int
@@ -109,45 +106,43 @@ class March:
         """An element in another regime, its own coordinate set to what it is exactly there."""
         element, old = self.train.elements[number], state[number]
         new = (*state[:number], to, *state[number + 1 :])
+        law, old_law = element.law(to), element.law(old)
         if word := element.word(old, to):
             self.events.append(Event(time, number, word))
         z = z.copy()
         if (x := element.settled(old, to)) is not None:
             z[number] = x * self.train.root[number]
-        elif element.law(old).kind == "given" and element.law(to).kind == "spring":
+        elif old_law.kind == "given" and law.kind == "spring":
             row = self.regime(new).torque[number]
-            z[number] += (
-                element.law(old).sign * (self.train.capacity[number] @ z) - row @ z
-            ) / row[number]
-        elif (
-            element.law(to).kind == "stuck"
-        ):  # its ends turn together, of which the root knows all digits but the last
+            slipping = old_law.sign * (self.train.capacity[number] @ z)
+            z[number] += (slipping - row @ z) / row[number]
+        elif law.kind == "stuck":
+            # Its ends turn together, of which the root knows all digits but the last.
             speed, ends = self.train.layout[2], self.train.ends[number]
             z[speed] -= ends * ((ends @ z[speed]) / (ends @ ends))
         if isinstance(element, Friction) and element.signal is not None:
-            before, after = (float(self.regime(one).elastic[number] @ z) for one in (state, new))
+            before, after = (self.regime(mode).elastic[number] @ z for mode in (state, new))
             self.released = self.released.copy()
             self.released[number] += 0.5 * (before**2 - after**2)
         return z, new
 
     def rearm(self, time: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
         """At a break: the signals that begin, and friction whose capacity ends or begins."""
-        before, first = self.regime(state).elastic @ z, self.train.layout[3].start
-        z, signals = z.copy(), slice(first, first + self.train.signals.known)
-        z[signals] = self.train.signals.state(time)
+        train = self.train
+        before, first = self.regime(state).elastic @ z, train.layout[3].start
+        z, signals = z.copy(), slice(first, first + train.signals.pieces_size)
+        z[signals] = train.signals.state(time)
         if time > 0.0:  # what slips gives up the energy that a lower capacity does not hold
-            self.released = self.released + 0.5 * (
-                before**2 - (self.regime(state).elastic @ z) ** 2
-            )
-        for number, element in enumerate(self.train.elements):
+            after = self.regime(state).elastic @ z
+            self.released = self.released + 0.5 * (before**2 - after**2)
+        for number, element in enumerate(train.elements):
             if isinstance(element, Friction) and element.signal is not None:
-                acts = self.train.signals.acting(element.signal, z[signals])
+                acts = train.signals.acting(element.signal, z[signals])
                 if acts == (state[number] != OPEN):
                     continue
                 z[number] = 0.0 if acts else z[number]
-                z, state = self.enter(
-                    time, z, state, number, self._closing(number, z) if acts else OPEN
-                )
+                to = self._closing(number, z) if acts else OPEN
+                z, state = self.enter(time, z, state, number, to)
                 z[number] = 0.0
         return z, state
 
@@ -163,54 +158,44 @@ class March:
         self, time: float, end: float, z: FloatArray, state: State
     ) -> tuple[float, FloatArray, State, bool]:
         """A block, or less where an event ends it: until when, and whether one did."""
-        one = self.regime(state)
+        regime = self.regime(state)
         self.blocks.append((time, z, (state, self.halvings), self.released))
-        length = min(STEPS * one.step, end - time)
-        found = one.first_event(z, length)
-        if found is None:
-            return (
-                end if length == end - time else time + length,
-                one.after(z, length),
-                state,
-                False,
-            )
-        late, function = found
-        z, time = one.after(z, late), time + late
-        number, to = self.pair(state, function)
+        length = min(STEPS * regime.step, end - time)
+        event = regime.first_event(z, length)
+        if event is None:
+            reached = end if length == end - time else time + length
+            return reached, regime.after(z, length), state, False
+        late, function = event
+        z, time = regime.after(z, late), time + late
+        number, to = self.switch(state, function)
         z, state = self.enter(time, z, state, number, to)
-        near = max(1e-12 * one.step, 4.0 * math.ulp(time))
+        near = max(1e-12 * regime.step, 4.0 * math.ulp(time))
         self.idle, self.last = (self.idle + 1, self.last) if time - self.last <= near else (0, time)
         if self.idle > CHATTER * len(state):
             raise Chatter(time, number)
-        if len(self.events) > MOST_EVENTS or len(self.events) % WATCHED == 0:
-            times = [
-                self.events[-k * WATCHED].time for k in (2, 1) if k * WATCHED <= len(self.events)
-            ]
-            refuse_too_many(len(self.events), MOST_EVENTS, [*times, time], WATCHED, self.duration)
+        count = len(self.events)
+        if count > MOST_EVENTS or count % WATCHED == 0:
+            backs = (back * WATCHED for back in (2, 1) if back * WATCHED <= count)
+            times = [*(self.events[-back].time for back in backs), time]
+            refuse_too_many(count, MOST_EVENTS, times, WATCHED, self.duration)
         return time, z, state, True
-
-    def to(self, time: float, end: float, z: FloatArray, state: State) -> tuple[FloatArray, State]:
-        """From one break to the next."""
-        while time < end:
-            time, z, state, _ = self.on(time, end, z, state)
-            if len(self.blocks) % NEWS == 0:
-                self.progress(time / self.duration)
-        return z, state
-
-    def whole(self, z: FloatArray, state: State) -> EventDrivenMotion:
-        """From regimes and a state at time 0 to the end."""
-        (found,) = self.until([self.duration], z, state)
-        return found
 
     def until(
         self, ends: Sequence[float], z: FloatArray, state: State
     ) -> Iterator[EventDrivenMotion]:
         """From regimes and a state at time 0 to each of some times (s), ascending; the last is the duration."""
-        breaks = [0.0, *(float(one) for one in self.train.signals.breaks if one < self.duration)]
-        for begin, end in pairwise(sorted({*breaks, *ends})):
-            if begin in breaks:
-                z, state = self.rearm(begin, z, state)
-            z, state = self.to(begin, end, z, state)
+        breaks = [
+            0.0,
+            *(time for time in self.train.signals.breaks.tolist() if time < self.duration),
+        ]
+        for time, end in pairwise(sorted({*breaks, *ends})):
+            if time in breaks:
+                z, state = self.rearm(time, z, state)
+            reached = time
+            while reached < end:
+                reached, z, state, _ = self.on(reached, end, z, state)
+                if len(self.blocks) % NEWS == 0:
+                    self.progress(reached / self.duration)
             if end in ends:
                 yield self.finished(z, state, end)
 
@@ -219,12 +204,12 @@ class March:
         self.regime(state)
         blocks = [*self.blocks, (end, z, (state, self.halvings), self.released)]
         times, states, regimes, released = zip(*blocks, strict=True)
-        numbers = {one: number for number, one in enumerate(self.kept)}
+        numbers = {key: number for number, key in enumerate(self.kept)}
         return EventDrivenMotion(
             self.train,
             np.array(times),
             np.array(states),
-            np.array([numbers[one] for one in regimes]),
+            np.array([numbers[key] for key in regimes]),
             tuple(self.kept.values()),
             tuple(self.events),
             np.array(released),
@@ -237,19 +222,15 @@ def event_driven(
     state: State,
     *,
     twist: FloatArray,
-    place: FloatArray,
+    position: FloatArray,
     speed: FloatArray,
     duration: float,
     fineness: float = 1.0,
-    dips: bool = True,
-    progress: Callable[[float], None] = lambda share: None,
 ) -> EventDrivenMotion:
-    """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
+    """The motion from regimes and x (elements,) rad, positions (modes,) and speeds (rigid motions + modes,) at time 0.
 
-    fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
-    below zero and rise again between two samples. progress: called with the share of the time that is done. Raises
-    Chatter where events follow each other without progress, and TooManyEvents.
+    fineness: as of `March`. Raises Chatter where events follow each other without progress, and TooManyEvents.
     """
-    return March(train, duration, fineness, dips, progress).whole(
-        train.at_first(twist, place, speed), state
-    )
+    march = March(train, duration, fineness)
+    (motion,) = march.until([duration], train.at_first(twist, position, speed), state)
+    return motion

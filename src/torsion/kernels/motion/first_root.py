@@ -10,7 +10,7 @@ root, or until the slope or the curvature has one sign in it; bounds are those o
 """
 
 import math
-from operator import mul
+from operator import mul, neg
 
 Polynomial = list[float]
 SMALLEST = 0.5**40  # of an interval: what is narrower is a point
@@ -23,66 +23,58 @@ def first_root(polynomial: Polynomial, rounding: float) -> float | None:
     """The first point at which it falls below zero; 0 where it does so at once, or is below and stays."""
     if polynomial[0] < -rounding and value(polynomial, SOON) < -rounding:
         return 0.0
-    waiting = [
-        (0.0, 1.0, polynomial)
-    ]  # begin, length, the polynomial in shares of it; the first interval stands last
+    # Begin, length, the polynomial in shares of it; the first interval stands last.
+    waiting = [(0.0, 1.0, polynomial)]
     while waiting:
-        begin, length, here = waiting.pop()
-        if _least(here) >= -rounding:
+        begin, length, piece = waiting.pop()
+        if _lower_bound(piece) >= -rounding:
             continue
-        found = _fall(here, rounding)
-        if found is None and length > SMALLEST:
-            left = [math.ldexp(coefficient, -power) for power, coefficient in enumerate(here)]
-            waiting += [
-                (begin + length / 2.0, length / 2.0, _shifted(left)),
-                (begin, length / 2.0, left),
-            ]
-        elif found is not None and found < NOWHERE:
-            return begin + length * found
+        share = _fall(piece, rounding)
+        if share is None and length > SMALLEST:
+            left = [math.ldexp(coefficient, -power) for power, coefficient in enumerate(piece)]
+            half = length / 2.0
+            waiting += [(begin + half, half, _shifted(left)), (begin, half, left)]
+        elif share is not None and share < NOWHERE:
+            return begin + length * share
     return None
 
 
-def value(polynomial: Polynomial, at: float) -> float:
-    """By Horner's scheme."""
+def value(polynomial: Polynomial, share: float) -> float:
+    """Return the value at a share, by Horner's scheme."""
     total = 0.0
     for coefficient in reversed(polynomial):
-        total = total * at + coefficient
+        total = total * share + coefficient
     return total
 
 
-def _fall(here: Polynomial, rounding: float) -> float | None:
+def _fall(piece: Polynomial, rounding: float) -> float | None:
     """Where it falls below zero, between 0 and 1; None where neither its slope nor its curvature has one sign."""
-    slope = _derivative(here)
-    begin, end, top, bottom = 0.0, 1.0, here[0], sum(here)
-    if _most(slope) > 0.0:  # not falling all the way
+    slope = _derivative(piece)
+    begin, end, top, bottom = 0.0, 1.0, piece[0], sum(piece)
+    if _upper_bound(slope) > 0.0:  # not falling all the way
         bend, first, last = _derivative(slope), slope[0], sum(slope)
-        if _least(slope) >= 0.0:
+        is_valley, is_hill = _lower_bound(bend) > 0.0, _upper_bound(bend) < 0.0
+        if _lower_bound(slope) >= 0.0 or (is_valley and first >= 0.0) or (is_hill and last >= 0.0):
             return NOWHERE
-        if _least(bend) > 0.0:  # a valley: it falls before its deepest point
-            if first >= 0.0:
-                return NOWHERE
-            if last > 0.0:
-                end = _between(slope, (0.0, first), (1.0, last))
-                bottom = value(here, end)
-        elif _most(bend) < 0.0:  # a hill: it falls behind its top
-            if last >= 0.0:
-                return NOWHERE
-            if first > 0.0:
-                begin = _between(slope, (0.0, first), (1.0, last))
-                top = value(here, begin)
-        else:
+        if not (is_valley or is_hill):
             return None
+        if is_valley and last > 0.0:  # it falls before its deepest point
+            end = _between(slope, (0.0, first), (1.0, last))
+            bottom = value(piece, end)
+        if is_hill and first > 0.0:  # it falls behind its top
+            begin = _between(slope, (0.0, first), (1.0, last))
+            top = value(piece, begin)
     if bottom >= -rounding:
         return NOWHERE
-    return begin if top <= 0.0 else _between(here, (begin, top), (end, bottom))
+    return begin if top <= 0.0 else _between(piece, (begin, top), (end, bottom))
 
 
 def _between(
     polynomial: Polynomial, left: tuple[float, float], right: tuple[float, float]
 ) -> float:
-    """The root between two points (place, value) of unlike sign, by Newton's steps that stay between them."""
+    """The root between two points (share, value) of unlike sign, by Newton's steps that stay between them."""
     (low, first), (high, last) = left, right
-    at, falls, coefficients = (
+    share, falls, coefficients = (
         low + (high - low) * first / (first - last),
         first > 0.0,
         polynomial[::-1],
@@ -90,18 +82,18 @@ def _between(
     for _ in range(NEWTON):
         total = slope = 0.0
         for coefficient in coefficients:
-            slope = slope * at + total
-            total = total * at + coefficient
+            slope = slope * share + total
+            total = total * share + coefficient
         if not total:
             break
-        low, high = (at, high) if (total > 0.0) == falls else (low, at)
-        following = at - total / slope if slope else low
+        low, high = (share, high) if (total > 0.0) == falls else (low, share)
+        following = share - total / slope if slope else low
         if not low < following < high:
             following = (low + high) / 2.0
-        if abs(following - at) <= math.ulp(at):
+        if abs(following - share) <= math.ulp(share):
             break
-        at = following
-    return at
+        share = following
+    return share
 
 
 def _derivative(polynomial: Polynomial) -> Polynomial:
@@ -110,14 +102,14 @@ def _derivative(polynomial: Polynomial) -> Polynomial:
 
 def _shifted(polynomial: Polynomial) -> Polynomial:
     """In s - 1 in place of s."""
-    found = polynomial.copy()
-    for first in range(len(found) - 1):
-        for power in range(len(found) - 2, first - 1, -1):
-            found[power] += found[power + 1]
-    return found
+    shifted = polynomial.copy()
+    for first in range(len(shifted) - 1):
+        for power in range(len(shifted) - 2, first - 1, -1):
+            shifted[power] += shifted[power + 1]
+    return shifted
 
 
-def _least(polynomial: Polynomial) -> float:
+def _lower_bound(polynomial: Polynomial) -> float:
     """No more than its least value between 0 and 1."""
     bound = 0.0
     for coefficient in reversed(polynomial):
@@ -125,9 +117,5 @@ def _least(polynomial: Polynomial) -> float:
     return bound
 
 
-def _most(polynomial: Polynomial) -> float:
-    """No less than its largest value between 0 and 1."""
-    bound = 0.0
-    for coefficient in reversed(polynomial):
-        bound = coefficient + bound if bound > 0.0 else coefficient
-    return bound
+def _upper_bound(polynomial: Polynomial) -> float:
+    return -_lower_bound(list(map(neg, polynomial)))

@@ -20,42 +20,47 @@ from torsion.kernels.motion.polynomial_torques import POINTS, SERIES
 from torsion.kernels.motion.torque_history import Piece
 
 ROUNDED = 4.0 * np.finfo(float).eps  # of the largest coefficient of a series: nothing
-POWERS: FloatArray = (
-    np.array(  # (powers of the share, coefficients) of the Legendre series of a step
-        [
-            [(-1.0) ** (k + n) * math.comb(n, k) * math.comb(n + k, k) for n in range(POINTS)]
-            for k in range(POINTS)
-        ]
-    )
+# (powers of the share, coefficients) of the Legendre series of a step
+POWERS: FloatArray = np.array(
+    [
+        [(-1.0) ** (k + n) * math.comb(n, k) * math.comb(n + k, k) for n in range(POINTS)]
+        for k in range(POINTS)
+    ]
 )
 
 
 @dataclass(frozen=True)
 class _Group:
-    """The pieces of one signal and one rate: where their states stand."""
+    """The pieces of one signal and one rate, and where their states stand."""
 
     signal: int
+    pieces: tuple[Piece, ...]
     rate: complex
     first: int
-    parts: int  # 1 real, 2 real and imaginary
-    slopes: bool
+
+    @cached_property
+    def parts(self) -> int:
+        """1 of real pieces, 2 of such with an imaginary part."""
+        numbers = [part for piece in self.pieces for part in (piece.rate, piece.level, piece.slope)]
+        return 2 if any(complex(number).imag for number in numbers) else 1
 
     @property
-    def size(self) -> int:
-        """Number of states."""
-        return self.parts * (1 + self.slopes)
+    def slopes(self) -> bool:
+        """Whether a piece rises or falls."""
+        return any(piece.slope for piece in self.pieces)
+
+    @cached_property
+    def states(self) -> slice:
+        """The rows of its own states among all."""
+        return slice(self.first, self.first + self.parts * (1 + self.slopes))
 
     def matrix(self) -> FloatArray:
-        """(size, size) 1/s."""
-        p = self.rate
-        turn = (
-            np.array([[p.real]])
-            if self.parts == 1
-            else np.array([[p.real, -p.imag], [p.imag, p.real]])
-        )
-        if not self.slopes:
-            return turn
-        return np.block([[turn, np.eye(self.parts)], [np.zeros_like(turn), turn]])
+        """Matrix G of the states, (states, states) 1/s."""
+        p, unit = self.rate, np.eye(self.parts)
+        turn = p.real * unit
+        if self.parts == 2:
+            turn = turn + np.array([[0.0, -p.imag], [p.imag, 0.0]])
+        return np.block([[turn, unit], [0.0 * turn, turn]]) if self.slopes else turn
 
 
 @dataclass(frozen=True)
@@ -68,53 +73,45 @@ class Signals:
 
     @property
     def number(self) -> int:
-        """Of signals."""
+        """How many signals there are, those that follow the motion included."""
         return len(self.pieces) + self.polynomials
 
     @cached_property
     def groups(self) -> tuple[_Group, ...]:
         """One of every signal and rate."""
-        found, first = [], 0
+        groups, first = list[_Group](), 0
         for signal, pieces in enumerate(self.pieces):
             for rate in dict.fromkeys(complex(piece.rate) for piece in pieces):
-                alike = [piece for piece in pieces if piece.rate == rate]
-                turns = any(
-                    complex(number).imag
-                    for piece in alike
-                    for number in (rate, piece.level, piece.slope)
-                )
-                group = _Group(signal, rate, first, 1 + turns, any(piece.slope for piece in alike))
-                found.append(group)
-                first += group.size
-        return tuple(found)
+                alike = tuple(piece for piece in pieces if piece.rate == rate)
+                groups.append(_Group(signal, alike, rate, first))
+                first = groups[-1].states.stop
+        return tuple(groups)
 
     @property
-    def known(self) -> int:
+    def pieces_size(self) -> int:
         """Number of states of the pieces, which stand first."""
-        return sum(group.size for group in self.groups)
+        return int(self.groups[-1].states.stop) if self.groups else 0
 
     @property
     def size(self) -> int:
-        """Number of states."""
-        return self.known + self.polynomials * POINTS
+        """How many states all signals have."""
+        return self.pieces_size + self.polynomials * POINTS
 
     @cached_property
     def fastest(self) -> float:
-        """1/s, the largest rate."""
+        """The largest rate of a piece, in 1/s."""
         return max((abs(group.rate) for group in self.groups), default=0.0)
 
     @cached_property
     def matrix(self) -> FloatArray:
-        """(states, states) 1/s."""
-        whole = np.zeros((self.size, self.size))
+        """Matrix G of the states, (states, states) 1/s."""
+        matrix = np.zeros((self.size, self.size))
         for group in self.groups:
-            here = slice(group.first, group.first + group.size)
-            whole[here, here] = group.matrix()
-        here = slice(self.known, self.size)
-        whole[here, here] = (
-            np.kron(np.eye(self.polynomials), np.diag(np.arange(1.0, POINTS), 1)) / self.scale
-        )
-        return whole
+            matrix[group.states, group.states] = group.matrix()
+        chain = np.diag(np.arange(1.0, POINTS), 1) / self.scale
+        polynomials = slice(self.pieces_size, self.size)
+        matrix[polynomials, polynomials] = np.kron(np.eye(self.polynomials), chain)
+        return matrix
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
@@ -124,8 +121,8 @@ class Signals:
             real[group.signal, group.first] = 1.0
             if group.parts == 2:
                 imaginary[group.signal, group.first + 1] = 1.0
-        behind = np.arange(self.polynomials)
-        real[len(self.pieces) + behind, self.known + behind * POINTS] = 1.0
+        numbers = np.arange(self.polynomials)
+        real[len(self.pieces) + numbers, self.pieces_size + numbers * POINTS] = 1.0
         return real, imaginary
 
     @cached_property
@@ -137,18 +134,16 @@ class Signals:
         return np.array(sorted(end for end in ends if 0.0 < end < math.inf))
 
     def state(self, time: float) -> FloatArray:
-        """(known,) of the pieces that act from a time on."""
-        found = np.zeros(self.known)
+        """(states of the pieces,) of those that act from a time on."""
+        state = np.zeros(self.pieces_size)
         for group in self.groups:
-            for piece in self.pieces[group.signal]:
-                if piece.rate == group.rate and piece.begin <= time < piece.end:
+            for piece in group.pieces:
+                if piece.begin <= time < piece.end:
                     moved = piece.moved(time)
-                    numbers = [complex(moved.level), complex(moved.slope)][: 1 + group.slopes]
-                    parts = [
-                        part for one in numbers for part in (one.real, one.imag)[: group.parts]
-                    ]
-                    found[group.first : group.first + group.size] += parts
-        return found
+                    numbers = np.array([moved.level, moved.slope], dtype=complex)
+                    parts = np.column_stack([numbers.real, numbers.imag])
+                    state[group.states] += parts[: 1 + group.slopes, : group.parts].ravel()
+        return state
 
     def polynomial(self, torque: FloatArray, length: float) -> FloatArray:
         """(polynomials * POINTS,) states at the begin of a step (s), from torques (polynomials, nodes) in it."""
@@ -159,5 +154,4 @@ class Signals:
 
     def acting(self, signal: int, state: FloatArray) -> bool:
         """A signal is not zero until the next break."""
-        own = [state[g.first : g.first + g.size] for g in self.groups if g.signal == signal]
-        return any(bool(part.any()) for part in own)
+        return any(state[group.states].any() for group in self.groups if group.signal == signal)

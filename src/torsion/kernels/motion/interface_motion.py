@@ -11,6 +11,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.motion.collocation import Turning
 from torsion.kernels.motion.damped_motion import Motion
 from torsion.kernels.motion.polynomial_torques import (
     ENDS,
@@ -21,9 +22,7 @@ from torsion.kernels.motion.polynomial_torques import (
     value,
 )
 
-Known = tuple[
-    FloatArray, FloatArray, FloatArray
-]  # angle, speed and acceleration, each (interfaces, times)
+MOST_KEPT = 64  # influences
 
 
 @dataclass(frozen=True)
@@ -41,22 +40,15 @@ class Interfaces:
         """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
         return np.asarray(np.real(self.speed @ self.force) + self.rigid.T @ self.rigid)
 
-    @property
-    def number(self) -> int:
-        """Of interfaces."""
-        return len(self.angle)
 
-
-def interfaces(moved: Motion, shape: FloatArray) -> Interfaces:
+def interfaces(motion: Motion, shape: FloatArray) -> Interfaces:
     """Interfaces of a train whose last loads are the torques at them; shape: (interfaces, rigid motions + modes)."""
-    number, coordinates = len(shape), moved.coordinates
-    loose = 0 if moved.rigid is None else len(moved.rigid.force)
-    place, speed = moved.reading
-    rigid = np.zeros((0, number)) if moved.rigid is None else moved.rigid.force[:, -number:]
-    kept = shape[:, loose:]
-    return Interfaces(
-        coordinates.root, coordinates.force[:, -number:], kept @ place, kept @ speed, rigid
-    )
+    number, coordinates = len(shape), motion.coordinates
+    position, speed = motion.reading
+    rigid = np.zeros((0, number)) if motion.rigid is None else motion.rigid.force[:, -number:]
+    kept = shape[:, len(rigid) :]
+    force = coordinates.force[:, -number:]
+    return Interfaces(coordinates.root, force, kept @ position, kept @ speed, rigid)
 
 
 @dataclass(frozen=True)
@@ -67,78 +59,49 @@ class Place:
     turning: FloatArray
     y: ComplexArray  # (coordinates,)
 
-    @classmethod
-    def still(cls, train: Interfaces) -> "Place":
-        """Nothing moves."""
-        none = np.zeros(len(train.rigid))
-        return cls(none, none, np.zeros(len(train.root), dtype=complex))
-
 
 @dataclass(frozen=True)
 class Influence:
     """What torques at the nodes of a step of one length do, and how its start goes on."""
 
-    length: float  # s
     decay: ComplexArray  # (coordinates, ends)
     answer: ComplexArray  # (coordinates, ends, nodes) s, of a force of 1 at one node
     once: FloatArray  # (ends, nodes) s, first integral
     twice: FloatArray  # (ends, nodes) s2
-    moved: Known  # (interfaces, ends, interfaces, nodes) rad/(N m) and so on
-
-    def after(self, train: Interfaces, start: Place, torque: FloatArray) -> Place:
-        """At the end of the step, from torques (interfaces, nodes)."""
-        acting = train.rigid @ torque
-        turned = start.turned + self.length * start.turning + acting @ self.twice[-1]
-        y = self.decay[:, -1] * start.y + ((train.force @ torque) * self.answer[:, -1]).sum(axis=1)
-        return Place(turned, start.turning + acting @ self.once[-1], y)
+    turning: Turning  # each (interfaces, ends, interfaces, nodes), rad/(N m) and so on
 
 
 def influence(train: Interfaces, length: float) -> Influence:
-    """Of a step of that length."""
+    """Return the influence of torques on a step of a length (s)."""
     root, rigid = train.root, train.rigid
     z = np.asarray(np.multiply.outer(root, length * ENDS), dtype=complex)
-    every = np.repeat(SERIES, len(ENDS), axis=1)[
+    series = np.repeat(SERIES, len(ENDS), axis=1)[
         :, None
-    ]  # of a torque of 1 at each node, to every end
-    ones = np.ones((len(root), 1))
-    answer = np.tile(length * ENDS, POINTS) * answers(
-        np.tile(z, POINTS), np.tile(ENDS, POINTS), ones, every
-    )
+    ]  # a torque of 1 at each node, to all ends
+    shares, unit = np.tile(ENDS, POINTS), np.ones((len(root), 1))
+    answer = length * shares * answers(np.tile(z, POINTS), shares, unit, series)
     answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
-    once, twice = (
-        np.array(rows)
-        for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True)
-    )
-    once, twice = length * once.T, length**2 * twice.T
+    pairs = zip(*(integrals(column[:, None], ENDS) for column in SERIES.T), strict=True)
+    once, twice = (np.array(rows).T for rows in pairs)
+    once, twice = length * once, length**2 * twice
     at_once = np.concatenate([np.eye(POINTS), value(SERIES[:, :, None], ENDS[-1:]).T])
     growth = root[:, None, None] * answer + at_once
-    rates = [
-        np.real(np.einsum("en,ncl,nf->ecfl", read, own, train.force, optimize=True))
-        for read, own in ((train.angle, answer), (train.speed, answer), (train.speed, growth))
-    ]
-    turns = [
-        np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True)
-        for own in (twice, once, at_once)
-    ]
-    angle, speed, acceleration = (rate + turn for rate, turn in zip(rates, turns, strict=True))
-    return Influence(length, np.exp(z), answer, once, twice, (angle, speed, acceleration))
-
-
-def going_on(train: Interfaces, start: Place, own: Influence) -> Known:
-    """Angle, speed and acceleration (interfaces, ends) without torques in the step; speeds and so on in that order."""
-    y = own.decay * start.y[:, None]
-    turning = np.broadcast_to(start.turning[:, None], (len(start.turning), len(ENDS)))
-    turned = start.turned[:, None] + own.length * start.turning[:, None] * ENDS
-    angle, speed = (
-        train.rigid.T @ turned + np.real(train.angle @ y),
-        train.rigid.T @ turning + np.real(train.speed @ y),
+    rows = (
+        (train.angle, answer, twice),
+        (train.speed, answer, once),
+        (train.speed, growth, at_once),
     )
-    return angle, speed, np.real(train.speed @ (train.root[:, None] * y))
+    angle, speed, acceleration = (
+        np.real(np.einsum("en,ncl,nf->ecfl", read, elastic, train.force, optimize=True))
+        + np.einsum("me,cl,mf->ecfl", rigid, turned, rigid, optimize=True)
+        for read, elastic, turned in rows
+    )
+    return Influence(np.exp(z), answer, once, twice, (angle, speed, acceleration))
 
 
 @dataclass(frozen=True)
 class Steps:
-    """The whole motion: to be read at any time."""
+    """All steps of a motion: to be read at any time."""
 
     train: Interfaces
     begin: FloatArray  # (steps,) s
@@ -158,12 +121,12 @@ class Steps:
         return self.turned[step].T + turning * since + twice * length**2, turning + once * length, y
 
     def torque(self, time: FloatArray) -> FloatArray:
-        """(interfaces, times) N m."""
+        """Torques at the interfaces, (interfaces, times) N m."""
         _, _, share, series = self._within(time)
         return value(series, share)
 
     def torque_rate(self, time: FloatArray) -> FloatArray:
-        """(interfaces, times) N m/s."""
+        """Rates of the torques at the interfaces, (interfaces, times) N m/s."""
         step, _, share, series = self._within(time)
         return np.asarray(value(legendre.legder(series), share) * (2.0 / self.length[step]))
 
@@ -174,83 +137,125 @@ class Steps:
         return step, since, since / self.length[step], np.moveaxis(self.series[step], 0, 2)
 
 
-def steps(train: Interfaces, rows: list[tuple[float, float, Place, FloatArray]]) -> Steps:
-    """From begin, length, start and torques at the nodes (interfaces, nodes) of every step."""
-    begin, length, start, torque = zip(*rows, strict=True)
-    series = np.array([SERIES @ one.T for one in torque])
-    turned, turning = (
-        np.array([getattr(one, name) for one in start]) for name in ("turned", "turning")
-    )
-    y = np.array([one.y for one in start])
-    return Steps(train, np.array(begin), np.array(length), turned, turning, y, series)
-
-
 @dataclass
 class StepsTaken:
-    """A linear train beside a given motion, moved step by step: a LinearTrain."""
+    """A linear train beside a given motion, moved step by step: a LinearTrain of `collocation`.
+
+    given: angle, speed, acceleration of the interfaces at times.
+    """
 
     train: Interfaces
-    given: Callable[[FloatArray], Known]
+    given: Callable[[FloatArray], Turning]
+    # begin, length, start and torques at the nodes (interfaces, nodes) of every step
     rows: list[tuple[float, float, Place, FloatArray]] = field(default_factory=list)
     influences: dict[float, Influence] = field(default_factory=dict)
     start: Place = field(init=False)
     parts: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        self.start, self.parts = Place.still(self.train), np.zeros((self.number, 1))
+        still = np.zeros(len(self.train.rigid))
+        self.start = Place(still, still, np.zeros(len(self.train.root), dtype=complex))
+        self.parts = np.zeros((self.number, 1))
 
     @property
     def number(self) -> int:
-        return self.train.number
+        return len(self.train.angle)
 
     @property
     def at_once(self) -> FloatArray:
         return self.train.at_once
 
-    @property
-    def whole(self) -> Steps:
-        """All steps."""
-        return steps(self.train, self.rows)
+    def steps(self, rows: list[tuple[float, float, Place, FloatArray]] | None = None) -> Steps:
+        """All steps, or those of some rows."""
+        begin, length, position, torque = zip(*(rows or self.rows), strict=True)
+        turned, turning = (
+            np.array([getattr(start, name) for start in position]) for name in ("turned", "turning")
+        )
+        y = np.array([start.y for start in position])
+        series = np.array([SERIES @ nodes.T for nodes in torque])
+        return Steps(self.train, np.array(begin), np.array(length), turned, turning, y, series)
 
-    def influence(self, length: float) -> Known:
-        return self._of(length).moved
+    def influence(self, length: float) -> Turning:
+        return self._influence(length).turning
 
-    def _of(self, length: float) -> Influence:
-        """Kept by length."""
+    def _influence(self, length: float) -> Influence:
+        """Return the influence on steps of a length, kept for the next."""
         if length not in self.influences:
-            if len(self.influences) > 64:
+            if len(self.influences) > MOST_KEPT:
                 self.influences.clear()
             self.influences[length] = influence(self.train, length)
         return self.influences[length]
 
-    def going_on(self, time: float, length: float) -> Known:
-        own, given = (
-            going_on(self.train, self.start, self._of(length)),
-            self.given(time + length * ENDS),
-        )
+    def going_on(self, time: float, length: float) -> Turning:
+        train, start = self.train, self.start
+        given = self.given(time + length * ENDS)
         self.parts = np.abs(given[1]).max(axis=1, keepdims=True)
-        angle, speed, acceleration = (one + two for one, two in zip(own, given, strict=True))
-        return angle, speed, acceleration
-
-    def now(self, time: float) -> Known:
-        place = self.start
-        return self._beside(
-            np.array([time]), place.turned[:, None], place.turning[:, None], place.y[:, None]
+        y = self._influence(length).decay * start.y[:, None]
+        turning = start.turning[:, None]
+        turned = start.turned[:, None] + length * turning * ENDS
+        moved = (
+            train.rigid.T @ turned + np.real(train.angle @ y),
+            train.rigid.T @ turning + np.real(train.speed @ y),
+            np.real(train.speed @ (train.root[:, None] * y)),
         )
+        return moved[0] + given[0], moved[1] + given[1], moved[2] + given[2]
 
-    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Known:
-        at = time + share * length
-        return self._beside(at, *steps(self.train, [(time, length, self.start, torque)]).at(at))
+    def at_begin(self, time: float) -> Turning:
+        turned, turning, y = self.start.turned, self.start.turning, self.start.y
+        return self._with_given(np.array([time]), turned[:, None], turning[:, None], y[:, None])
 
-    def _beside(
+    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
+        times = time + share * length
+        return self._with_given(times, *self.steps([(time, length, self.start, torque)]).at(times))
+
+    def _with_given(
         self, time: FloatArray, turned: FloatArray, turning: FloatArray, y: ComplexArray
-    ) -> Known:
-        """With the given motion, of which alone the acceleration is."""
+    ) -> Turning:
+        """Together with the given motion, whose acceleration is the only one known."""
         train, (angle, speed, acceleration) = self.train, self.given(time)
         angle = angle + train.rigid.T @ turned + np.real(train.angle @ y)
         return angle, speed + train.rigid.T @ turning + np.real(train.speed @ y), acceleration
 
     def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
-        self.rows.append((time, length, self.start, torque))
-        self.start = self._of(length).after(self.train, self.start, torque)
+        start, effect = self.start, self._influence(length)
+        self.rows.append((time, length, start, torque))
+        acting = self.train.rigid @ torque
+        turned = start.turned + length * start.turning + acting @ effect.twice[-1]
+        driven = ((self.train.force @ torque) * effect.answer[:, -1]).sum(axis=1)
+        y = effect.decay[:, -1] * start.y + driven
+        self.start = Place(turned, start.turning + acting @ effect.once[-1], y)
         return end
+
+
+@dataclass(frozen=True)
+class DrivenMotion(Motion):
+    """The motion of a train under given torques and under such as follow it, which are the last loads."""
+
+    steps: Steps
+
+    @property
+    def cuts(self) -> FloatArray:
+        """(cuts,) s, where the torques have kinks."""
+        return np.union1d(super().cuts, self.steps.begin)
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places and speeds (rigid motions + modes, times) at times >= 0 (s) that ascend."""
+        position, speed = super().at(time)
+        turned, turning, y = self.steps.at(time)
+        elastic, vibrating = self.modal(y)
+        return (
+            position + np.concatenate([turned, elastic]),
+            speed + np.concatenate([turning, vibrating]),
+        )
+
+    def loads_at(self, time: FloatArray) -> FloatArray:
+        """Torques of the loads, with those that follow the motion: (loads, times) N m."""
+        return self._with_steps(super().loads_at(time), self.steps.torque(time))
+
+    def load_rates_at(self, time: FloatArray) -> FloatArray:
+        """Rates of these torques, (loads, times) N m/s."""
+        return self._with_steps(super().load_rates_at(time), self.steps.torque_rate(time))
+
+    def _with_steps(self, given: FloatArray, following: FloatArray) -> FloatArray:
+        given[len(given) - len(following) :] = following
+        return given

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.kernels.motion.first_root import first_root, value
+from torsion.kernels.motion.first_root import first_root
 
 STEPS = 64  # of a block
 PARTS = 4  # in a step; a power of 2
@@ -39,7 +39,6 @@ class Regime:
     torque: FloatArray  # (elements, states) N m, of every element
     elastic: FloatArray  # (elements, states) sqrt(N m): half its square is the energy stored in the element
     step: float  # s
-    catches_dips: bool = True
 
     @cached_property
     def part(self) -> float:
@@ -49,10 +48,10 @@ class Regime:
     @cached_property
     def _low(self) -> FloatArray:
         """(DEPTH + 1, states, states) powers of A part."""
-        whole = [np.eye(len(self.matrix)), self.matrix * self.part]
+        powers = [np.eye(len(self.matrix)), self.matrix * self.part]
         for _ in range(DEPTH - 1):
-            whole.append(whole[-1] @ whole[1])
-        return np.array(whole)
+            powers.append(powers[-1] @ powers[1])
+        return np.array(powers)
 
     @cached_property
     def _wide(self) -> FloatArray:
@@ -62,29 +61,23 @@ class Regime:
     @cached_property
     def _gains(self) -> list[FloatArray]:
         """(states, states) exp(A part) - 1, which knows slow motions better than exp, and on to twice the time."""
-        low, found = self._low, np.zeros_like(self.matrix)
+        low, gain = self._low, np.zeros_like(self.matrix)
         for first in range(TERMS - DEPTH, -1, -DEPTH):
             weight = 1.0 / FACTORIALS[first : first + DEPTH]
-            found = np.tensordot(weight[not first :], low[not first : -1], axes=1) + low[-1] @ found
-        return [found]
+            gain = np.tensordot(weight[not first :], low[not first : -1], axes=1) + low[-1] @ gain
+        return [gain]
 
     def _gain(self, level: int) -> FloatArray:
         """(states, states) exp(A part 2**level) - 1."""
         while len(self._gains) <= level:
-            self._gains.append(2.0 * self._gains[-1] + self._gains[-1] @ self._gains[-1])
+            gain = self._gains[-1]
+            self._gains.append(2.0 * gain + gain @ gain)
         return self._gains[level]
 
     @cached_property
-    def _wholes(self) -> list[FloatArray]:
-        return []
-
-    def _whole(self, level: int) -> FloatArray:
-        """(states, states) the transpose of exp(A part 2**level)."""
-        while len(self._wholes) <= level:
-            self._wholes.append(
-                np.ascontiguousarray(self._gain(len(self._wholes)).T) + np.eye(len(self.matrix))
-            )
-        return self._wholes[level]
+    def _transposed(self) -> dict[int, FloatArray]:
+        """(states, states) the transpose of exp(A part 2**level), by level."""
+        return {}
 
     def over_step(self, z: FloatArray) -> FloatArray:
         """States (states, columns) after one step."""
@@ -93,31 +86,25 @@ class Regime:
     @cached_property
     def _tests(self) -> FloatArray:
         """(states, tests * functions): every function at both ends of a part, and where the tangents there lead."""
-        rise = self.events @ self._low[1]
-        first, last = [self.events], [self.events]
-        if self.catches_dips:
-            first, last = [*first, self.events + rise], [*last, self.events - rise]
-        return np.ascontiguousarray(
-            np.concatenate([*first, *(one + one @ self._gain(0) for one in last)]).T
-        )
+        events, rise = self.events, self.events @ self._low[1]
+        last = (row + row @ self._gain(0) for row in (events, events - rise))
+        return np.ascontiguousarray(np.concatenate([events, events + rise, *last]).T)
 
     @cached_property
     def _polynomials(self) -> FloatArray:
         """(functions, TERMS, states): of the polynomials over a part, in shares of it."""
-        group = self.events @ self._low[:-1]  # (DEPTH, functions, states)
-        rows = [group]
+        rows = [self.events @ self._low[:-1]]  # (DEPTH, functions, states)
         for _ in range(DEPTH - 1):
             rows.append(rows[-1] @ self._low[-1])
-        return np.ascontiguousarray(
-            (np.concatenate(rows) / FACTORIALS[:, None, None]).transpose(1, 0, 2)
-        )
+        terms = np.concatenate(rows) / FACTORIALS[:, None, None]
+        return np.ascontiguousarray(terms.transpose(1, 0, 2))
 
     @cached_property
     def _sizes(self) -> FloatArray:
-        """(functions, states)."""
+        """Magnitudes of the rows of the switching functions, (functions, states)."""
         return np.abs(self.events)
 
-    def _at(self, z: FloatArray, part: int) -> FloatArray:
+    def _after_parts(self, z: FloatArray, part: int) -> FloatArray:
         """The state after a number of parts."""
         for level in range(part.bit_length()):
             if part >> level & 1:
@@ -126,19 +113,22 @@ class Regime:
 
     def _begins(self, z: FloatArray, number: int) -> FloatArray:
         """(number, states) at the begin of as many parts from a state on."""
-        found, known, level = np.empty((number, len(z))), 1, 0
-        found[0] = z
-        while known < number:
-            more = min(known, number - known)
-            found[:more].dot(self._whole(level), out=found[known : known + more])
-            known, level = known + more, level + 1
-        return found
+        begins, filled, level = np.empty((number, len(z))), 1, 0
+        begins[0] = z
+        while filled < number:
+            if level not in self._transposed:
+                gain = np.ascontiguousarray(self._gain(level).T)
+                self._transposed[level] = gain + np.eye(len(z))
+            added = min(filled, number - filled)
+            begins[:added].dot(self._transposed[level], out=begins[filled : filled + added])
+            filled, level = filled + added, level + 1
+        return begins
 
     def after(self, z: FloatArray, time: float) -> FloatArray:
         """The state after a time of one block at most."""
         part = min(int(time / self.part), BLOCK - 1)
         rows, last = np.empty((DEPTH, len(z))), self._low[-1]
-        rows[0] = self._at(z, part)
+        rows[0] = self._after_parts(z, part)
         for row in range(1, DEPTH):
             last.dot(rows[row - 1], out=rows[row])
         weight = max(time / self.part - part, 0.0) ** ORDERS / FACTORIALS
@@ -147,16 +137,16 @@ class Regime:
 
     def moved(self, z: FloatArray, time: FloatArray) -> FloatArray:
         """States (states, columns), each after a time (columns,) of one block at most."""
-        whole = np.minimum((time / self.part).astype(int), BLOCK - 1)
+        parts = np.minimum((time / self.part).astype(int), BLOCK - 1)
         start = z.copy()
-        for level in range(int(whole.max(initial=0)).bit_length()):
-            here = (whole >> level & 1).astype(bool)
-            if here.any():
-                start[:, here] += self._gain(level) @ start[:, here]
-        share, found = np.maximum(time / self.part - whole, 0.0), start
+        for level in range(int(parts.max(initial=0)).bit_length()):
+            columns = (parts >> level & 1).astype(bool)
+            if columns.any():
+                start[:, columns] += self._gain(level) @ start[:, columns]
+        share, moved = np.maximum(time / self.part - parts, 0.0), start
         for power in range(TERMS - 1, 0, -1):
-            found = start + self._low[1] @ found * (share / power)
-        return found
+            moved = start + self._low[1] @ moved * (share / power)
+        return moved
 
     def first_event(self, z: FloatArray, time: float) -> tuple[float, int] | None:
         """When within a time of one block at most a switching function falls below zero, and which."""
@@ -164,38 +154,34 @@ class Regime:
         for first, last in pairwise(LOOKS):
             if first >= number:
                 break
-            begins = self._begins(self._at(z, first), min(last, number) - first)
+            begins = self._begins(self._after_parts(z, first), min(last, number) - first)
             below = begins.dot(self._tests) <= 0.0
             for part in below.any(axis=1).nonzero()[0].tolist():
                 functions = {test % len(self.events) for test in below[part].nonzero()[0].tolist()}
-                found = self._root(begins[part], functions)
-                if found is not None and (late := (first + part + found[0]) * self.part) <= time:
-                    return late, found[1]
+                root = self._root(begins[part], functions)
+                if root is not None and (late := (first + part + root[0]) * self.part) <= time:
+                    return late, root[1]
         return None
 
     def _root(self, z: FloatArray, functions: set[int]) -> tuple[float, int] | None:
         """The first root within a part, in shares of it, of some of the functions."""
         size, best = np.abs(z), None
-        for which in functions:
-            polynomial = self._polynomials[which].dot(z).tolist()
-            rounding = ROUNDING * max(map(abs, polynomial)) + EXACT * float(
-                self._sizes[which].dot(size)
-            )
-            if not self.catches_dips and value(polynomial, 1.0) >= -rounding:
-                continue
-            share = first_root(polynomial, rounding)
+        for function in functions:
+            polynomial = self._polynomials[function].dot(z).tolist()
+            terms = float(self._sizes[function].dot(size))
+            share = first_root(polynomial, ROUNDING * max(map(abs, polynomial)) + EXACT * terms)
             if share is not None and (best is None or share < best[0]):
-                best = share, which
+                best = share, function
         return best
 
 
 def fastest(matrix: FloatArray) -> float:
     """No less than the spectral radius of a matrix, and little more: the root of the norm of a high power of it."""
-    known, power = 0.0, matrix
+    logarithm, power = 0.0, matrix
     for squaring in range(SQUARINGS + 1):
         size = float(np.linalg.norm(power))
         if not size:
             return 0.0
-        known += math.log(size) / 2.0**squaring
+        logarithm += math.log(size) / 2.0**squaring
         power = power / size @ (power / size)
-    return math.exp(known)
+    return math.exp(logarithm)

@@ -33,11 +33,11 @@ class FirstOrder:
 
     def at(self, time: FloatArray) -> ComplexArray:
         """(coordinates, times) at times >= 0 (s) that ascend."""
-        found = np.empty((len(self.root), len(time)), dtype=complex)
-        for interval, here, since in intervals(self.history, time):
+        y = np.empty((len(self.root), len(time)), dtype=complex)
+        for interval, columns, since in intervals(self.history, time):
             terms = self.history.terms[interval]
-            found[:, here] = _answer(self.root, self.force, self.state[interval], terms, since)
-        return found
+            y[:, columns] = _answer(self.root, self.force, self.state[interval], terms, since)
+        return y
 
 
 def first_order(
@@ -69,17 +69,17 @@ def _answer(
 ) -> ComplexArray:
     """(coordinates, times) from a state, at times (s) counted from it."""
     decay = np.exp(np.multiply.outer(root, time))
-    found = state[:, None] * decay
+    y = state[:, None] * decay
     for rate in dict.fromkeys(term.rate for term in terms):
         alike = [term for term in terms if term.rate == rate]
         loads = [term.load for term in alike]
         level, slope = (force[:, loads] @ np.array([[term.level, term.slope] for term in alike])).T
         rises = bool(slope.any())
         first, second = _integrals(root, rate, time, decay, rises=rises)
-        found += level[:, None] * first
+        y += level[:, None] * first
         if rises:
-            found += slope[:, None] * second
-    return found
+            y += slope[:, None] * second
+    return y
 
 
 def _integrals(
@@ -116,23 +116,22 @@ class RigidMotion:
 
     force: FloatArray  # (motions, loads)
     history: History
-    state: FloatArray  # (intervals, motions, 2): place and speed
+    state: FloatArray  # (intervals, motions, 2): position and speed
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Place and speed (motions, times) at times >= 0 (s) that ascend."""
-        found = np.empty((2, len(self.force), len(time)))
-        for interval, here, since in intervals(self.history, time):
-            found[:, :, here] = _moved(
-                self.force, self.state[interval], self.history.terms[interval], since
-            )
-        return found[0], found[1]
+        """Position and speed (motions, times) at times >= 0 (s) that ascend."""
+        moved = np.empty((2, len(self.force), len(time)))
+        for interval, columns, since in intervals(self.history, time):
+            terms = self.history.terms[interval]
+            moved[:, :, columns] = _moved(self.force, self.state[interval], terms, since)
+        return moved[0], moved[1]
 
 
 def rigid_motion(
-    force: FloatArray, history: History, place: FloatArray, speed: FloatArray
+    force: FloatArray, history: History, position: FloatArray, speed: FloatArray
 ) -> RigidMotion:
-    """The motion from a place and speed (motions,) at time 0."""
-    states = [np.stack([place, speed], axis=1)]
+    """The motion from a position and speed (motions,) at time 0."""
+    states = [np.stack([position, speed], axis=1)]
     for length, terms in zip(np.diff(history.begin), history.terms, strict=False):
         states.append(_moved(force, states[-1], terms, np.array([length]))[:, :, 0].T)
     return RigidMotion(force, history, np.array(states))
@@ -141,16 +140,14 @@ def rigid_motion(
 def _moved(
     force: FloatArray, state: FloatArray, terms: tuple[Term, ...], time: FloatArray
 ) -> FloatArray:
-    """(2, motions, times) place and speed, at times (s) counted from a state."""
-    place, speed = (
-        state[:, :1] + state[:, 1:] * time,
-        np.broadcast_to(state[:, 1:], (len(state), len(time))),
-    )
+    """(2, motions, times) position and speed, at times (s) counted from a state."""
+    position = state[:, :1] + state[:, 1:] * time
+    speed = np.broadcast_to(state[:, 1:], position.shape)
     for term in terms:
         acting = force[:, [term.load]]
         once, twice = _integrals_of_rigid(term, time)
-        place, speed = place + acting * twice.real, speed + acting * once.real
-    return np.stack([place, speed])
+        position, speed = position + acting * twice.real, speed + acting * once.real
+    return np.stack([position, speed])
 
 
 def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -159,16 +156,14 @@ def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, Com
         level, gained = term.level, term.slope * time
         return time * (level + gained / 2.0), time**2 * (level / 2.0 + gained / 6.0)
     zero, rate = np.zeros(1, dtype=complex), term.rate
-    one, ramp = (
-        row[0] for row in _integrals(zero, rate, time, np.ones((1, len(time)), dtype=complex))
-    )
+    unit = np.ones((1, len(time)), dtype=complex)
+    first, ramp = (row[0] for row in _integrals(zero, rate, time, unit))
     near = np.abs(rate * time) < SMALL
-    divisor = rate or 1.0
-    # integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p
-    of_one = (one - time) / divisor
-    of_ramp = (ramp - of_one) / divisor
+    # Integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p.
+    of_first = (first - time) / rate
+    of_ramp = (ramp - of_first) / rate
     if near.any():
         small, late = rate * time[near], time[near]
-        of_one[near] = late**2 * (_series(small, 0) - _series(small, 1))
+        of_first[near] = late**2 * (_series(small, 0) - _series(small, 1))
         of_ramp[near] = late**3 * (_series(small, 1) - _series(small, 2))
-    return term.level * one + term.slope * ramp, term.level * of_one + term.slope * of_ramp
+    return term.level * first + term.slope * ramp, term.level * of_first + term.slope * of_ramp

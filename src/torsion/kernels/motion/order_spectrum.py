@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.sources import source
 
 ROUNDS = 60  # of Newton's method within brackets, which halve
@@ -33,10 +33,10 @@ def phasors(values: FloatArray, first: FloatArray, revolutions: int, highest: in
     values: (windows, samples). first: (windows,) rad, the angle at the begin of each window.
     """
     count = values.shape[1]
-    found = np.fft.rfft(values * hann(count), axis=1)[:, : highest + 1] * (2.0 / count)
-    found[:, 0] /= 2.0
+    spectrum = np.fft.rfft(values * hann(count), axis=1)[:, : highest + 1] * (2.0 / count)
+    spectrum[:, 0] /= 2.0
     return np.asarray(
-        found * np.exp(-1j * np.multiply.outer(first, np.arange(highest + 1) / revolutions))
+        spectrum * np.exp(-1j * np.multiply.outer(first, np.arange(highest + 1) / revolutions))
     )
 
 
@@ -58,26 +58,26 @@ def phasors_of(
 def times_at(
     angle: FloatArray,
     time: FloatArray,
-    known: FloatArray,
+    sampled: FloatArray,
     turned: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
 ) -> FloatArray:
     """(angles,) s at which a rising angle has values that ascend: Newton's method, halving where it leaves its bracket.
 
-    time, known: samples of the angle, which rise. turned: angle and speed at times that ascend.
+    time, sampled: samples of the angle, which rise. turned: angle and speed at times that ascend.
     """
-    place: IntArray = np.clip(np.searchsorted(known, angle, side="right") - 1, 0, len(time) - 2)
-    low, high = time[place].copy(), time[place + 1].copy()
-    share = (angle - known[place]) / (known[place + 1] - known[place])
-    found = low + np.clip(share, 0.0, 1.0) * (high - low)
-    near = SETTLED * float(np.abs(known).max())
+    left = np.clip(np.searchsorted(sampled, angle, side="right") - 1, 0, len(time) - 2)
+    low, high = time[left].copy(), time[left + 1].copy()
+    share = (angle - sampled[left]) / (sampled[left + 1] - sampled[left])
+    times = low + np.clip(share, 0.0, 1.0) * (high - low)
+    near = SETTLED * float(np.abs(sampled).max())
     for _ in range(ROUNDS):
-        there, speed = turned(found)
-        late = there - angle
+        reached, speed = turned(times)
+        late = reached - angle
         if (np.abs(late) <= near).all():
             break
-        low, high = np.where(late <= 0.0, found, low), np.where(late >= 0.0, found, high)
+        low, high = np.where(late <= 0.0, times, low), np.where(late >= 0.0, times, high)
         step = np.divide(late, speed, out=np.full(len(late), np.inf), where=speed > 0.0)
-        better = found - step
+        better = times - step
         inside = (better >= low) & (better <= high)
-        found = np.maximum.accumulate(np.where(inside, better, (low + high) / 2.0))
-    return found
+        times = np.maximum.accumulate(np.where(inside, better, (low + high) / 2.0))
+    return times

@@ -47,39 +47,40 @@ class Switch:
 
 @dataclass(frozen=True)
 class Clearance:
-    """A spring with play: T = k (x - s half) + c u' in contact on side s, 0 between."""
+    """A spring with play: T = k (x - s half) + c u' in contact on side s, 0 between.
 
-    ends: FloatArray  # (modes,) rad, relative angle of its ends in every mode
+    Regimes: 0 open, +-1 contact, +-2 leaving.
+    """
+
+    ends: FloatArray  # (rigid motions + modes,) rad, relative angle of its ends in every motion
     stiffness: float  # N m/rad
     half: float  # rad, half the play
     viscous: float = 0.0  # N m s/rad
 
     @property
     def loses(self) -> bool:
-        """It makes heat."""
+        """Whether the element makes heat of its own."""
         return self.viscous > 0.0
 
     def law(self, regime: int) -> Law:
-        """0 open, +-1 contact, +-2 leaving."""
+        """What gives its torque in a regime."""
         side = int(np.sign(regime))
         return Law(("free", "spring", "parted")[abs(regime)], True, side * self.half)
 
     def switches(self, regime: int) -> tuple[Switch, ...]:
-        """Of a regime."""
+        """The conditions that end a regime."""
         side = int(np.sign(regime))
         if regime == 0:
-            return Switch("twist", -1.0, 1, self.half), Switch("twist", 1.0, -1, self.half)
+            return _closing(self.half)
         if abs(regime) == 1:
             return (Switch("torque", side, 2 * side if self.viscous else 0),)
         return Switch("twist", side, 0, -self.half), Switch("contact", -side, side)
 
     def settled(self, old: int, new: int) -> float | None:
         """x (rad) at a switch where it is known exactly."""
-        return (
-            None
-            if 2 in (abs(old), abs(new)) and 0 not in (old, new)
-            else float(np.sign(old + new)) * self.half
-        )
+        if 2 in (abs(old), abs(new)) and 0 not in (old, new):
+            return None
+        return float(np.sign(old + new)) * self.half
 
     def word(self, old: int, new: int) -> str:
         """What a switch is called; empty for one that nobody needs to know of."""
@@ -90,7 +91,10 @@ class Clearance:
 
 @dataclass(frozen=True)
 class Friction:
-    """A spring in series with a slider: T = k x, |T| <= capacity; k infinite: the slider alone."""
+    """A spring in series with a slider: T = k x, |T| <= capacity; k infinite: the slider alone.
+
+    Regimes: 0 stick, +-1 slip, OPEN without capacity.
+    """
 
     ends: FloatArray
     stiffness: float
@@ -99,7 +103,6 @@ class Friction:
     loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
-        """0 stick, +-1 slip, OPEN without capacity."""
         if regime == OPEN:
             return Law("free", False)
         if regime:
@@ -107,7 +110,6 @@ class Friction:
         return Law("stuck", False) if math.isinf(self.stiffness) else Law("spring", True)
 
     def switches(self, regime: int) -> tuple[Switch, ...]:
-        """Of a regime."""
         if regime == OPEN:
             return ()
         if regime:
@@ -115,17 +117,18 @@ class Friction:
         return Switch("torque", -1.0, 1, share=1.0), Switch("torque", 1.0, -1, share=1.0)
 
     def settled(self, old: int, new: int) -> float | None:
-        """Nothing: sticking begins with the torque of slipping."""
-        return None
+        return None  # sticking begins with the torque of slipping
 
     def word(self, old: int, new: int) -> str:
-        """What a switch is called."""
         return "stuck" if new == 0 else "open" if new == OPEN else "slip"
 
 
 @dataclass(frozen=True)
 class DelayedFriction:
-    """Friction that takes part beyond a play: x counts from the middle of the play, which slipping carries along."""
+    """Friction that takes part beyond a play: x counts from the middle of the play, which slipping carries along.
+
+    Regimes: 0 open, +-1 stick in contact, +-2 slip.
+    """
 
     ends: FloatArray
     stiffness: float
@@ -134,30 +137,31 @@ class DelayedFriction:
     loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
-        """0 open, +-1 stick in contact, +-2 slip."""
         side = int(np.sign(regime))
         if abs(regime) == 2:
             return Law("given", False, sign=side)
         return Law("spring" if regime else "free", True, side * self.half)
 
     def switches(self, regime: int) -> tuple[Switch, ...]:
-        """Of a regime."""
         side = int(np.sign(regime))
         if regime == 0:
-            return Switch("twist", -1.0, 1, self.half), Switch("twist", 1.0, -1, self.half)
+            return _closing(self.half)
         if abs(regime) == 1:
             return Switch("torque", -side, 2 * side, share=1.0), Switch("torque", side, 0)
         return (Switch("speed", side, side),)
 
     def settled(self, old: int, new: int) -> float | None:
-        """x (rad) where the faces meet or part."""
         return float(np.sign(old + new)) * self.half if 0 in (old, new) else None
 
     def word(self, old: int, new: int) -> str:
-        """What a switch is called."""
         if abs(new) == 2:
             return "slip"
         return "separation" if new == 0 else "stuck" if abs(old) == 2 else "contact"
+
+
+def _closing(half: float) -> tuple[Switch, ...]:
+    """Switches of an open play, to contact on either side."""
+    return Switch("twist", -1.0, 1, half), Switch("twist", 1.0, -1, half)
 
 
 Element = Clearance | Friction | DelayedFriction

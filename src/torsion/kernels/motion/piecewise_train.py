@@ -33,199 +33,170 @@ class PiecewiseTrain:
     elements: tuple[Element, ...]
     signals: Signals
     force: ComplexArray  # (rigid motions + modes, signals); the torque is Re(force * signal)
-    compliance: FloatArray | None = (
-        None  # (elements, elements) rad/(N m) of the modes that are left out
-    )
-    rest: ComplexArray | None = None  # (elements, signals) rad/(N m): their answer to the signals
+    # (elements, elements) rad/(N m) of the modes that are left out
+    compliance: FloatArray | None = None
+    # (elements, signals) rad/(N m): their answer to the signals
+    higher_answer: ComplexArray | None = None
 
     @property
     def rigid(self) -> int:
-        """Number of rigid motions."""
+        """How many rigid motions stand before the modes."""
         return len(self.damping) - len(self.w)
 
     @cached_property
     def layout(self) -> tuple[slice, slice, slice, slice, slice]:
         """Where x, w q, the speeds, the signals and the angles stand in a state; 1 stands last."""
         angles = self.rigid if self.signals.polynomials else 0
-        ends = np.cumsum(
-            [0, len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]
-        ).tolist()
-        x, place, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
-        return x, place, speed, signal, turned
+        sizes = [len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]
+        ends = np.cumsum([0, *sizes]).tolist()
+        x, position, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
+        return x, position, speed, signal, turned
 
     @property
     def size(self) -> int:
-        """Of a state."""
+        """How many states the train has, the constant 1 included."""
         return int(self.layout[4].stop) + 1
 
-    def at_first(self, twist: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
-        """(state,) from x (elements,) rad, places (modes,), speeds (rigid motions + modes,), without signals."""
+    def at_first(self, twist: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
+        """(state,) from x (elements,) rad, positions (modes,), speeds (rigid motions + modes,), without signals."""
         z = np.zeros(self.size)
-        for part, values in zip(
-            self.layout, (self.root * twist, self.w * place, speed), strict=False
-        ):
-            z[part] = values
-        z[-1] = 1.0
+        values = np.concatenate([self.root * twist, self.w * position, speed])
+        z[: len(values)], z[-1] = values, 1.0
         return z
 
     @cached_property
     def root(self) -> FloatArray:
         """(elements,) sqrt(N m/rad), by which x is scaled."""
-        return np.array(
-            [
-                math.sqrt(one.stiffness) if math.isfinite(one.stiffness) else 1.0
-                for one in self.elements
-            ]
-        )
+        stiffness = np.array([element.stiffness for element in self.elements])
+        return np.sqrt(np.where(np.isfinite(stiffness), stiffness, 1.0))
 
     @cached_property
     def ends(self) -> FloatArray:
         """(elements, rigid motions + modes) scaled."""
-        rows = np.array([one.ends for one in self.elements]).reshape(-1, len(self.damping))
-        return np.asarray(self.root[:, None] * rows)
+        rows = [element.ends for element in self.elements]
+        return np.asarray(self.root[:, None] * np.array(rows).reshape(-1, len(self.damping)))
 
     def rows(self, factor: ComplexArray | FloatArray) -> FloatArray:
         """(rows, state) of Re(factor (rows, signals) * signals)."""
-        found = np.zeros((len(factor), self.size))
+        rows = np.zeros((len(factor), self.size))
         real, imaginary = self.signals.rows
-        found[:, self.layout[3]] = factor.real @ real - factor.imag @ imaginary
-        return found
+        rows[:, self.layout[3]] = factor.real @ real - factor.imag @ imaginary
+        return rows
 
     @cached_property
     def unforced(self) -> FloatArray:
-        """(state, state) A without elements."""
-        matrix, (_, place, speed, signal, turned) = np.zeros((self.size, self.size)), self.layout
-        elastic = slice(speed.start + self.rigid, speed.stop)
-        matrix[place, elastic] = np.diag(self.w)
-        matrix[elastic, place] = -np.diag(self.w)
+        """Matrix A of the train without its elements, (state, state)."""
+        matrix, (_, position, speed, signal, turned) = np.zeros((self.size, self.size)), self.layout
+        elastic, angles = speed.start + self.rigid, turned.stop - turned.start
+        matrix[position, elastic : speed.stop] = np.diag(self.w)
+        matrix[elastic : speed.stop, position] = -np.diag(self.w)
         matrix[speed, speed] = -self.damping
         matrix[speed] += self.rows(self.force)
         matrix[signal, signal] = self.signals.matrix
-        matrix[turned, speed.start : speed.start + turned.stop - turned.start] = np.eye(
-            turned.stop - turned.start
-        )
+        matrix[turned, speed.start : speed.start + angles] = np.eye(angles)
         return matrix
 
     @cached_property
     def relative_speed(self) -> FloatArray:
-        """(elements, state) scaled."""
+        """Rows of the relative speed of the ends of each element, (elements, state), scaled."""
         return np.pad(self.ends, ((0, 0), (self.layout[2].start, self.size - self.layout[2].stop)))
 
     @cached_property
     def resting(self) -> FloatArray:
         """(elements, state) scaled twists that the modes left out add by themselves."""
-        if self.rest is None:
+        if self.higher_answer is None:
             return np.zeros((len(self.elements), self.size))
-        return np.asarray(self.root[:, None] * self.rows(self.rest))
+        return np.asarray(self.root[:, None] * self.rows(self.higher_answer))
 
     @cached_property
     def series(self) -> FloatArray:
         """(elements, elements) scaled compliance of the modes that are left out."""
-        size = len(self.elements)
-        return (
-            np.zeros((size, size))
-            if self.compliance is None
-            else self.root[:, None] * self.compliance * self.root
-        )
+        scale = np.multiply.outer(self.root, self.root)
+        return 0.0 * scale if self.compliance is None else self.compliance * scale
 
     @cached_property
     def capacity(self) -> FloatArray:
-        """(elements, state) N m."""
-        constant, chosen = (
-            np.zeros(len(self.elements)),
-            np.zeros((len(self.elements), self.signals.number)),
-        )
+        """Rows of the capacity of each element, (elements, state) N m; 0 of those without."""
+        chosen = np.zeros((len(self.elements), self.signals.number))
+        constant = np.array([getattr(element, "capacity", 0.0) for element in self.elements])
         for number, element in enumerate(self.elements):
             if isinstance(element, Friction) and element.signal is not None:
-                chosen[number, element.signal] = 1.0
-            elif not isinstance(element, Clearance):
-                constant[number] = element.capacity
+                chosen[number, element.signal], constant[number] = 1.0, 0.0
         rows = self.rows(chosen)
         rows[:, -1] = constant
         return rows
 
+    def lag(self, number: int) -> float:
+        """s, viscous damping of an element over its stiffness."""
+        element = self.elements[number]
+        return element.viscous / element.stiffness if isinstance(element, Clearance) else 0.0
 
-def regime(
-    train: PiecewiseTrain, state: State, *, longest: float, fineness: float, dips: bool
-) -> Regime:
+    def twisting(self, is_spring: list[bool]) -> FloatArray:
+        """(elements, state) scaled rates of the twists of elements, of which some are springs.
+
+        The modes left out take the share of it that their compliance has beside the springs; dampers change it little.
+        """
+        rate = self.relative_speed + self.resting @ self.unforced
+        if self.compliance is None:
+            return rate
+        return np.asarray(np.linalg.solve(np.eye(len(is_spring)) + self.series * is_spring, rate))
+
+
+def regime(train: PiecewiseTrain, state: State, *, longest: float, fineness: float) -> Regime:
     """The linear motion while every element stays in its regime; longest: s of a step at most."""
-    laws = [one.law(own) for one, own in zip(train.elements, state, strict=True)]
-    torque, elastic = _torques(train, laws)
+    pairs = list(zip(train.elements, state, strict=True))
+    laws = [element.law(mode) for element, mode in pairs]
+    offset = np.zeros((len(laws), train.size))
+    offset[:, -1] = [law.offset for law in laws] * train.root
+    torque, elastic = _torques(train, laws, offset)
     matrix = train.unforced.copy()
     matrix[train.layout[2]] -= train.ends.T @ torque
-    for number, law in enumerate(laws):
-        if law.moves:
-            matrix[number] = train.relative_speed[number]
-    twist, turning = elastic + _offsets(train, laws), train.relative_speed
+    moves = [number for number, law in enumerate(laws) if law.moves]
+    matrix[moves] = train.relative_speed[moves]
+    turning = train.relative_speed
     if train.compliance is not None:
         turning = turning + (train.resting - train.series @ torque) @ matrix
+    rows = _Rows(elastic + offset, torque, turning, laws)
     events = [
-        _function(train, number, switch, _Rows(twist, torque, turning, laws))
-        for number, (element, own) in enumerate(zip(train.elements, state, strict=True))
-        for switch in element.switches(own)
+        _switching_function(train, number, switch, rows)
+        for number, (element, mode) in enumerate(pairs)
+        for switch in element.switches(mode)
     ]
     inner = train.layout[3].start
     w = max(fastest(matrix[:inner, :inner]), train.signals.fastest)
     step = fineness * min(longest, RADIANS / w if w else math.inf)
-    for number, (law, element) in enumerate(zip(laws, train.elements, strict=True)):
+    for number, (law, (element, _)) in enumerate(zip(laws, pairs, strict=True)):
         if law.kind in ("free", "stuck") or math.isinf(element.stiffness):
             elastic[number] = 0.0
         elif law.kind == "given":
             elastic[number] = torque[number]
-    rows = np.array(events).reshape(-1, train.size)
-    return Regime(matrix, rows, torque * train.root[:, None], elastic, step, dips)
+    functions = np.array(events).reshape(-1, train.size)
+    return Regime(matrix, functions, torque * train.root[:, None], elastic, step)
 
 
-def _offsets(train: PiecewiseTrain, laws: list[Law]) -> FloatArray:
-    rows = np.zeros((len(laws), train.size))
-    rows[:, -1] = [law.offset for law in laws] * train.root
-    return rows
-
-
-def _torques(train: PiecewiseTrain, laws: list[Law]) -> tuple[FloatArray, FloatArray]:
+def _torques(
+    train: PiecewiseTrain, laws: list[Law], offset: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Rows (elements, state) of the scaled torques, and of the scaled twists without offset (free and spring)."""
     left, right = np.eye(len(laws)), np.zeros((len(laws), train.size))
-    elastic = train.resting - _offsets(train, laws)
+    elastic = train.resting - offset
     elastic[:, train.layout[0]] += np.eye(len(laws))
-    twisting = _twisting(train, laws)
+    twisting = train.twisting([law.kind == "spring" for law in laws])
     for number, law in enumerate(laws):
         if law.kind == "spring":
             left[number] += train.series[number]
-            right[number] = elastic[number] + _lag(train, number) * twisting[number]
+            right[number] = elastic[number] + train.lag(number) * twisting[number]
         elif law.kind == "given":
             right[number] = law.sign * train.capacity[number] / train.root[number]
         elif law.kind == "stuck":
             left[number] = train.ends @ train.ends[number]
             right[number] = train.ends[number] @ train.unforced[train.layout[2]]
     try:
-        torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
+        torque = np.asarray(np.linalg.solve(left, right)) if laws else right
     except np.linalg.LinAlgError:
-        message, hint = (
-            "rigid clutches are parallel to each other, and nothing divides their torque",
-            "give one a stiffness",
-        )
-        raise SolveError(message, hint) from None
+        message = "rigid clutches are parallel to each other, and nothing divides their torque"
+        raise SolveError(message, "give one a stiffness") from None
     return torque, elastic - train.series @ torque
-
-
-def _twisting(train: PiecewiseTrain, laws: list[Law], touching: int | None = None) -> FloatArray:
-    """(elements, state) scaled rates of the twists of elements, one more taken as `touching`.
-
-    The modes left out take the share of it that their compliance has beside the springs; dampers change it little.
-    """
-    rate = train.relative_speed + train.resting @ train.unforced
-    if train.compliance is None:
-        return rate
-    springs = np.array(
-        [law.kind == "spring" or number == touching for number, law in enumerate(laws)], dtype=float
-    )
-    return np.asarray(np.linalg.solve(np.eye(len(laws)) + train.series * springs, rate))
-
-
-def _lag(train: PiecewiseTrain, number: int) -> float:
-    """s, viscous damping of an element over its stiffness."""
-    element = train.elements[number]
-    return float(getattr(element, "viscous", 0.0)) / element.stiffness
 
 
 @dataclass(frozen=True)
@@ -238,26 +209,25 @@ class _Rows:
     laws: list[Law]
 
 
-def _function(train: PiecewiseTrain, number: int, switch: Switch, rows: _Rows) -> FloatArray:
+def _switching_function(
+    train: PiecewiseTrain, number: int, switch: Switch, rows: _Rows
+) -> FloatArray:
     """(state,) a switching function; its size is of no account."""
-    root = train.root[number]
-    if (
-        switch.of == "speed"
-    ):  # of the slider: that of the ends less what a changing capacity takes up in the spring
+    root, element = train.root[number], train.elements[number]
+    unit = 1.0 / root if switch.of in ("torque", "contact") else root
+    if switch.of == "speed":
+        # That of the slider: of the ends less what a changing capacity takes up in the spring.
         changing = train.capacity[number] @ train.unforced
-        row, unit = (
-            rows.turning[number]
-            - switch.factor * changing * root / train.elements[number].stiffness,
-            root,
-        )
+        row = rows.turning[number] - switch.factor * changing * root / element.stiffness
     elif switch.of == "torque":
-        row, unit = rows.torque[number], 1.0 / root
+        row = rows.torque[number]
     elif switch.of == "twist":
-        row, unit = rows.twist[number], root
+        row = rows.twist[number]
     else:  # the torque that contact would have
-        row = rows.twist[number] + _lag(train, number) * _twisting(train, rows.laws, number)[number]
-        offset = float(getattr(train.elements[number], "half", 0.0)) * root
-        row, unit = row - np.sign(-switch.factor) * offset * np.eye(train.size)[-1], 1.0 / root
+        springs = [law.kind == "spring" or k == number for k, law in enumerate(rows.laws)]
+        row = rows.twist[number] + train.lag(number) * train.twisting(springs)[number]
+        if isinstance(element, Clearance):
+            row[-1] += np.sign(switch.factor) * element.half * root
     function = switch.factor * row + switch.share * train.capacity[number] * unit
     function[-1] += switch.level * unit
     return np.asarray(function)

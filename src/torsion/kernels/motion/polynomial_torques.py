@@ -44,36 +44,38 @@ def answers(
     z: (coordinates, points); share: (points,); f is `force` (coordinates, torques) times the torques whose series are
     (coefficients, torques, points).
     """
-    found, size, least = np.empty(z.shape, dtype=complex), np.abs(z), 0.0
+    answer, size, lowest = np.empty(z.shape, dtype=complex), np.abs(z), 0.0
     far = (size >= FAR).any(axis=1)
     if far.any():
-        found[far] = _by_parts(np.where(size[far] < FAR, FAR, z[far]), share, force[far], series)
-    for most, points in RULES:
-        here = (size >= least) & (size < most)
-        if here.any():
-            found[here] = _by_quadrature(here, points, z, share, force, series)
-        least = most
-    return found
+        answer[far] = _by_parts(np.where(size[far] < FAR, FAR, z[far]), share, force[far], series)
+    for highest, points in RULES:
+        chosen = (size >= lowest) & (size < highest)
+        if chosen.any():
+            answer[chosen] = _by_quadrature(chosen, points, z, share, force, series)
+        lowest = highest
+    return answer
 
 
 def _by_quadrature(
-    here: BoolArray,
+    chosen: BoolArray,
     points: int,
     z: ComplexArray,
     share: FloatArray,
     force: np.ndarray,
     series: np.ndarray,
 ) -> ComplexArray:
-    """Of those alone that are flagged, by Gauss's rule of so many points."""
-    rows, columns = np.nonzero(here)
+    """The integrals that are chosen, by Gauss's rule of so many points."""
+    rows, columns = np.nonzero(chosen)
     used, columns = np.unique(columns, return_inverse=True)
-    z, share, series, forces = z[here], share[used], series[..., used], force[rows].T
+    z, share, series, forces = z[chosen], share[used], series[..., used], force[rows].T
     total, size = np.zeros(len(z), dtype=complex), max(1, BLOCK // len(z))
     nodes, weights = _gauss(points)
     for k in range(0, points, size):
-        at = nodes[k : k + size, None]
-        torques = value(series, at[..., None] * share)[..., columns]  # (nodes, torques, flagged)
-        total += weights[k : k + size] @ (np.sum(forces * torques, axis=1) * np.exp(z * (1.0 - at)))
+        node = nodes[k : k + size, None]
+        torques = value(series, node[..., None] * share)[..., columns]  # (nodes, torques, chosen)
+        total += weights[k : k + size] @ (
+            np.sum(forces * torques, axis=1) * np.exp(z * (1.0 - node))
+        )
     return total
 
 

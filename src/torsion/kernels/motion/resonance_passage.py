@@ -29,7 +29,7 @@ def share_of_steady(p: float) -> float:
     for _ in range(2):
         x = np.linspace(low, high, GRID)
         size = p * math.sqrt(math.pi / 2.0) * np.abs(wofz(1j * (p / (2.0 * turn) - turn * x)))
-        at = int(np.argmax(size))
-        best = float(size[at])
-        low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, GRID - 1)])
+        top = int(np.argmax(size))
+        best = float(size[top])
+        low, high = float(x[max(top - 1, 0)]), float(x[min(top + 1, GRID - 1)])
     return best

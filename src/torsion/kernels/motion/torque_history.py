@@ -8,7 +8,7 @@
 import cmath
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,23 +29,13 @@ class Piece:
         """The same from a later begin."""
         late = begin - self.begin
         factor = cmath.exp(self.rate * late)
-        return Piece(
-            begin,
-            self.end,
-            (self.level + self.slope * late) * factor,
-            self.slope * factor,
-            self.rate,
-        )
+        level = (self.level + self.slope * late) * factor
+        return replace(self, begin=begin, level=level, slope=self.slope * factor)
 
     def rate_of_change(self) -> "Piece":
         """Its derivative over time between its begin and its end."""
-        return Piece(
-            self.begin,
-            self.end,
-            self.slope + self.rate * self.level,
-            self.rate * self.slope,
-            self.rate,
-        )
+        level = self.slope + self.rate * self.level
+        return replace(self, level=level, slope=self.rate * self.slope)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +68,14 @@ def value(pieces: Iterable[Piece], time: FloatArray) -> FloatArray:
 
 def history(loads: Sequence[Sequence[Piece]]) -> History:
     """The pieces of every load, cut where any of them begins or ends."""
-    every = [piece for pieces in loads for piece in pieces]
-    ends = {piece.begin for piece in every} | {piece.end for piece in every}
+    ends = {end for pieces in loads for piece in pieces for end in (piece.begin, piece.end)}
     begin = np.unique([0.0, *(end for end in ends if 0.0 < end < math.inf)])
     terms: list[list[Term]] = [[] for _ in begin]
     for load, pieces in enumerate(loads):
         for piece in pieces:
             first, last = np.searchsorted(begin, (max(piece.begin, 0.0), piece.end)).tolist()
-            for at in range(first, last):
-                terms[at] += _complex_terms(load, piece.moved(float(begin[at])))
+            for interval in range(first, last):
+                terms[interval] += _complex_terms(load, piece.moved(float(begin[interval])))
     return History(begin, tuple(map(tuple, terms)))
 
 

@@ -8,82 +8,84 @@ from torsion.analyses.motion.order_tracking import TURNS, OrderTracking, Tracked
 from torsion.output.blocks import Block, Paragraph, table
 from torsion.output.figures import orders_over_speed
 from torsion.output.figures.figure import Axis
-from torsion.output.numbers import RPM, counted, degrees, given, number, rpm, scale
+from torsion.output.numbers import RPM, counted, degrees, given, number, scale
 
 MEAN = 2  # orders from 0 on in which, by the Hann window, the mean torque stands
 
 
-def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
+def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
     """What the tracking says; `name` is that of the motion."""
-    if found is None:
+    if tracking is None:
         return
-    if found.turns < TURNS:
-        text = f"{found.reference} makes {number(found.turns, 3)} revolutions; below {TURNS} no order is reported."
+    reference = tracking.reference
+    if tracking.turns < TURNS:
+        text = f"{reference} makes {number(tracking.turns, 3)} revolutions; below {TURNS} no order is reported."
         yield Paragraph(text, "note")
         return
-    left = (
-        f" {counted(found.left_out, 'window')} omitted: the samples do not resolve the motion."
-        * bool(found.left_out)
-    )
+    left = ""
+    if tracking.left_out:
+        omitted = counted(tracking.left_out, "window")
+        left = f" {omitted} omitted: the samples do not resolve the motion."
     yield Paragraph(
-        f"Order analysis of the torques at equal angles of {found.reference}, in {len(found.time)} windows of {TURNS} "
+        f"Order analysis of the torques at equal angles of {reference}, in {len(tracking.time)} windows of {TURNS} "
         f"revolutions (Hann); order resolution 1/{TURNS}. With half as many samples no amplitude changes by more than "
-        f"{number(found.aliased, 2)} of the maximum.{left}"
+        f"{number(tracking.aliased, 2)} of the maximum.{left}"
     )
-    rows = [row for one in found.each for row in _largest(found, one)]
-    if rows:
-        unit = scale("N m", [row[2] for row in rows])
-        titles = f"< Component | Order of {found.reference} | Maximum amplitude [{unit.unit}] | at [rpm] | at [s] | "
-        titles += "Phase [°]"
-        cells = [(element, order, unit.text(size), *more) for element, order, size, *more in rows]
-        yield table(
-            titles, cells, "Orders: maximum amplitude and phase against the angle of the reference"
+    rows = [
+        (
+            torque.element,
+            order,
+            float(torque.largest[k]),
+            float(tracking.speed[window]),
+            float(tracking.time[window]),
+            degrees(float(np.angle(torque.torque[window, k])), 3),
         )
-    for one in found.each:
-        yield from _figures(found, one, name)
+        for torque in tracking.each
+        for k, (order, window) in enumerate(
+            zip(tracking.order.tolist(), torque.window.tolist(), strict=True)
+        )
+    ]
+    if rows:
+        titles = f"< Component | Order of {reference} | Maximum amplitude [~N m] | at [rpm] | at [s] | Phase [°]"
+        text = "Orders: maximum amplitude and phase against the angle of the reference"
+        yield table(titles, rows, text)
+    for torque in tracking.each:
+        yield from _figures(tracking, torque, name)
 
 
-def _largest(
-    found: OrderTracking, one: TrackedTorque
-) -> Iterator[tuple[str, str, float, str, str, str]]:
-    for k, (order, window) in enumerate(
-        zip(found.order.tolist(), one.window.tolist(), strict=True)
-    ):
-        turn = float(np.angle(one.torque[window, k]))
-        at = rpm(float(found.speed[window])), number(float(found.time[window]))
-        yield one.element, number(order), float(one.largest[k]), *at, degrees(turn, 3)
-
-
-def _figures(found: OrderTracking, one: TrackedTorque, name: str) -> Iterator[Block]:
+def _figures(tracking: OrderTracking, tracked: TrackedTorque, name: str) -> Iterator[Block]:
     """Amplitudes over the speed, or over the time where the speed does not go one way."""
-    if len(found.time) < 2:
+    if len(tracking.time) < 2:
         return
-    at, over = found.speed * RPM, Axis(f"speed of {found.reference}", "rpm")
-    if not ((np.diff(at) > 0.0).all() or (np.diff(at) < 0.0).all()):
-        at, over = found.time, Axis("time", "s")
-    sort = np.argsort(at)
-    amplitude = one.waterfall[sort, MEAN:]
+    position, over = tracking.speed * RPM, Axis(f"speed of {tracking.reference}", "rpm")
+    steps = np.diff(position)
+    if not ((steps > 0.0).all() or (steps < 0.0).all()):
+        position, over = tracking.time, Axis("time", "s")
+    sort = np.argsort(position)
+    amplitude = tracked.waterfall[sort, MEAN:]
     unit = scale("N m", amplitude.max(axis=1))
-    mark, of = f"{name} {one.element}".lstrip(), f"{one.element}" + (f", {name}" if name else "")
-    sizes = np.abs(one.torque[sort]) * unit.factor
-    lines = [(f"order {given(order)}", sizes[:, k]) for k, order in enumerate(found.order.tolist())]
+    element = tracked.element
+    mark, words = f"{name} {element}".lstrip(), element + (f", {name}" if name else "")
+    sizes = np.abs(tracked.torque[sort]) * unit.factor
+    numbers = tracking.order.tolist()
+    lines = [(f"order {given(order)}", sizes[:, k]) for k, order in enumerate(numbers)]
     if lines:
         yield orders_over_speed.orders(
             f"orders {mark}",
-            f"Orders of the torque in {of}",
+            f"Orders of the torque in {words}",
             over=over,
-            x=at[sort],
+            x=position[sort],
             lines=lines,
             unit=unit.unit,
         )
-    every = np.arange(float(MEAN), one.waterfall.shape[1]) * found.resolution
+    multiples = np.arange(float(MEAN), tracked.waterfall.shape[1]) * tracking.resolution
     yield orders_over_speed.waterfall(
         f"waterfall {mark}",
-        f"Waterfall of the torque in {of}, without its mean: the darker the larger",
+        f"Waterfall of the torque in {words}, without its mean: the darker the larger",
         over=over,
-        y=at[sort],
-        order=every,
+        y=position[sort],
+        order=multiples,
         amplitude=amplitude * unit.factor,
-        reference=found.reference,
+        reference=tracking.reference,
         unit=unit.unit,
     )

@@ -15,7 +15,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
-from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale, symbols
+from torsion.output.numbers import RPM, Scale, counted, number, rpm, scale, symbols
 from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
 from torsion.results import listed
@@ -24,6 +24,7 @@ from torsion.rules.verdict_line import Checks
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
 MOST_ORDERS = 4  # named of those that excite it
+MOST_EVENTS = 20  # of the changes of regime that are listed
 METHOD = (
     "Exact at every sample: every mode has a closed-form response to the events, and a torque is the sum over"
     " the modes. Material damping acts as modal damping by energy share."
@@ -32,7 +33,6 @@ FROM_EVENT_TO_EVENT = (
     "Exact from event to event: the train is linear between two changes of a coupling's regime, and each change is a "
     "root of the exact motion. Material damping acts as modal damping by energy share."
 )
-MOST_EVENTS = 20  # of the changes of regime that are listed
 DRIVEN = METHOD.replace("to the events", "to the torques of every step")
 TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
@@ -40,131 +40,120 @@ Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """One section for each transient; nothing if none was requested."""
-    found = findings.get(Transients)
-    if found is None:
+    transients = findings.get(Transients)
+    if transients is None:
         return
     yield Heading("Transient response")
-    settings = {one.name: one for one, _ in cases(findings.study)}
-    for one in found.each:
-        if len(found.each) > 1:
-            yield Heading(f"Transient: {one.name}", 2)
-        yield from _motion(findings, one, settings[one.name])
+    settings = {case.name: case for case, _ in cases(findings.study)}
+    for motion in transients.each:
+        if len(transients.each) > 1:
+            yield Heading(f"Transient: {motion.name}", 2)
+        yield from _section(findings, motion, settings[motion.name])
 
 
 def _first(names: Iterable[str]) -> str:
-    """The first few, each once."""
+    """Return the first few names, each of them once."""
     return listed(dict.fromkeys(names), most=4)
 
 
-def _motion(
-    findings: Findings, found: TransientMotion, settings: TransientSettings
+def _section(
+    findings: Findings, motion: TransientMotion, settings: TransientSettings
 ) -> Iterator[Block]:
-    spans = [(one, np.array(list(one.spans))) for one in elements(findings.system)]
-    rows = [
-        (one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()]))
-        for one, k in spans
-    ]
+    peaks = list[Peaks]()
+    for element in elements(findings.system):
+        spans = np.array(list(element.spans))
+        high, low = motion.greatest[spans].argmax(), motion.least[spans].argmin()
+        peaks.append((element, int(spans[high]), int(spans[low])))
     unit = scale(
-        "N m",
-        [value for _, high, low in rows for value in (found.greatest[high], found.least[low])],
+        "N m", [v for _, high, low in peaks for v in (motion.greatest[high], motion.least[low])]
     )
-    yield Paragraph(_introduction(found, settings))
-    yield Paragraph(ActingTorques(found.acting, found.not_acting).words, brief=True)
-    yield from _faults(found, settings)
-    yield from _steady_begin(findings, found, settings)
-    if found.status != "ok":
-        yield Paragraph(f"Not reliable: {found.status}.", "fail", brief=True)
+    yield Paragraph(_introduction(motion, settings))
+    yield Paragraph(ActingTorques(motion.acting, motion.not_acting).words, brief=True)
+    yield from _faults(motion, settings)
+    yield from _steady_begin(findings, motion, settings)
+    if motion.status != "ok":
+        yield Paragraph(f"Not reliable: {motion.status}.", "fail", brief=True)
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
     if events:
-        yield table(
-            "< Component | < Event | Start [s] | < Settings",
-            events,
-            "Events; torques at the speed of the component",
-        )
-    yield from _ice(found, settings)
-    yield _peaks(found, rows, unit)
-    if found.switching is not None:
-        yield from _switching(found.switching)
-    yield from _following(found)
-    yield from _loads(findings, found, rows, settings)
-    if found.unresolved.any():
+        titles = "< Component | < Event | Start [s] | < Settings"
+        yield table(titles, events, "Events; torques at the speed of the component")
+    yield from _ice(motion, settings)
+    yield _peak_table(motion, peaks, unit)
+    if motion.switching is not None:
+        yield from _switching(motion.switching)
+    yield from _following(motion)
+    yield from _loads(motion, peaks, settings)
+    if motion.unresolved.any():
         text = (
             "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
             "peak. To resolve these modes, increase `samples`."
         )
         yield Paragraph(text, "note")
-    yield from _figures(findings, found, settings, unit)
-    yield from orders(found.orders, found.name)
+    yield from _torque_figures(findings, motion, settings, unit)
+    yield from _speed_figure(findings, motion, settings)
+    yield from orders(motion.orders, motion.name)
 
 
-def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+def _faults(motion: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
     """Which short circuits were computed, which is the worst, and what becomes of the mean torque meanwhile."""
     loads = {event.body.load for event in settings.events if isinstance(event.body, ShortCircuit)}
     if not loads:
         return
-    is_both = loads == {"stays", "falls"}
-    load = (
-        "stays or falls as stated" if is_both else "stays" if "stays" in loads else "falls to zero"
-    )
+    words = {"stays": "stays", "falls": "falls to zero"}
+    load = "stays or falls as stated" if len(loads) > 1 else words[loads.pop()]
     text = f"The mean torque of the machine {load} during a short circuit (`load`)."
-    if found.faults_computed:
+    if motion.faults_computed:
         text = (
-            f"The program computed {found.faults_computed} electrical faults. The curves show the worst: "
-            f"{found.worst_fault}. The maximum and minimum torques are over all faults. {text}"
+            f"The program computed {motion.faults_computed} electrical faults. The curves show the worst: "
+            f"{motion.worst_fault}. The maximum and minimum torques are over all faults. {text}"
         )
     yield Paragraph(text, "note", brief=True)
 
 
 def _steady_begin(
-    findings: Findings, found: TransientMotion, settings: TransientSettings
+    findings: Findings, motion: TransientMotion, settings: TransientSettings
 ) -> Iterator[Block]:
     """How a motion begins that is steady before its events; briefly, where the file says neither that nor a speed."""
-    if not found.speed_before or settings.initial not in (None, "steady"):
+    if not motion.speed_before or settings.initial not in (None, "steady"):
         return
-    if findings.study.excites and settings.torques != ():
+    study = findings.study
+    if study.excites and settings.torques != ():
         text = "The motion starts with the steady vibration at this speed."
-        begun = (
-            "The train has backlash, friction, stiffness stages or clutches. Therefore the periodic torques start at "
-            "time 0 with the mean torques only, and the first revolutions show their start."
-        )
-        yield Paragraph(text if found.switching is None else begun, "note")
-    if settings.initial is None and findings.study.operation.rated is None:
-        orders = [
-            f"order {one.order} at {one.name}"
-            for one in findings.study.train.torques
-            if one.order is not None
-        ]
-        excited = f", excited by {', '.join(dict.fromkeys(orders[:MOST_ORDERS]))}" if orders else ""
-        more = ", ..." if len(orders) > MOST_ORDERS else ""
+        if motion.switching is not None:
+            text = (
+                "The train has backlash, friction, stiffness stages or clutches. Therefore the periodic torques start "
+                "at time 0 with the mean torques only, and the first revolutions show their start."
+            )
+        yield Paragraph(text, "note")
+    if settings.initial is None and study.operation.rated is None:
+        torques = [torque for torque in study.train.torques if torque.order is not None]
+        names = [f"order {torque.order} at {torque.name}" for torque in torques]
+        excited = f", excited by {', '.join(dict.fromkeys(names[:MOST_ORDERS]))}" if names else ""
+        more = ", ..." if len(names) > MOST_ORDERS else ""
         text = (
             f"The file has no `initial` and no rated speed. The motion starts steady at the highest speed, "
-            f"{rpm(found.speed_before)} rpm{excited}{more}. To start elsewhere, set `initial: rest` or "
+            f"{rpm(motion.speed_before)} rpm{excited}{more}. To start elsewhere, set `initial: rest` or "
             f"`{{speed: ...}}`."
         )
         yield Paragraph(text, "note", brief=True)
 
 
-def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
-    before = f"at {rpm(found.speed_before)} rpm" if found.speed_before else "at rest"
-    kept = (
-        ""
-        if found.change is None
-        else f"With twice as many modes no peak changes by more than {number(found.change, 2)}. "
-    )
+def _introduction(motion: TransientMotion, settings: TransientSettings) -> str:
+    before = f"at {rpm(motion.speed_before)} rpm" if motion.speed_before else "at rest"
+    kept = ""
+    if motion.change is not None:
+        kept = f"With twice as many modes no peak changes by more than {number(motion.change, 2)}. "
+    method = DRIVEN if motion.steps else METHOD
+    if motion.switching is not None:
+        method = FROM_EVENT_TO_EVENT
     return (
-        f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {_method(found)} {kept}Energy balance error: "
-        f"{number(found.residual, 2)} of the maximum energy."
+        f"{number(settings.duration)} s from a train {before}, in {counted(len(motion.time), 'sample')}, of "
+        f"{counted(motion.modes, 'elastic mode')}. {method} {kept}Energy balance error: "
+        f"{number(motion.residual, 2)} of the maximum energy."
     )
 
 
-def _method(found: TransientMotion) -> str:
-    if found.switching is not None:
-        return FROM_EVENT_TO_EVENT
-    return DRIVEN if found.steps else METHOD
-
-
-def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+def _ice(motion: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
     """How the greatest torque of a class of ice was found, and what of the ice is to be verified."""
     if any(isinstance(event.body, Ice) and event.body.case for event in settings.events):
         text = (
@@ -172,33 +161,29 @@ def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]
             "in force."
         )
         yield Paragraph(text, "note")
-    if not found.ice:
+    if not motion.ice:
         return
     rows = [
         (
-            one.at,
-            one.ice_class,
-            number(one.thickness),
-            "duct" if one.is_ducted else "open",
-            number(one.factor),
-            number(one.diameter),
-            number(one.hub_ratio),
-            number(one.pitch_ratio),
-            number(one.speed / (2.0 * np.pi)),
-            number(one.revolutions),
-            number(one.torque * 1e-3),
+            ice.at,
+            ice.ice_class,
+            ice.thickness,
+            "duct" if ice.is_ducted else "open",
+            ice.factor,
+            ice.diameter,
+            ice.hub_ratio,
+            ice.pitch_ratio,
+            ice.speed / (2.0 * math.pi),
+            ice.revolutions,
+            ice.torque * 1e-3,
         )
-        for one in found.ice
+        for ice in motion.ice
     ]
     titles = "< Propeller | < Class | H [m] | < Type | k | D [m] | d/D | P/D | n [1/s] | Revolutions | Q_{max} [kN m]"
     yield table(titles, rows, "Maximum ice torque of the class (edition not confirmed)")
-    small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³"
-    large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1"
-    used = {
-        large if one.is_large else small: ("beyond" if one.is_large else "up to")
-        for one in found.ice
-    }
-    text = "; ".join(f"{formula} for diameters {ends} 1.8 H" for formula, ends in used.items())
+    small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³ for diameters up to 1.8 H"
+    large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1 for diameters beyond 1.8 H"
+    text = "; ".join(dict.fromkeys(large if ice.is_large else small for ice in motion.ice))
     yield Paragraph(
         f"Q_{{max}} = {text}; in kN m, with lengths in m and n in 1/s. Formula, factors, ice thickness and 2 "
         "revolutions "
@@ -207,216 +192,195 @@ def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]
     )
 
 
-def _following(found: TransientMotion) -> Iterator[Block]:
+def _following(motion: TransientMotion) -> Iterator[Block]:
     """How torques that follow the motion were found, when their laws changed, and what resonances were passed."""
-    if not found.steps:
+    if not motion.steps:
         return
     yield Paragraph(
-        f"These torques depend on the speed or angle: {_first(found.following)}. The program computes them by "
-        f"exponential collocation in {counted(found.steps, 'step')}; the modes are exact in each step. The last series "
-        f"term is at most {number(found.left_in_series, 2)} of the largest torque and bounds the error. Periodic "
+        f"These torques depend on the speed or angle: {_first(motion.following)}. The program computes them by "
+        f"exponential collocation in {counted(motion.steps, 'step')}; the modes are exact in each step. The last series "
+        f"term is at most {number(motion.left_in_series, 2)} of the largest torque and bounds the error. Periodic "
         "torques "
         "follow the angle of their component, starting at angle 0."
     )
-    if found.undamped:
-        text = f"The load law replaces the damping of {_first(found.undamped)}."
+    if motion.undamped:
+        text = f"The load law replaces the damping of {_first(motion.undamped)}."
         yield Paragraph(text, "note")
-    if found.phases_computed:
-        shown = ", ".join(f"{number(math.degrees(one), 3)} deg" for one in found.slip_phase)
+    if motion.phases_computed:
+        shown = ", ".join(f"{number(math.degrees(phase), 3)} deg" for phase in motion.slip_phase)
         text = (
             f"The phase of the slip pulsation is not stated. The program computed "
-            f"{counted(found.phases_computed, 'phase')}, including the worst for each torque. The curves show the "
+            f"{counted(motion.phases_computed, 'phase')}, including the worst for each torque. The curves show the "
             "worst "
             f"phase, {shown}. The maximum and minimum torques are over all phases."
         )
         yield Paragraph(text, "note", brief=True)
-    if found.passages:
-        cells = [
-            (
-                one.mode,
-                one.what,
-                one.time,
-                rpm(one.speed),
-                number(one.frequency),
-                number(one.seconds, 3),
-                number(100.0 * one.share, 3),
-            )
-            for one in found.passages[:MOST_PASSAGES]
-        ]
+    if motion.passages:
         titles = (
-            "Mode | < Excited by | Time [s] | Reference speed [rpm] | Frequency [Hz] | Passing time [s] "
-            "| Peak / steady resonance [%]"
+            "mode: Mode | what: < Excited by | time: Time [s] | speed: Reference speed [rpm]"
+            " | frequency: Frequency [Hz] | seconds: Passing time [s]:3 | share: Peak / steady resonance [%]:3"
         )
-        more = len(found.passages) - MOST_PASSAGES
+        omitted = len(motion.passages) - MOST_PASSAGES
         text = (
             "Resonances passed: time in the half-power width, and peak for a constant acceleration"
         )
-        yield table(titles, cells, text + (f"; {more} more in results.json" if more > 0 else ""))
-    if found.changes:
-        changed = [
-            (_first(one.what.split(", ")), one.time) for one in found.changes[:MOST_PASSAGES]
-        ]
-        yield table(
-            "< Torque | At [s]", changed, "Changes of regime of torques that depend on the motion"
-        )
+        text += f"; {omitted} more in results.json" if omitted > 0 else ""
+        yield table(titles, motion.passages[:MOST_PASSAGES], text)
+    if motion.changes:
+        changes = motion.changes[:MOST_PASSAGES]
+        rows = [(_first(change.what.split(", ")), change.time) for change in changes]
+        title = "Changes of regime of torques that depend on the motion"
+        yield table("< Torque | At [s]", rows, title)
 
 
-def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
+def _peak_table(motion: TransientMotion, peaks: list[Peaks], unit: Scale) -> Table:
     titles = (
         f"< Component -> | Maximum torque [{unit.unit}] -> maximum, {unit.unit} | Time [s] -> at, s "
         f"| Minimum torque [{unit.unit}] -> minimum, {unit.unit} | Time [s] | Initial [{unit.unit}] "
-        f"| Peak / initial -> times | Peak / rated | Reversals -> | Not sampled [{unit.unit}]"
+        f"| Peak / initial:3 -> times | Peak / rated:3 | Reversals -> | Not sampled [{unit.unit}]"
     )
+    ratios = [element.ratio for element, _, _ in peaks]
+    tops = [element.largest(motion.peak) for element, _, _ in peaks]
     largest = max(
-        (float(found.peak[list(one.spans)].max()) * one.ratio for one, _, _ in rows), default=0.0
+        (float(top) * ratio for top, ratio in zip(tops, ratios, strict=True)), default=0.0
     )
-    cells = []
-    for element, high, low in rows:
-        spans, first = np.array(list(element.spans)), element.spans[0]
-        every = (
-            found.greatest[high],
-            found.least[low],
-            found.before[first],
-            found.unresolved[spans].max(),
+    rows = []
+    for element, high, low in peaks:
+        first = element.spans[0]
+        # What is rounding beside the largest torque of the train, at its speed, is printed as 0.
+        torques = (
+            motion.greatest[high],
+            motion.least[low],
+            motion.before[first],
+            element.largest(motion.unresolved),
         )
         greatest, least, before, lacking = (
-            _known(float(one) * element.ratio, largest) / element.ratio for one in every
+            0.0 if abs(torque) * element.ratio < NOTHING * largest else float(torque)
+            for torque in torques
         )
-        most, rated = (
-            max(abs(greatest), abs(least)),
-            0.0 if found.rated is None else float(found.rated[first]),
+        most = max(abs(greatest), abs(least))
+        rated = 0.0 if motion.rated is None else float(motion.rated[first])
+        times = [most / abs(mean) if mean else None for mean in (before, rated)]
+        row = (
+            element.name,
+            greatest * unit.factor,
+            float(motion.greatest_at[high]),
+            least * unit.factor,
+            float(motion.least_at[low]),
+            before * unit.factor,
+            *times,
+            int(motion.reversals[list(element.spans)].max()),
+            lacking * unit.factor,
         )
-        times = [number(most / abs(mean), 3) if mean else NONE for mean in (before, rated)]
-        cells.append(
-            (
-                element.name,
-                unit.text(greatest),
-                float(found.greatest_at[high]),
-                unit.text(least),
-                float(found.least_at[low]),
-                unit.text(before),
-                *times,
-                int(found.reversals[spans].max()),
-                unit.text(lacking),
-            )
-        )
+        rows.append(row)
     text = "Torques over time including the mean torque; a torque reversal in a gear separates its teeth"
-    title = f"Transient: {found.name}" if found.name else "Transient response"
-    return table(titles, cells, text, short=title, rows_in_summary=3)
+    title = f"Transient: {motion.name}" if motion.name else "Transient response"
+    return table(titles, rows, text, short=title, rows_in_summary=3)
 
 
-def _known(torque: float, largest: float) -> float:
-    """A torque, or 0 where it is less than what is rounding beside the largest of the train at its speed, N m."""
-    return 0.0 if abs(torque) < NOTHING * largest else torque
-
-
-def _switching(found: Switching) -> Iterator[Block]:
+def _switching(switching: Switching) -> Iterator[Block]:
     """What the nonlinear couplings did, and how far single values can be relied upon."""
-    rows = [
-        (one.coupling, one.contacts, one.separations, one.slips, number(one.heat))
-        for one in found.couplings
-    ]
-    titles = "< Coupling -> | Contacts -> | Separations -> | Slips -> | Heat [J] ->"
-    yield table(titles, rows, "Couplings with backlash, friction, stages or a capacity")
-    if found.events:
-        first = [(one.time, one.coupling, one.what) for one in found.events[:MOST_EVENTS]]
-        title = (
-            f"The first {len(first)} of {len(found.events)} events"
-            if len(found.events) > len(first)
-            else "Events"
+    titles = (
+        "coupling: < Coupling -> | contacts: Contacts -> | separations: Separations -> | slips: Slips ->"
+        " | heat: Heat [J] ->"
+    )
+    title = "Couplings with backlash, friction, stages or a capacity"
+    yield table(titles, switching.couplings, title)
+    if switching.events:
+        titles, number_of_events = (
+            "time: Time [s] | coupling: < Coupling -> | what: < What",
+            len(switching.events),
         )
-        yield table("Time [s] | < Coupling -> | < What", first, f"{title} of these couplings")
-    if found.sensitive_after is not None:
+        title = "Events"
+        if number_of_events > MOST_EVENTS:
+            title = f"The first {MOST_EVENTS} of {number_of_events} events"
+        yield table(titles, switching.events[:MOST_EVENTS], f"{title} of these couplings")
+    if switching.sensitive_after is not None:
         text = (
-            f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding, and "
+            f"From {number(switching.sensitive_after)} s on the motion is sensitive: impacts amplify rounding, and "
             "half the "
             "step changes torques by more than 1e-6 of their peak. Peaks, counts and heat remain valid; single "
             "values do "
             "not. The maximum and minimum torques are over both motions. The checks add the difference."
         )
         yield Paragraph(text, "note")
-    if found.band_change:
+    if switching.band_change:
         text = (
             "With twice the frequency range of the modes the torques change by "
-            f"{number(found.band_change, 2)} of the peak."
+            f"{number(switching.band_change, 2)} of the peak."
         )
         yield Paragraph(text, "note")
 
 
 def _loads(
-    findings: Findings, found: TransientMotion, rows: list[Peaks], settings: TransientSettings
+    motion: TransientMotion, peaks: list[Peaks], settings: TransientSettings
 ) -> Iterator[Block]:
     """Stresses of the shafts and damage, where there are any."""
-    if found.stress is not None:
-        cells = []
-        for element, _, _ in rows:
-            most = float(found.stress[list(element.spans)].max())
-            if np.isfinite(most):
-                cells.append((element.name, number(most * 1e-6)))
-        yield table(
-            "< Shaft | Maximum shear stress [N/mm²]", cells, "Maximum nominal stress of the shafts"
-        )
+
+    def rows(values: np.ndarray) -> list[tuple[str, float]]:
+        pairs = ((element.name, float(element.largest(values))) for element, _, _ in peaks)
+        return [(name, value) for name, value in pairs if np.isfinite(value)]
+
+    if motion.stress is not None:
+        titles = "< Shaft | Maximum shear stress [N/mm²]"
+        yield table(titles, rows(motion.stress), "Maximum nominal stress of the shafts")
     line = settings.fatigue
-    if found.damage is not None and line is not None:
-        worst = [(one.name, float(found.damage[list(one.spans)].max())) for one, _, _ in rows]
-        mean = (
-            "no mean torque effect"
-            if line.ultimate is None
-            else f"ultimate torque {number(line.ultimate)} N m"
-        )
+    if motion.damage is not None and line is not None:
+        mean = "no mean torque effect"
+        if line.ultimate is not None:
+            mean = f"ultimate torque {number(line.ultimate)} N m"
         yield Paragraph(
             "Fatigue: cycles of every torque by rainflow (ASTM E1049), the residue as half cycles; damage after Miner, "
             f"amplitude {number(line.amplitude)} N m for {number(line.cycles)} cycles, slope {number(line.slope)}; "
             f"{mean}."
         )
-        cells = [(name, number(sum_, 3)) for name, sum_ in worst if np.isfinite(sum_)]
-        yield table(
-            "< Component | Damage per event", cells, "Miner damage sum; 1 is the fatigue life"
-        )
+        titles = "< Component | Damage per event:3"
+        yield table(titles, rows(motion.damage), "Miner damage sum; 1 is the fatigue life")
 
 
-def _figures(
-    findings: Findings, found: TransientMotion, settings: TransientSettings, unit: Scale
+def _torque_figures(
+    findings: Findings, motion: TransientMotion, settings: TransientSettings, unit: Scale
 ) -> Iterator[Block]:
-    every = sorted(
-        elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max())
+    """Torques of the elements that the file names, else of those with the largest."""
+    parts, mark = findings.study.train.parts, f"{motion.name} ".lstrip()
+    drawn = sorted(
+        elements(findings.system), key=lambda element: -float(element.largest(motion.peak))
     )
-    train, plot, mark = findings.study.train, settings.plot, f"{found.name} ".lstrip()
-    drawn = (
-        [one for one in every if train.parts[one.part].name in plot]
-        if plot
-        else every[:MOST_CURVES]
-    )
-    for one in drawn:
-        span = max(one.spans, key=lambda span: found.peak[span])
-        time, torque = _with_peaks(found, span)
-        curves = [(one.name, torque * unit.factor)]
-        caption = f"Torque in {one.name}" + (f", {found.name}" if found.name else "")
+    if settings.plot:
+        drawn = [element for element in drawn if parts[element.part].name in settings.plot]
+    else:
+        drawn = drawn[:MOST_CURVES]
+    for element in drawn:
+        time, torque = _with_peaks(motion, max(element.spans, key=motion.peak.__getitem__))
+        limits = _limits(findings, element)
         yield over_time(
-            f"motion {mark}{one.name}",
-            caption,
+            f"motion {mark}{element.name}",
+            f"Torque in {element.name}" + (f", {motion.name}" if motion.name else ""),
             time=time,
-            lines=curves,
+            lines=[(element.name, torque * unit.factor)],
             quantity="torque",
             unit=unit.unit,
-            limits=[(words, limit * unit.factor) for words, limit in _limits(findings, one)],
+            limits=[(words, limit * unit.factor) for words, limit in limits],
             has_peak=True,
         )
-    stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
-    ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
-    ends = (
-        [one for one in stations if train.parts[train.stations[one[0]].part].name in plot]
-        if plot
-        else ends
-    )
-    if ends:
-        curves = [(name, found.speed[k] * RPM) for k, name in ends]
-        caption = "Speed" + (f", {found.name}" if found.name else "")
+
+
+def _speed_figure(
+    findings: Findings, motion: TransientMotion, settings: TransientSettings
+) -> Iterator[Block]:
+    """Speeds of the points that the file names, else of both ends of the train."""
+    train, mark = findings.study.train, f"{motion.name} ".lstrip()
+    stations = [(k, s) for k, s in enumerate(train.stations) if not s.is_ground]
+    if settings.plot:
+        drawn = [(k, s) for k, s in stations if train.parts[s.part].name in settings.plot]
+    else:
+        drawn = [stations[0], stations[-1]] if len(stations) > 1 else stations
+    if drawn:
         yield over_time(
             f"motion {mark}speeds",
-            caption,
-            time=found.time,
-            lines=curves,
+            "Speed" + (f", {motion.name}" if motion.name else ""),
+            time=motion.time,
+            lines=[(station.name, motion.speed[k] * RPM) for k, station in drawn],
             quantity="speed",
             unit="rpm",
         )
@@ -438,17 +402,12 @@ def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
     return list(limits.items())
 
 
-def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
+def _with_peaks(motion: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
     """The samples of a torque, and between them its maximum and minimum, if they are of the motion that is drawn."""
-    if found.faults_computed > 1 or found.phases_computed > 1:
-        return found.time, found.torque[span]
-    at, value = (
-        [found.greatest_at[span], found.least_at[span]],
-        [found.greatest[span], found.least[span]],
-    )
-    place = np.searchsorted(found.time, at, side="right")
-    order = np.argsort(at, kind="stable")
-    chosen = place[order], np.array(at)[order], np.array(value)[order]
-    return np.insert(found.time, chosen[0], chosen[1]), np.insert(
-        found.torque[span], chosen[0], chosen[2]
-    )
+    if motion.faults_computed > 1 or motion.phases_computed > 1:
+        return motion.time, motion.torque[span]
+    ends = ((motion.greatest_at, motion.greatest), (motion.least_at, motion.least))
+    pairs = sorted((float(time[span]), float(torque[span])) for time, torque in ends)
+    time, torque = np.array(pairs).T
+    places = np.searchsorted(motion.time, time, side="right")
+    return np.insert(motion.time, places, time), np.insert(motion.torque[span], places, torque)
