@@ -239,7 +239,12 @@ def lowered(
     for position, excitation in enumerate(excitations):
         if excitation is not None:
             _excite(build, excitation, ("excitations", position))
-    _names(build)
+    first: dict[str, Path] = {}
+    for part in build.parts:
+        if part.name in first:
+            fault = taken(part.name, part.path, first[part.name], given=part.is_named)
+            build.faults.append(fault)
+        first.setdefault(part.name, part.path)
     counted = (
         None if reference is None else _named(build, reference, ("operation", "at"), point=False)
     )
@@ -321,15 +326,12 @@ def name_fault(
     )
 
 
-def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
-    """The kind of every component by its name, and whether it is a point; of a name given twice, that of the point."""
-    ordered = sorted(build.parts, key=lambda part: part.is_point)
-    return {part.name: (part.kind, part.is_point) for part in ordered}
-
-
 def _named(build: Lowering, name: str, path: Path, *, point: bool = True) -> Part | None:
     """The point, or any component, called `name`; a fault is noted where there is none."""
-    fault = name_fault(name, path, _kinds(build), point=point)
+    # Of a name that is given twice the point is meant.
+    ordered = sorted(build.parts, key=lambda part: part.is_point)
+    kinds = {part.name: (part.kind, part.is_point) for part in ordered}
+    fault = name_fault(name, path, kinds, point=point)
     if fault is not None:
         build.faults.append(fault)
         return None
@@ -380,14 +382,6 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
     del build.stations[made]
     build.record(stations=(driving, driven))
     build.arrival = main
-
-
-def _names(build: Lowering) -> None:
-    seen: dict[str, Path] = {}
-    for part in build.parts:
-        if part.name in seen:
-            build.faults.append(taken(part.name, part.path, seen[part.name], given=part.is_named))
-        seen.setdefault(part.name, part.path)
 
 
 def taken(name: str, path: Path, taken_by: Path, *, given: bool = True) -> Fault:

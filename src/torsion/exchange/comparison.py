@@ -32,6 +32,7 @@ HEAD = {  # key of `scene`: words, unit
     "rules": ("rules", ""),
 }
 INERTIA, FLEXIBILITY = ("inertia", "kg m2"), ("flexibility", "rad/(N m)")  # name, unit
+NAME = ("rule", "clause", "where", "what")  # keys of a check that hold no value that varies
 SEVERITY = ("pass", "restricted", "not judged", "not kept", "fail")
 
 
@@ -328,7 +329,8 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
 def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[CheckChange]:
     """Yield every check whose verdict or utilisation differs, and every check that only one of both has."""
     common_names = [
-        {_name(check): check for check in data["checks"] or ()} for data in (before, after)
+        {tuple(check[key] for key in NAME): check for check in data["checks"] or ()}
+        for data in (before, after)
     ]
     for name in dict.fromkeys((*common_names[0], *common_names[1])):
         old, new = (checks.get(name, {}) for checks in common_names)
@@ -338,8 +340,3 @@ def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Che
             is_same = is_same and _is_same(old.get("value"), new.get("value"))
         if not is_same:
             yield CheckChange(*name, old.get("verdict"), new.get("verdict"), used, other_use)
-
-
-def _name(check: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    """Return rule, clause, component and name of a check, which hold no value that varies."""
-    return check["rule"], check["clause"], check["where"], check["what"]

@@ -45,17 +45,12 @@ def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:
     """A component of a kind; `path` ends with the kind. Trains within it are read first."""
     if kind not in KINDS:
-        faults.append(_unknown_kind(kind, path))
+        fault = unknown_word(path, "component", kind, list(KINDS))
+        faults.append(replace(fault, hint=word_for("component", kind, fault.hint)))
         return None
     before = len(faults)
     read = declared(component(kind), _with_trains(body, path, faults), path, faults)
     return read if len(faults) == before else None
-
-
-def _unknown_kind(kind: str, path: Path) -> Fault:
-    """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
-    fault = unknown_word(path, "component", kind, list(KINDS))
-    return replace(fault, hint=word_for("component", kind, fault.hint))
 
 
 def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:

@@ -64,10 +64,6 @@ def _is_png(content: bytes) -> bool:
     return False
 
 
-def _is_jpeg(content: bytes) -> bool:
-    return content.rstrip(b"\0").endswith(b"\xff\xd9")
-
-
 def _is_svg(content: bytes) -> bool:
     """A drawing without entities of its own; raises InputError where it needs another file or holds a program."""
     if b"<!ENTITY" in content.replace(b"\0", b""):
@@ -105,6 +101,6 @@ def _urls(text: str) -> list[str]:
 
 FORMS = (
     ("png", PNG, _is_png),
-    ("jpeg", b"\xff\xd8\xff", _is_jpeg),
+    ("jpeg", b"\xff\xd8\xff", lambda content: content.rstrip(b"\0").endswith(b"\xff\xd9")),
     ("svg+xml", b"", _is_svg),
 )  # how each begins

@@ -107,7 +107,9 @@ def _without_dash(
     above = range(line - 1, 0, -1)
     block = [
         k
-        for k in takewhile(lambda k: _fits(lines[k - 1], column - 1), above)
+        for k in takewhile(
+            lambda k: not _is_filled(lines[k - 1]) or _indent(lines[k - 1]) >= column - 1, above
+        )
         if _is_filled(lines[k - 1])
     ]
     siblings = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
@@ -120,11 +122,6 @@ def _dashless(lines: list[str], line: int) -> Fault | None:
         return None
     message, hint = f"`{match[1]}` begins without a dash", f"write `- {match[1]}: ...`"
     return Fault((), message, hint, line=line, column=match.start(1) + 1)
-
-
-def _fits(line: str, indent: int) -> bool:
-    """Whether a line belongs to what is indented so far, or says nothing."""
-    return not _is_filled(line) or _indent(line) >= indent
 
 
 def _is_filled(line: str) -> bool:

@@ -7,12 +7,9 @@ import numpy as np
 
 from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
-from torsion.model.lowering import Part
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated
 
-MOST_DIGITS = 8  # significant digits of a figure of the file
 NO_FORCE = "Tooth forces not computed for {}: the file has no pitch diameter or no rated torque."
 OVER_FREQUENCY = "over frequency"  # a limit with a table
 
@@ -36,18 +33,15 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(NO_FORCE.format(", ".join(without)))
 
 
-def _figure(value: float | None, factor: float = 1.0) -> str:
-    return NONE if value is None else given(value * factor, MOST_DIGITS)
+def stiffness_or_rigid(flexibility: float) -> float | str:
+    """Return a stiffness (N m/rad), or the word for a flexibility of 0."""
+    return 1.0 / flexibility if flexibility else "rigid"
 
 
-def _parts(findings: Findings, kind: str) -> list[tuple[int, Part]]:
-    return list(findings.study.train.of_kind(kind))
-
-
-def _sheet(titles: str, rows: Iterable[Iterable[Any]], caption: str) -> Table | None:
-    """A table, None where it has no row."""
-    listed = [tuple(row) for row in rows]
-    return table(titles, listed, caption) if listed else None
+def _sheet(titles: str, rows: Iterable[Any], caption: str) -> Table | None:
+    """Return a table of values, None where it has no row."""
+    values = list(rows)
+    return table(titles, values, caption) if values else None
 
 
 def _machines(findings: Findings) -> Table | None:
@@ -64,22 +58,25 @@ def _machines(findings: Findings) -> Table | None:
     torques = dict[int, float]()
     if applied is not None:
         torques = {k: float(applied[0][part.stations[0]]) for k, part, _ in machines}
-    unit = scale("N m", torques.values())
-    lumps = {lump.part: lump for lump in findings.study.train.inertias}
+    inertias = {lump.part: lump.given for lump in findings.study.train.inertias}
     ripples = [torque.path[:-2] for torque in findings.study.train.torques]
     rows = (
         (
             part.name,
-            _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
-            _figure(machine.power, 1e-3),
-            NONE if speed is None else given_rpm(speed * float(part.ratio)),
-            unit.text(torques.get(k)),
+            inertias[k] if np.isfinite(inertias.get(k, np.inf)) else None,
+            machine.power,
+            None if speed is None else speed * float(part.ratio),
+            torques.get(k),
             ripples.count(part.path),
         )
         for k, part, machine in machines
     )
-    titles = "< Machine | J [kg m²] | Rated power [kW] | Rated speed [rpm] | "
-    return _sheet(titles + f"Mean torque [{unit.unit}] | Ripple components", rows, "Machines")
+    return _sheet(
+        "< Machine | J [kg m²]:8g | Rated power [kW]:8g | Rated speed [rpm]:6g | Mean torque [~N m] | "
+        "Ripple components",
+        rows,
+        "Machines",
+    )
 
 
 def _couplings(findings: Findings) -> Table | None:
@@ -90,45 +87,31 @@ def _couplings(findings: Findings) -> Table | None:
         for spring in train.springs
         if train.parts[spring.part].kind == "coupling"
     }
-    for k, part in _parts(findings, "coupling"):
+    for k, part in train.of_kind("coupling"):
         limits, spring = part.ratings, springs[k]
-        stiffness = (
-            "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
-        )
-        if spring.table is not None:
-            stiffness = spring.table.follows
-        torques: tuple[float | None, ...] = (None,) * 3
-        if limits is not None:
-            torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
-        heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
-        lost = 2.0 * np.pi * spring.loss_factor
         if not (
-            any(torques)
-            or (limits and limits.limit_anything)
-            or tolerance
-            or lost
+            (limits and (limits.limit_anything or limits.tolerance))
+            or spring.loss_factor
             or spring.viscous
             or spring.table
         ):
             continue  # a spring, which the mass-elastic system has
-        losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
-        figures = [*map(_figure, torques), _figure(heat)]
+        names = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit", "tolerance")
+        *figures, tolerance = (getattr(limits, name, None) for name in names)
+        cells: list[Any] = figures
         if limits is not None and limits.vibratory_over_frequency is not None:
-            figures[1] = OVER_FREQUENCY
+            cells[1] = OVER_FREQUENCY
         if limits is not None and limits.heat_over_frequency is not None:
-            figures[-1] = OVER_FREQUENCY
-        rows.append(
-            (
-                part.name,
-                *figures,
-                stiffness,
-                _figure(tolerance, 100.0),
-                *(losses if spring.table is None else (stiffness, stiffness)),
-            )
-        )
+            cells[-1] = OVER_FREQUENCY
+        if spring.table is not None:
+            stiffness, *losses = [spring.table.follows] * 3
+        else:
+            stiffness = stiffness_or_rigid(spring.flexibility)
+            losses = [2.0 * np.pi * spring.loss_factor or None, spring.viscous or None]
+        rows.append((part.name, *cells, stiffness, tolerance, *losses))
     return _sheet(
-        "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "
-        "Tolerance [%] | Relative damping ψ | Viscous c [N m s/rad]",
+        "< Coupling | T_{KN} [N m]:8g | T_{KW} [N m]:8g | T_{Kmax} [N m]:8g | P_{KW} [W]:8g | "
+        "k own [N m/rad]:8g | Tolerance [%]:8g | Relative damping ψ | Viscous c [N m s/rad]:8g",
         rows,
         "Couplings: manufacturer's ratings, stiffness and damping",
     )
@@ -142,25 +125,22 @@ def _gears(findings: Findings) -> Table | None:
         for k, span in enumerate(system.own_spans if means is not None else ())
         if means is not None and system.train.parts[span.part].kind == "gear"
     }
-    unit, rows = scale("N m", torques.values()), []
-    for mesh in findings.study.train.constraints:
-        part = findings.study.train.parts[mesh.part]
-        if part.kind == "gear":
-            rows.append(
-                (
-                    mesh.name,
-                    *(mesh.teeth or (NONE, NONE)),
-                    exact(1 / mesh.ratio),
-                    _figure(part.application_factor),
-                    unit.text(torques.get(mesh.name)),
-                    "rigid"
-                    if mesh.flexibility == 0
-                    else given(1.0 / mesh.flexibility, MOST_DIGITS),
-                )
-            )
+    parts = findings.study.train.parts
+    rows = (
+        (
+            mesh.name,
+            *(mesh.teeth or (None, None)),
+            1 / mesh.ratio,
+            parts[mesh.part].application_factor,
+            torques.get(mesh.name),
+            stiffness_or_rigid(mesh.flexibility),
+        )
+        for mesh in findings.study.train.constraints
+        if parts[mesh.part].kind == "gear"
+    )
     return _sheet(
-        f"< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{{A}} | Mean torque at rated speed, driving side "
-        f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad]",
+        "< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{A}:8g | Mean torque at rated speed, driving side [~N m] | "
+        "Mesh stiffness, driving side [N m/rad]:8g",
         rows,
         "Gears",
     )
@@ -169,24 +149,11 @@ def _gears(findings: Findings) -> Table | None:
 def _tooth_forces(findings: Findings) -> Table | None:
     """Size and nominal forces of every mesh with a pitch diameter."""
     forces = findings.get(ToothForces)
-    meshes = () if forces is None else forces.meshes
-    unit = scale("N", [force.tangential for force in meshes])
-    rows = (
-        (
-            force.mesh,
-            _figure(force.module, 1e3),
-            _figure(np.degrees(force.helix)),
-            _figure(np.degrees(force.pressure_angle)),
-            number(force.diameter * 1e3),
-            number(force.driven_diameter * 1e3),
-            *map(unit.text, (force.tangential, force.radial, force.axial)),
-        )
-        for force in meshes
-    )
     return _sheet(
-        "< Mesh | m_{n} [mm] | Helix β [deg] | Pressure angle α_{n} [deg] | d driving [mm] | d driven [mm] | "
-        f"F_{{t}} [{unit.unit}] | F_{{r}} [{unit.unit}] | F_{{a}} [{unit.unit}]",
-        rows,
+        "mesh: < Mesh | module: m_{n} [mm]:8g | helix: Helix β [deg]:8g | pressure_angle: Pressure angle α_{n} [deg]:8g | "
+        "diameter: d driving [mm] | driven_diameter: d driven [mm] | tangential: F_{t} [~N] | radial: F_{r} [~N] | "
+        "axial: F_{a} [~N]",
+        () if forces is None else forces.meshes,
         "Tooth forces at the rated torque, without K_{A}: F_{t} = 2 T/d, F_{r} = F_{t} tan α_{n}/cos β, "
         "F_{a} = F_{t} tan β (ISO 6336-1, reference cylinder)",
     )
@@ -204,18 +171,18 @@ def _impellers(findings: Findings) -> Table | None:
                 (
                     part.name,
                     impeller.blades,
-                    _figure(impeller.diameter),
-                    *(_figure(value) for value in size),
-                    _figure(impeller.inertia),
-                    _figure(impeller.water),
-                    _figure(wet),
+                    impeller.diameter,
+                    *size,
+                    impeller.inertia,
+                    impeller.water,
+                    wet,
                     machine.damping_model,
-                    _figure(machine.damping_factor),
+                    machine.damping_factor,
                 )
             )
     return _sheet(
-        "< Machine | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
-        "< Damping model | Damping factor",
+        "< Machine | Blades | D [m]:8g | P/D:8g | A_{E}/A_{0}:8g | J dry [kg m²]:8g | Entrained water [kg m²]:8g | "
+        "J wet [kg m²]:8g | < Damping model | Damping factor:8g",
         rows,
         "Propellers, pumps and fans",
     )
