@@ -1,12 +1,16 @@
 """A stepped line of shafts: its natural frequencies by a fine axisymmetric model, and by shafts one after another."""
 
+import math
+
 import numpy as np
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import eigsh
 
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.assembly.junction.axisymmetric import dynamic_matrices, solved
+from torsion.assembly.junction.axisymmetric import energy_matrix, functions_of, solved
 from torsion.assembly.junction.profile import Corner, Length, Profile
+from torsion.assembly.junction.profile_mesh import Meridian
 from torsion.assembly.junction.stepped_shafts import with_steps
 from torsion.model.material import Material
 from torsion.model.shaft import Shaft
@@ -23,6 +27,18 @@ def line(fillet: float = 0.0, scale: float = 1.0) -> Profile:
     lengths = tuple(Length(scale * one, (d, d)) for d, one in zip(DIAMETERS, LENGTHS, strict=True))
     corner = Corner("fillet", fillet) if fillet else None
     return Profile(lengths, (corner,) * (len(lengths) - 1))
+
+
+def dynamic_matrices(profile: Profile, here: Meridian) -> tuple[csc_array, csc_array]:
+    """Stiffness and consistent inertia of a free line of density 1 and shear modulus 1, for its vibration.
+
+    The unknowns are psi at the points of the elements; 2 pi int G r^3 grad u grad v and 2 pi int rho r^3 u v.
+    """
+    basis, values, slopes, r, modulus = functions_of(profile, here)
+    weight = 2.0 * math.pi * r**3 * basis.dx
+    return energy_matrix(basis, slopes, modulus * weight), energy_matrix(
+        basis, values[:, None], weight
+    )
 
 
 def axisymmetric(profile: Profile, count: int = 5, fine: float = 1e-6) -> np.ndarray:

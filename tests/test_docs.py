@@ -19,8 +19,6 @@ from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS
 from torsion.schema import manual
 from torsion.schema.declaration_reader import keys_of
-from torsion.schema.kind_texts import EXAMPLES, GROUPS
-from torsion.schema.page_titles import KINDS_OF_COMPONENTS
 from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
@@ -105,7 +103,7 @@ def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_pa
 
 def test_the_manual_has_every_section_and_kind() -> None:
     pages = manual.pages()
-    assert set(EXAMPLES) == set(KINDS) == set(KINDS_OF_COMPONENTS)
+    assert all(component(kind).title and component(kind).example for kind in KINDS)
     assert {f"components/{kind}.md" for kind in KINDS} | {
         f"rules/{name}.md" for name in RULES
     } < set(pages)
@@ -113,15 +111,19 @@ def test_the_manual_has_every_section_and_kind() -> None:
         assert f"| `{field.alias or name}` |" in pages["index.md"]
 
 
-@pytest.mark.parametrize("kind", GROUPS)
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if component(kind).groups])
 def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
-    grouped = [key for keys in GROUPS[kind].values() for key in keys]
+    grouped = [key for _, keys in component(kind).groups for key in keys.split()]
     assert sorted(grouped) == sorted(keys_of(component(kind)).keys() - keys_of(Component).keys())
 
 
 @for_all(
     ("kind", "example"),
-    [(kind, example) for kind, text in EXAMPLES.items() for example in re.split(r"\n(?=- )", text)],
+    [
+        (kind, example)
+        for kind in KINDS
+        for example in re.split(r"\n(?=- )", component(kind).example)
+    ],
 )
 def test_an_example_of_a_kind_is_read_without_faults(
     kind: str, example: str, monkeypatch: pytest.MonkeyPatch

@@ -23,10 +23,9 @@ from tests.for_all import for_all
 
 import torsion
 from torsion import formulas
-from torsion.model import KINDS
+from torsion.model import KINDS, component
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
-from torsion.schema.kind_texts import EXAMPLES
 
 
 def test_every_public_name_is_listed_and_documented() -> None:
@@ -353,9 +352,9 @@ def test_there_is_a_constructor_for_every_kind_with_the_keys_of_the_file() -> No
         torsion.build("pair", [torsion.disc(inertia=2), torsion.coupling(stifness=1)])
 
 
-@for_all("kind", EXAMPLES)
+@for_all("kind", KINDS)
 def test_every_example_of_a_kind_is_written_by_its_constructor(kind: str) -> None:
-    for entry in yaml.safe_load(EXAMPLES[kind]):
+    for entry in yaml.safe_load(component(kind).example):
         body = dict(entry[kind])
         name = body.pop("name", None)
         made = getattr(torsion, kind)(*([name] if name else []), **body)

@@ -53,9 +53,9 @@ def print_report(
             findings = solve(progress=report_progress)
         if as_json:
             from torsion.output.reports import REPORTS
-            from torsion.output.results_json import bounded_text
+            from torsion.output.results_json import text
 
-            typer.echo(bounded_text(findings, REPORTS[report].keys), nl=False)
+            typer.echo(text(findings, REPORTS[report].keys), nl=False)
         else:
             from torsion.output.terminal import show
 
@@ -75,7 +75,7 @@ def end(unanswered: Iterable[str], status: int) -> NoReturn:
 
 
 def show_progress() -> "AbstractContextManager[Progress]":
-    """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
+    """Return a progress indicator; what draws it is loaded only where the error stream is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext(lambda what, share: None)
     from torsion.output.terminal import progress

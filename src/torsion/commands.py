@@ -117,12 +117,12 @@ def _omit(
 
 
 def outputs(**requested: bool) -> tuple[str, ...]:
-    """The outputs that are requested by their name."""
+    """Return the outputs that are requested by their name."""
     return tuple(name for name, is_requested in requested.items() if is_requested)
 
 
 def folder_of(file: str | Path, out: str | Path | None, case: Case | None = None) -> Path:
-    """Where the report of a scene goes, or of one case alone."""
+    """Return the folder of the report of a scene, or of one case alone."""
     if out is not None:
         return Path(out)
     folder = Path("reports") / Path(file).stem
@@ -271,7 +271,7 @@ def study(
 
 
 def _tolerance(given: str | float) -> float:
-    """A relative error above 0 and below 1; raises InputError."""
+    """Return a relative error above 0 and below 1; raises InputError."""
     from torsion.units import UnitFault, to_si
 
     message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
@@ -345,7 +345,7 @@ def plan(file: str | Path, *, case: str | None = None) -> Planned:
 
 
 def _planned(study: Study) -> Planned:
-    """What would be computed of one study."""
+    """Return what would be computed of one study."""
     ruled, system = needed(study), assembled(study)
     if highest := highest_excited(study, system, ruled):
         system = assembled(study, highest)
@@ -366,7 +366,7 @@ def _planned(study: Study) -> Planned:
 
 
 def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
-    """How large every step would be, by the names of analyses; those without a size are prepared by others."""
+    """Return the size of every step by the names of analyses; steps without a size are prepared by others."""
     speeds, requested = study.operation.speeds, modes_settings(study, ruled)
     count = ModesSettings().count if requested is None else requested.count
     components = len(lines(system))
@@ -403,7 +403,7 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
 
 
 def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
-    """Why a step would be left out, by the names of analyses; empty words where it would not."""
+    """Return why a step would be left out, by the names of analyses; empty words if it would not."""
     modes = "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
     if not has_inertia(system):
         modes = "no component has an inertia"

@@ -51,7 +51,7 @@ class InputError(TorsionError):
         super().__init__(text or "\n".join(fault.sentence for fault in self.faults))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...], str]]:
-        """As it goes from one process to another."""
+        """Return the error as it goes from one process to another."""
         return type(self), (self.faults, str(self))
 
 
@@ -70,7 +70,7 @@ class SolveError(TorsionError):
 
 
 def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | None:
-    """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count.
+    """Return the candidate that `word` was probably meant to be; capitals, '-' and '_' do not count.
 
     A word that is a part of one candidate alone stands for it.
     """
@@ -95,6 +95,6 @@ def without_controls(text: str) -> str:
 
 
 def printable(text: str, longest: int = 60) -> str:
-    """The text as a message quotes it: cut, and '?' for what cannot be shown."""
+    """Return the text as a message quotes it: cut, and '?' for what cannot be shown."""
     shown = "".join(sign if sign.isprintable() else "?" for sign in text[:longest])
     return shown if len(text) <= longest else f"{shown}…"

@@ -138,7 +138,7 @@ class Log:
         self.left_out.append((what, why))
 
     def plan(self) -> Plan:
-        """All that was collected, with the versions of what the numbers come from."""
+        """Return all that was collected, with the versions of what the numbers come from."""
         versions = {
             "torsion": version("torsion"),
             "Python": ".".join(map(str, sys.version_info[:3])),
@@ -155,18 +155,18 @@ class Results:
     results: Mapping[str, Any]
 
     def get(self, kind: type[Result]) -> Result | None:
-        """The result of that class; None where it was not found."""
+        """Return the result of that class; None where it was not found."""
         return next((value for value in self.results.values() if isinstance(value, kind)), None)
 
     def need(self, kind: type[Result]) -> Result:
-        """The result of that class; raises LookupError where it was not found."""
+        """Return the result of that class; raises LookupError where it was not found."""
         result = self.get(kind)
         if result is None:
             raise LookupError(f"{kind.__name__} was not computed")
         return result
 
     def having(self, **found: Any) -> Self:
-        """The same with other results under those names."""
+        """Return the same with other results under those names."""
         return replace(self, results={**self.results, **found})
 
     @property
@@ -186,7 +186,7 @@ class Findings(Displayed, Results):
     )  # of every case of the study, by name
 
     def __getitem__(self, name: str) -> Any:
-        """The result of that name; raises KeyError with the nearest name."""
+        """Return the result of that name; raises KeyError with the nearest name."""
         return by_name(name, self.results, "result")
 
     @property
@@ -297,7 +297,7 @@ class Work(Results):
     )
 
     def settings(self, name: str, kind: type[Settings]) -> Settings:
-        """The settings of an analysis, defaults where the file names it without any or not at all."""
+        """Return the settings of an analysis, defaults where the file names it without any or not at all."""
         given = self.study.analyses.get(name)
         return given if isinstance(given, kind) else kind()
 

@@ -60,7 +60,7 @@ class Quantity:
     )
 
     def named(self, name: str) -> "Quantity":
-        """As a field or property of that name declares it; its key ends in the unit, spelled like rad_per_s."""
+        """Return the quantity under the name of its field or property; its key ends in the unit, spelled like rad_per_s."""
         unit = self.unit.removeprefix("1").translate(_SPELLED)
         key = (
             self.key
@@ -81,7 +81,7 @@ class Derived(cached_property[Value]):
 def result(
     unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any
 ) -> Any:
-    """A field of a result: its unit, what the axes of its array run over, what it means; `traits` as of Quantity."""
+    """Declare a field of a result: its unit, what the axes of its array run over, its meaning; `traits` as of Quantity."""
     return dataclasses.field(
         default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)}
     )
@@ -89,7 +89,7 @@ def result(
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
 def reported(kind: type[Value]) -> type[Value]:
-    """A class of results: a frozen dataclass whose declared quantities every output reads, and that is `Keyed`."""
+    """Declare a class of results: a frozen dataclass whose quantities every output reads, and that is `Keyed`."""
     for name, method in vars(Keyed).items():
         if callable(method) and getattr(kind, name, None) is getattr(object, name, None):
             setattr(kind, name, method)
@@ -99,7 +99,7 @@ def reported(kind: type[Value]) -> type[Value]:
 def derived(
     unit: str, axes: Axes, meaning: str, **traits: Any
 ) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
-    """A property of a result that is an output too, declared as a field is."""
+    """Declare a property of a result that is an output too, as a field is."""
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
         made = Derived(function)
@@ -110,7 +110,7 @@ def derived(
 
 
 def single_values(shown: Any) -> str:
-    """The class of a result and its single values, by their keys, on one line.
+    """Return the class of a result and its single values, by their keys, on one line.
 
     >>> @reported
     ... class Mesh:
@@ -134,7 +134,7 @@ def single_values(shown: Any) -> str:
 
 
 def one_line(text: str) -> str:
-    """The text without line breaks, cut where it is too long."""
+    """Return the text without line breaks, cut where it is too long."""
     text = " ".join(text.split())
     return text if len(text) <= LONGEST_LINE else f"{text[: LONGEST_LINE - 1]}…"
 
@@ -184,12 +184,12 @@ class Displayed:
         return line
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
-        """The line and the page; without it a notebook would keep every number of the arrays as text."""
+        """Return the line and the page; without it a notebook would keep every number of the arrays as text."""
         shown: dict[str, str] = resolve_name(NOTEBOOK)(self)
         return shown
 
     def _repr_html_(self) -> str:
-        """HTML without scripts, which stands in any page."""
+        """Return HTML without scripts, which stands in any page."""
         return self._repr_mimebundle_()["text/html"]
 
 
@@ -218,13 +218,13 @@ def names_by_key(kind: type) -> dict[str, str]:
 
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:
-    """An array of codes as the words of their kind: near-singular."""
+    """Return an array of codes as the words of their kind: near-singular."""
     table = np.array([code.name.lower().replace("_", "-") for code in kind])
     return np.asarray(table[np.asarray(codes, dtype=np.int64)])
 
 
 def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) -> str:
-    """The first names, and how many more there are.
+    """Return the first names, and how many more there are.
 
     >>> listed("abc"), listed((f"c{k}" for k in range(1, 9_985)), most=3)
     ('a, b, c', 'c1, c2, c3 and 9,981 more')
@@ -236,7 +236,7 @@ def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) ->
 
 
 def quantities(kind: type) -> tuple[Quantity, ...]:
-    """Everything that a result declares, fields first, in the order in which it declares them."""
+    """Return everything that a result declares, fields first, in the order in which it declares them."""
     return _quantities(kind)
 
 
@@ -257,24 +257,24 @@ def _quantities(kind: type) -> tuple[Quantity, ...]:
 
 
 def is_declared(value: object) -> bool:
-    """The value, or class, is a result with declared quantities."""
+    """Return whether the value, or class, is a result with declared quantities."""
     kind = value if isinstance(value, type) else type(value)
     return dataclasses.is_dataclass(kind) and bool(quantities(kind))
 
 
 def parts(kind: type, quantity: Quantity) -> type | None:
-    """The class of the results that a quantity consists of; None where it consists of plain values."""
+    """Return the class of the results that a quantity consists of; None where it consists of plain values."""
     inner = _inner(_hint(kind, quantity.name))
     return next((part for part in inner if isinstance(part, type) and is_declared(part)), None)
 
 
 def is_list(kind: type, quantity: Quantity) -> bool:
-    """A quantity holds any number of values, one after another."""
+    """Return whether a quantity holds any number of values, one after another."""
     return typing.get_origin(_hint(kind, quantity.name)) is tuple
 
 
 def _hint(kind: type, name: str) -> Any:
-    """The type of one field or property; those of the others may be known to the type checker alone."""
+    """Return the type of one field or property; those of the others may be known to the type checker alone."""
     attribute = getattr(kind, name, None)
     if isinstance(attribute, Derived):
         return typing.get_type_hints(attribute.func)["return"]
@@ -287,7 +287,7 @@ def _hint(kind: type, name: str) -> Any:
 
 
 def _inner(hint: Any) -> Iterator[Any]:
-    """The types within a type, itself first."""
+    """Yield the types within a type, itself first."""
     yield hint
     if isinstance(hint, UnionType) or typing.get_origin(hint) is not None:
         for argument in typing.get_args(hint):

@@ -20,7 +20,7 @@ from torsion.findings import (
     Work,
     silent,
 )
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
@@ -188,14 +188,14 @@ def _solve_one(
 ) -> Findings:
     """Return the findings of a study with its cylinders as they are, without its cases."""
     names = _with_dependencies(only) if only else list(ANALYSES)
-    judged_rules = (rule for rule in study.rules if set(rules.rule(rule[0]).needs) <= set(names))
+    judged_rules = (rule for rule in study.rules if set(rules.rule(*rule).needs) <= set(names))
     judged = replace(study, rules=tuple(judged_rules))
     work = Work(
         judged,
         {},
         progress=progress,
         ruled=rules.needed(judged),
-        rules=judgement,
+        rules=rule_over_speed,
         solve=run,
         answered=answered,
     )
@@ -388,7 +388,7 @@ def _with_dependencies(only: Collection[str]) -> list[str]:
 
 
 def _judge(work: Work) -> None:
-    """The verdicts of the rules: of those that always hold, and of those that the file names."""
+    """Return the verdicts of the rules: of those that always hold, and of those that the file names."""
     checks = rules.standing_verdicts(work)
     if not work.study.rules:
         work.log.without("rules", "the file names none")

@@ -37,7 +37,7 @@ class Range(Declared):
             )
 
     def values(self) -> FloatArray:
-        """(steps,) in the unit of both ends."""
+        """Return (steps,) values in the unit of both ends."""
         return np.linspace(self.first, self.last, self.steps)
 
 
@@ -150,7 +150,7 @@ def _one_line(value: str) -> str:
 
 
 def _imo_number(value: Any) -> str:
-    """Seven digits, the last of which is that of 7 a + 6 b + 5 c + 4 d + 3 e + 2 f (IMO resolution A.1117(30))."""
+    """Return seven digits, the last of which is that of 7 a + 6 b + 5 c + 4 d + 3 e + 2 f (IMO resolution A.1117(30))."""
     digits = re.sub(r"^IMO *", "", value.strip()) if isinstance(value, str) else str(value)
     if type(value) not in (int, str) or not re.fullmatch("[0-9]{7}", digits) or not int(digits):
         raise refuse(f"{fields.shown(value)} is no IMO number", "seven decimal digits, as 9074729")
@@ -240,7 +240,7 @@ class CaseStates:
 
 
 def case_folder(name: str) -> str:
-    """The name of a case as that of a folder.
+    """Return the name of a case as that of a folder.
 
     >>> case_folder("zero pitch, 50 %")
     'zero-pitch-50'
@@ -256,29 +256,29 @@ class Variation(Protocol):
         """What varies, `torsion.schema.variation.Figure`: name, law, column of the samples, its values."""
 
     def study(self, values: Sequence[float]) -> "Study":
-        """The study with every figure at its value."""
+        """Return the study with every figure at its value."""
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
-        """The value of a figure in words, as the file has it and at a value."""
+        """Return the value of a figure in words, as the file has it and at a value."""
 
     def text(self, values: Sequence[float], without: Iterable[str] = ()) -> str:
-        """The text of that file, without some analyses (default: those whose settings vary figures)."""
+        """Return the text of that file, without some analyses (default: those whose settings vary figures)."""
 
     def in_case(self, case: "Study") -> "Variation":
-        """The same figures of a case of the file: they are put in before the case changes the file."""
+        """Return the same figures of a case of the file: they are put in before the case changes the file."""
 
     def in_columns(self, values: FloatArray) -> Train:
-        """The train whose numbers are columns, of variants (variants, figures); raises NotInColumns."""
+        """Return the train whose numbers are columns, of variants (variants, figures); raises NotInColumns."""
 
     def studies(self, train: Train) -> "Callable[[int], Study]":
-        """The function from the number of a variant of a train in columns to its study."""
+        """Return the function from the number of a variant of a train in columns to its study."""
 
     @property
     def base(self) -> "Study":
         """The study whose figures vary."""
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
-        """The variation of the other figures, in which these, by their places, have values."""
+        """Return the variation of the other figures, in which these, by their places, have values."""
 
     def by_rows(
         self, values: FloatArray
@@ -286,7 +286,7 @@ class Variation(Protocol):
         """Variants (variants, figures) with the same rows of lists: places, rows for `fixed`, other values."""
 
     def behind(self, other: Any) -> "Variation":
-        """Both as one: the figures of the other first, and these about what those put in the file."""
+        """Return both as one: the figures of the other first, and these about what those put in the file."""
 
     @property
     def ahead(self) -> "Variation":
@@ -342,7 +342,7 @@ class Study(Displayed, StudyActions):
         return any(self.train.shaft(bar).support for bar in self.train.bars)
 
     def covers(self, state: str, rule: str) -> bool:
-        """A judged case of the file, under that rule, has a state that rules demand."""
+        """Return whether a judged case of the file, under that rule, has a state that rules demand."""
         return any(
             state in case.states and (case.rules is None or rule in case.rules)
             for case in self.case_states
@@ -375,7 +375,7 @@ class Study(Displayed, StudyActions):
         return any(part.joint for part in self.train.parts)
 
     def setting(self, *place: str) -> Any:
-        """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
+        """Return what the file states at a place of `operation` or `analyses`; None if it states nothing."""
         value: Any = self
         for key in place:
             value = value.get(key) if isinstance(value, Mapping) else getattr(value, key, None)
@@ -402,7 +402,7 @@ def states_mean_torque(train: Train, operation: Operation) -> bool:
 
 
 def mesh_faults(study: Study, what: str) -> list[Fault]:
-    """Excitations at meshes, where `what` does not take them."""
+    """Return the faults of excitations at meshes, which `what` does not support."""
     hint = "leave it out here; a case may take it away: `remove`"
     meshes = [torque for torque in study.train.torques if torque.mesh is not None]
     return [
@@ -412,7 +412,7 @@ def mesh_faults(study: Study, what: str) -> list[Fault]:
 
 
 def bytes_of(memory: str | float) -> float:
-    """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
+    """Return the bytes of a number, or of text such as "4 GB"; raise InputError."""
     match = (
         re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory)
         if isinstance(memory, str)

@@ -1,7 +1,6 @@
 """Trains with so many stations that nothing may be made for each of them one by one."""
 
 import math
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.kernels.sturm import _LARGEST_SWEEP
 from torsion.model.disc import Disc
 from torsion.model.shaft import Shaft
 from torsion.train import train
@@ -63,21 +61,3 @@ def test_shares_of_energy_of_very_many_stations_sum_to_one():
     found = modes(_shaft(Disc(inertia=10.0), Disc(inertia=20.0)), COUNT)
     np.testing.assert_allclose(found.kinetic.sum(axis=0), 1.0, rtol=1e-12)
     np.testing.assert_allclose(found.elastic.sum(axis=0), 1.0, rtol=1e-12)
-
-
-def test_memory_of_a_large_train_is_that_of_a_few_arrays():
-    """Of a Python object for each station or span alone there would be some 500 bytes."""
-    modes(_shaft(Disc(inertia=1.0), Disc(inertia=1.0)), 1)
-    tracemalloc.start()
-    system = _shaft(Disc(inertia=1.0), Disc(inertia=1.0))
-    assembled = tracemalloc.get_traced_memory()[1] / SEGMENTS
-    assert system.condensed.tree.size == SEGMENTS + 1
-    condensed = tracemalloc.get_traced_memory()[1] / SEGMENTS
-    found = modes(system, COUNT)
-    solved = tracemalloc.get_traced_memory()[1] / SEGMENTS
-    tracemalloc.stop()
-    assert found.frequency.size == COUNT
-    assert assembled < 15 * NUMBER
-    assert condensed < 45 * NUMBER
-    blocks = 4 * _LARGEST_SWEEP * NUMBER / SEGMENTS  # of the counts
-    assert solved < 2 * SHAPES + 45 * NUMBER + blocks

@@ -16,7 +16,7 @@ from torsion.analyses.steady import PowerBalance, steady
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.findings import Findings
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
@@ -327,7 +327,7 @@ def test_a_compressor_beside_a_fan_absorbs_by_its_pressures() -> None:
 def test_the_full_torque_of_every_span_is_that_when_all_cylinders_fire() -> None:
     for more in (STATED, {**STATED, "CPP": "", "RATED": ", power: 4480 kW"}):
         findings = torsion.run(train_m(**more, ENGINE=", misfire: 8"))
-        rated, full = judgement.rated_torque(findings), judgement.full_torque(findings)
+        rated, full = rule_over_speed.rated_torque(findings), rule_over_speed.full_torque(findings)
         assert rated is not None
         assert full is not None
         names = [span.name for span in findings.system.own_spans]

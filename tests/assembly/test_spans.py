@@ -1,4 +1,4 @@
-"""Stations and spans of shafts in segments, made when they are read."""
+"""Stations and spans of shafts in segments."""
 
 import numpy as np
 import pytest
@@ -54,12 +54,6 @@ def test_segments_lead_from_the_driving_to_the_driven_station_under_their_names(
     ends = geared.train.part("long").stations
     assert (row[0].driving, row[-1].driven) == (ends[0], ends[-1])
     assert [span.name for span in geared.spans if span.name.startswith("short")] == ["short"]
-
-
-@pytest.mark.parametrize("at", [-30, 30])
-def test_a_position_beyond_the_last_is_refused(geared, at):
-    with pytest.raises(IndexError, match="position"):
-        geared.stations[at]
 
 
 def test_a_uniform_shaft_and_a_cone_of_more_pieces_than_a_block_keep_flexibility_and_inertia():

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.exchange.comparison import Comparison, compare_results, read_results
-from torsion.output.results_json import bounded_text
+from torsion.output.results_json import text as json_text
 
 ROOT = Path(__file__).parents[2]
 FERRY = (ROOT / "shafting_specs" / "haixun_06402.yaml").read_text(encoding="utf-8")
@@ -26,7 +26,7 @@ train:
 
 
 def results(text: str) -> dict:
-    return json.loads(bounded_text(torsion.run(torsion.parse(text)), ()))
+    return json.loads(json_text(torsion.run(torsion.parse(text)), ()))
 
 
 def compared(before: str, after: str) -> Comparison:

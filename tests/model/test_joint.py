@@ -64,7 +64,7 @@ def test_next_yoke_stands_90_degrees_on_behind_a_cross_alone(keys, added):
     first = Joint(angle="10 deg", phase="20 deg", **keys)
     second = Joint(angle="5 deg", phase="30 deg", plane="7 deg")
     _, behind = placed(train([first, Coupling(flexibility=0), second]))
-    assert math.degrees(behind.joint.yoke) == pytest.approx(20.0 + added + 30.0 - 7.0, rel=1e-14)
+    assert math.degrees(behind.record.yoke) == pytest.approx(20.0 + added + 30.0 - 7.0, rel=1e-14)
 
 
 def test_a_joint_knows_the_one_before_it_through_points_and_branches_but_not_through_a_gear():

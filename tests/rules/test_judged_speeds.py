@@ -10,7 +10,13 @@ from torsion.analyses.response.grid import apart
 from torsion.rules import coupling_maker as coupling
 from torsion.rules import gear_hammer as gear
 from torsion.rules import m68
-from torsion.rules.judgement import FEWEST_JUDGED, Curve, between, judged_speeds, speeds_between
+from torsion.rules.rule_over_speed import (
+    FEWEST_JUDGED,
+    Curve,
+    between,
+    judged_speeds,
+    speeds_between,
+)
 from torsion.study import Operation
 
 RPM = math.pi / 30.0

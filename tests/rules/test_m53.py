@@ -165,6 +165,24 @@ def test_a_crank_without_any_stress_has_no_acceptability_factor(study, evidence)
 
 
 @pytest.mark.parametrize(
+    ("key", "places"),
+    [
+        ("bending", {"pin fillet", "journal fillet"}),
+        ("shear", {"journal fillet"}),
+        ("bore_bending", {"oil bore"}),
+    ],
+)
+def test_a_nominal_stress_of_0_is_named_where_it_counts(judged, key: str, places) -> None:
+    named = {
+        place
+        for place, check in judged(30.0, **{key: 0.0}).items()
+        if f"`{key}` stated as 0 MPa" in check.note
+    }
+    assert named == places
+    assert not any("0 MPa" in check.note for check in judged(30.0).values())
+
+
+@pytest.mark.parametrize(
     ("change", "word"),
     [
         ({"pin": None}, "`pin`"),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.rules.judgement import Curve
+from torsion.rules.rule_over_speed import Curve
 from torsion.rules.shaft_limits import barred_range
 from torsion.rules.shaft_stress import barring
 

@@ -13,7 +13,6 @@ import torsion
 from torsion.cli import app
 from torsion.output.headline import headline
 from torsion.rules import m68, society_limits
-from torsion.rules.judgement import full_torque
 from torsion.rules.m68_shafts import (
     least_diameter,
     size_factor,
@@ -23,6 +22,7 @@ from torsion.rules.m68_shafts import (
     tau_t,
     used_strength,
 )
+from torsion.rules.rule_over_speed import full_torque
 from torsion.rules.shaft_limits import barred_range, may_be_barred
 from torsion.rules.verdict_line import Checks
 

@@ -13,7 +13,7 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
 from torsion.rules.coupling_maker import CouplingMaker, CouplingSettings
 from torsion.rules.gear_hammer import GearHammer, GearHammerSettings
-from torsion.rules.judgement import full_torque
+from torsion.rules.rule_over_speed import full_torque
 
 VECTORS = {
     vector["id"]: vector

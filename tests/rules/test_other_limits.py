@@ -51,7 +51,7 @@ def test_type_iii_limits_stress_by_the_strength_over_25_and_1_75_times_that_belo
             (42.0, 24.0), rel=1e-13
         )
         assert (found["line", "S_v below"].verdict, found["line", "S_v"].verdict) == verdicts_
-        assert found["line", "S_v"].basis.words == "MIL-STD-167 type III, edition not confirmed"
+        assert found["line", "S_v"].basis.edition == "MIL-STD-167 type III"
 
 
 def test_type_iii_judges_speeds_above_the_range_as_within(study, evidence) -> None:

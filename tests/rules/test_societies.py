@@ -59,7 +59,7 @@ def test_a_line_shaft_has_the_limit_of_m68_and_the_standing_of_the_society(
         assert check.limit == pytest.approx(limit, rel=1e-13)
         assert check.rule == name
         assert check.basis.kind == ("text" if name == "kr" else "unconfirmed")
-        assert rule(name).title in check.basis.words
+        assert rule(name).title in check.basis.edition
 
 
 @for_all(

@@ -133,7 +133,7 @@ OUTSIDE = "the picture refers to"
     [
         (
             '\n<image href="http://127.0.0.1:9/x.png"/>',
-            f"line 2: {OUTSIDE} 'http://127.0.0.1:9/x.png'",
+            f"{OUTSIDE} 'http://127.0.0.1:9/x.png'",
         ),
         (
             '<g xmlns:xlink="http://www.w3.org/1999/xlink"><image xlink:href="ok.png"/></g>',
@@ -142,11 +142,11 @@ OUTSIDE = "the picture refers to"
         ('<path fill="url(other.svg#a)"/>', f"{OUTSIDE} 'other.svg#a'"),
         ("<path style=\"fill: URL( 'http://a/b#c' )\"/>", f"{OUTSIDE} 'http://a/b#c'"),
         ("<style>@import 'a.css';</style>", f"{OUTSIDE} 'a.css'"),
-        ('<style>a {}\n\np {fill: url("b.svg#c")}</style>', f"line 3: {OUTSIDE} 'b.svg#c'"),
+        ('<style>a {}\n\np {fill: url("b.svg#c")}</style>', f"{OUTSIDE} 'b.svg#c'"),
         ("<style><![CDATA[p {fill: url(b.svg)}]]></style>", f"{OUTSIDE} 'b.svg'"),
-        ("\n<script>1</script>", "line 2: the picture holds a script"),
+        ("\n<script>1</script>", "the picture holds a `script`"),
         ('<g onload="x()"/>', "the picture holds a script"),
-        ("<foreignObject/>", "the picture holds `foreignObject`"),
+        ("<foreignObject/>", "the picture holds a `foreignobject`"),
         ("<?xml-stylesheet href='a.css'?>", f"{OUTSIDE} 'a.css'"),
     ],
 )

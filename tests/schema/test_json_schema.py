@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,9 +17,9 @@ from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
 from torsion.schema.json_schema import json_schema
-from torsion.schema.kind_texts import SETTINGS
-from torsion.schema.manual import declarations
+from torsion.schema.manual import declarations, pages
 from torsion.schema.scene_reader import parse
+from torsion.schema.setting_examples import SETTINGS
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -192,3 +193,32 @@ def test_the_schema_is_printed_without_docstrings_too() -> None:
         command, env={**os.environ, "PYTHONOPTIMIZE": "2"}, capture_output=True, check=True
     ).stdout
     assert json.loads(printed)["properties"].keys() == json_schema()["properties"].keys()
+
+
+def test_every_example_of_the_manual_is_valid(validator) -> None:
+    blocks = [
+        block
+        for text in pages().values()
+        for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    ]
+    assert len(blocks) > 60
+    for block in blocks:
+        data = parse_source(block, "page.md").data
+        parts = [
+            {"train": data},
+            {"links": data},
+            {"excitations": data},
+            {"analyses": data},
+            {"rules": [data]},
+            data,
+        ]
+        whole = (
+            [data]
+            if isinstance(data, dict) and "train" in data
+            else [
+                {"name": "x", "train": [{"disc": {"inertia": 1}}], **part}
+                for part in parts
+                if isinstance(part, dict)
+            ]
+        )
+        assert any(validator.is_valid(scene) for scene in whole), block

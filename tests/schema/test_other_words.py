@@ -10,8 +10,9 @@ from torsion.errors import InputError
 from torsion.rules import RULES
 from torsion.schema import yaml_source
 from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import ANALYSIS_FOR, of_its_number
+from torsion.schema.other_words import of_its_number, other_words
 
+ANALYSIS_FOR = {word: meaning for word, key, meaning in other_words() if key == "<analysis>"}
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"
 COLON, WRITE = "a colon is missing after `coupling`", "write `- coupling: {...}`"
 DASHLESS, DASH = "`motor` begins without a dash", "write `- motor: ...`"

@@ -24,12 +24,12 @@ MODELS = ("lumped", "fem", "exact")
 
 
 def always(study: "Study") -> bool:
-    """The analysis says itself what it leaves out."""
+    """Want an analysis in every study: it says itself what it leaves out."""
     return True
 
 
 def named(study: "Study") -> bool:
-    """Only where the file names the analysis."""
+    """Want an analysis only where the file names it."""
     return False
 
 
@@ -55,17 +55,17 @@ class Analysis:
     is_listed: bool = False  # a list of settings may stand in the file, one for each time it is run
 
     def function(self) -> Callable[[Any], None]:
-        """What runs it."""
-        found: Callable[[Any], None] = getattr(import_module(self.module), self.run)
-        return found
+        """Import and return the function that runs this analysis."""
+        function: Callable[[Any], None] = getattr(import_module(self.module), self.run)
+        return function
 
     def settings_class(self) -> type[Declared]:
-        """The class of its settings."""
-        found: type[Declared] = self._class(self.settings)
-        return found
+        """Import and return the class of its settings."""
+        settings: type[Declared] = self._class(self.settings)
+        return settings
 
     def result_classes(self) -> dict[str, type]:
-        """Name in every output, and class of every result."""
+        """Import and return the class of every result, by its name in every output."""
         return {name: self._class(word) for name, word in self.results.items()}
 
     def _class(self, word: str) -> Any:
@@ -378,21 +378,21 @@ ANALYSES: dict[str, Analysis] = {
 
 
 def settings_classes() -> dict[str, type[Declared]]:
-    """The settings of every analysis that a file can name."""
+    """Return the settings of every analysis that a file can name."""
     return {
         name: analysis.settings_class() for name, analysis in ANALYSES.items() if analysis.settings
     }
 
 
 def ordered(analyses: Mapping[str, Analysis]) -> list[str]:
-    """Names of the analyses, each behind those that it needs, else in the order of the registry."""
-    found: dict[str, None] = {}
+    """Return names of the analyses, each after those that it needs, else in the order of the registry."""
+    names: dict[str, None] = {}
 
     def add(name: str) -> None:
         for before in analyses[name].needs:
             add(before)
-        found.setdefault(name)
+        names.setdefault(name)
 
     for name in analyses:
         add(name)
-    return list(found)
+    return list(names)

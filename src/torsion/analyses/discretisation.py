@@ -25,7 +25,7 @@ LARGEST_ESTIMATE = 0.1  # relative error; the estimate holds for small ones
 
 
 def highest_excited(study: Study, system: System, ruled: Ruled) -> float:
-    """The highest frequency (Hz) of the response that is requested; 0 where none is."""
+    """Return the highest frequency (Hz) of the response that is requested; 0 where none is."""
     if not response_is_requested(study, ruled):
         return 0.0
     frequencies = getattr(study.analyses.get("response"), "frequencies", None)
@@ -40,14 +40,14 @@ def highest_excited(study: Study, system: System, ruled: Ruled) -> float:
 
 
 def response_is_requested(study: Study, ruled: Ruled) -> bool:
-    """The file names a response, or a rule reads it, or something excites and no analysis is named."""
+    """Return whether the file names a response, a rule reads it, or something excites and no analysis is named."""
     if "response" in study.analyses or "response" in ruled:
         return True
     return (study.excites or bool(study.train.torques)) and not study.analyses
 
 
 def no_response(study: Study, system: System, ruled: Ruled) -> str:
-    """Why there is no response over speed; empty where there is one."""
+    """Return why there is no response over speed; empty where there is one."""
     if not study.excites:
         return "nothing excites"
     if not response_is_requested(study, ruled):
@@ -58,14 +58,14 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
 
 
 def has_inertia(system: System) -> bool:
-    """Something can vibrate."""
+    """Return whether anything in the system can vibrate."""
     if system.train.has_shafts:
         return True
     return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))
 
 
 def assembled(study: Study, frequency: float = 0.0) -> System:
-    """The system of a study in its model, for a highest frequency (Hz)."""
+    """Return the system of a study in its model, for a highest frequency (Hz)."""
     return assemble(
         study.train,
         study.model,
@@ -76,7 +76,7 @@ def assembled(study: Study, frequency: float = 0.0) -> System:
 
 
 def discretisation_words(system: System) -> str:
-    """How many pieces every shaft has, in words."""
+    """Return in words how many pieces every shaft has."""
     if not system.segments:
         return "no distributed shaft"
     what = {"lumped": "segments", "fem": "elements", "exact": "pieces"}[system.model]
@@ -90,7 +90,7 @@ def discretisation_words(system: System) -> str:
 
 
 def run_assembly(work: Work) -> None:
-    """The train divided finely enough for the highest frequency of the response that is requested."""
+    """Put the train divided finely enough for the highest frequency of the response that is requested."""
     with work.log.step("assembly", "everything stands on it") as step:
         system = assembled(work.study)
         highest = highest_excited(work.study, system, work.ruled)
@@ -137,7 +137,7 @@ def run_assembly(work: Work) -> None:
 
 
 def run_modes(work: Work) -> None:
-    """The modes, where they are requested, and the train divided finely enough for them."""
+    """Put the modes, where they are requested, and the train divided finely enough for them."""
     study, system, settings = work.study, work.system, modes_settings(work.study, work.ruled)
     if not has_inertia(system):
         work.log.without("natural frequencies", "no component has an inertia")
@@ -148,12 +148,12 @@ def run_modes(work: Work) -> None:
     with work.log.step(
         "natural frequencies", "requested" if "modes" in study.analyses else "the default"
     ) as step:
-        found = modes(system, settings.count)
-        system = found.system
+        result = modes(system, settings.count)
+        system = result.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
         if chord_spans(system).size:
             bounds = (
-                "certified by counts" if found.certified else "with the error bound of the method"
+                "certified by counts" if result.certified else "with the error bound of the method"
             )
             step.method = (
                 f"closed loops: Jacobi rotations of a factor without differences, {bounds}"
@@ -169,16 +169,16 @@ def run_modes(work: Work) -> None:
                     f"modes above {end:.6g} Hz",
                     "the table of a coupling ends there; `beyond: hold`",
                 )
-        if system.bars is not None and not found.certified:
+        if system.bars is not None and not result.certified:
             step.method = (
                 "dense problem of all unknowns, not certified: the elements are too few for counts"
             )
-        step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"
-    work.put(system=system, modes=found)
+        step.size = f"{result.frequency.size} of {_size(system)}; {discretisation_words(system)}"
+    work.put(system=system, modes=result)
 
 
 def run_groups(work: Work) -> None:
-    """Segment groups in place of the segments of very long shafts, for all that follows."""
+    """Put segment groups in place of the segments of very long shafts, for all that follows."""
     system = condensed(work.system)
     if system.groups is None:
         return
@@ -198,8 +198,8 @@ def _size(system: System) -> str:
 
 
 def run_sections(work: Work) -> None:
-    """Solve every one; the assembly reads what is found."""
+    """Solve every meshed cross-section, whose results the assembly reads."""
     with work.log.step("cross-sections", "a shaft has a `section`") as step:
-        found = section_results(work.study.train)
+        sections = section_results(work.study.train)
         step.method = "stress function and warping by finite elements, on refined meshes"
-        step.size = "; ".join(f"{name}: {one.words}" for name, one in found.items())
+        step.size = "; ".join(f"{name}: {section.words}" for name, section in sections.items())

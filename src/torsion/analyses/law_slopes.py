@@ -29,22 +29,22 @@ def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
 
 def mean_speed_slopes(study: Study) -> dict[str, str]:
     """Return who drives or absorbs by a slope that acts on the mean speed alone, each with the key that it lacks."""
-    found = {
+    lacking = {
         part.name: "lag"
         for part, law in driven_by_law(study.train)
         if law.law is None and law.lag is None
     }
     if not study.has_mean_torque:
-        return found
+        return lacking
     damped = {damper.station for damper in study.train.dampers}
     for load in power_balance(study.train, study.operation).loads:
         if load.law.has_slope:
             stations = (station for station, _ in load.stations if station not in damped)
-            found |= {
+            lacking |= {
                 study.train.parts[study.train.stations[station].part].name: "damping: law"
                 for station in stations
             }
-    return found
+    return lacking
 
 
 def load_slopes(balance: Balance, ratio: FloatArray, speed: FloatArray) -> FloatArray:
@@ -92,8 +92,8 @@ def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[flo
 
 
 def drive_faults(study: Study) -> list[Fault]:
-    """Why a law of drive cannot stand beside the speeds and the balance of power of the file."""
-    found, operation = list[Fault](), study.operation
+    """Return why a law of drive contradicts the speeds and the balance of power of the file."""
+    faults, operation = list[Fault](), study.operation
     if not study.has_mean_torque:
         message, hint = (
             "the law of a drive needs the mean torque",
@@ -112,15 +112,15 @@ def drive_faults(study: Study) -> list[Fault]:
         try:
             _, rated_torque = rated_point(part, operation, balance)
         except InputError as error:
-            found += error.faults
+            faults += error.faults
             continue
         kloss = law.rated_torque()
         if law.torque is not None:
-            found += _table_faults(part, law.torque, operation, balance)
+            faults += _table_faults(part, law.torque, operation, balance)
         elif kloss is not None and abs(kloss - rated_torque) > SAME_TORQUE * abs(rated_torque):
             message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
             hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
-            found.append(
+            faults.append(
                 Fault(
                     (*part.path, "drive", "slip"),
                     f"{message}, the loads take {rated_torque:.6g} N m",
@@ -132,14 +132,14 @@ def drive_faults(study: Study) -> list[Fault]:
         if transient and law.law != "torque":
             message = f"the `drive` of '{part.name}' follows the mean speed and does not act in a transient response"
             hint = "an event `start` with its torque over speed follows the vibration too; else leave `drive` out"
-            found.append(Fault((*part.path, "drive"), message, hint))
-    return found
+            faults.append(Fault((*part.path, "drive"), message, hint))
+    return faults
 
 
 def _table_faults(
     part: Part, table: tuple[tuple[float, float], ...], operation: Operation, balance: Balance
 ) -> list[Fault]:
-    """Why a table of torque over own speed cannot be the law of a drive."""
+    """Return why a table of torque over own speed cannot be the law of a drive."""
     ratio = abs(float(part.ratio))
     about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
     ends = (
@@ -182,7 +182,7 @@ def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
         for part in study.train.parts
         if part.machine and (part.machine.drive or part.machine.load)
     ]
-    found = [
+    stated_slopes = [
         (part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking
     ]
-    return [(name, slope, lacking[name]) for name, slope in found if slope]
+    return [(name, slope, lacking[name]) for name, slope in stated_slopes if slope]

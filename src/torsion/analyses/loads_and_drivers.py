@@ -39,7 +39,7 @@ class Load:
         return self.law.torque(speed, self.speed, self.torque)
 
     def faults(self, speed: FloatArray) -> list[Fault]:
-        """A table of load that does not cover the speeds (rad/s)."""
+        """Return the fault of a table of load that does not cover the speeds (rad/s)."""
         return uncovered(self.law.table, speed, self._table) if self.law.table else []
 
     @property
@@ -72,7 +72,7 @@ class Balance:
         return sum((share for driver in self.drivers for _, share in driver.stations), Fraction(0))
 
     def shares(self, load: Load) -> Shares:
-        """(stations,) shares of the torque of one load: positive where it enters, negative where it leaves."""
+        """Return the shares (stations,) of the torque of one load: positive where it enters, negative where it leaves."""
         shares = [Fraction(0)] * self.stations
         for driver in self.drivers:
             for station, share in driver.stations:

@@ -10,7 +10,7 @@ SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was wri
 
 
 def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
-    """Torque (speeds,) N m from a table over speed, linear between its rows and never beyond them.
+    """Return torque (speeds,) N m from a table over speed, linear between its rows and never beyond them.
 
     `about` names the table and its place; raises InputError where the table does not cover the speeds.
     """
@@ -21,7 +21,7 @@ def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
 
 
 def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
-    """The fault of a table that does not cover the speeds (rad/s); none where it does."""
+    """Return the fault of a table that does not cover the speeds (rad/s); none where it does."""
     first, last = table[0][0], table[-1][0]
     if not speed.size or (
         speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)
@@ -35,5 +35,5 @@ def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
 
 
 def in_rpm(speed: float) -> str:
-    """A speed (rad/s) in words, per minute."""
+    """Return a speed (rad/s) in words, per minute."""
     return f"{speed * 30.0 / np.pi:.6g} rpm"

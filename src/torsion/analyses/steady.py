@@ -6,7 +6,6 @@ tree, so a span that carries nothing carries exactly nothing.
 
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import reduce
 
 import numpy as np
 
@@ -26,37 +25,37 @@ from torsion.train import Train
 
 
 def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray, FloatArray]:
-    """Under 1 N m, of which the shares (stations,) sum to zero: torques (spans,) N m, twists (stations,) rad.
+    """Return torques (spans,) N m and twists (stations,) rad under 1 N m, of which the shares (stations,) sum to zero.
 
     A torque is positive from driving to driven; twists are against the reference station.
     A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
     Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
     """
-    way = _way(system, reference)
+    way = _spanning_tree(system, reference)
     torque = np.array([float(share) for share in _tree_torques(system, way, applied)])
     flexibility = system.flexibility / system.span_ratio**2
     finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
     loops = np.setdiff1d(np.flatnonzero(np.isfinite(flexibility)), way.above)
     if loops.size:
+        # The twists around each loop sum to zero.
         cycle = _cycles(system, way, loops)
         around = (cycle * finite) @ cycle.T
         torque = torque - cycle.T @ np.linalg.solve(around, cycle @ (finite * torque))
-    _refuse_slipping(system, torque)
+    for span in np.flatnonzero(np.isinf(system.flexibility) & (torque != 0)).tolist():
+        message = f"the mean torque has to pass through '{system.spans[span].name}', that has damping but no stiffness"
+        raise SolveError(f"{message}; give it a stiffness")
     twist = np.zeros(len(system.stations))
     for station, parent, span in _from_roots(way):
         if span >= 0:
-            twist[station] = twist[parent] - _toward_leaves(system, span, station) * (
-                finite[span] * torque[span]
-            )
+            change = _toward_leaves(system, span, station) * (finite[span] * torque[span])
+            twist[station] = twist[parent] - change
     return torque, twist
 
 
-def _way(system: System, reference: int) -> Walk:
-    """A spanning tree from the reference station, with spans without stiffness only where nothing else leads on."""
-    ends, finite = (
-        (len(system.stations), system.driving, system.driven),
-        np.isfinite(system.flexibility),
-    )
+def _spanning_tree(system: System, reference: int) -> Walk:
+    """Return a tree from the reference station, with spans without stiffness only where nothing else leads on."""
+    ends = len(system.stations), system.driving, system.driven
+    finite = np.isfinite(system.flexibility)
     way = walk(*ends, finite, [reference])
     if finite.all():
         return way
@@ -65,55 +64,40 @@ def _way(system: System, reference: int) -> Walk:
 
 
 def _from_roots(way: Walk) -> list[tuple[int, int, int]]:
-    """Station, parent and span between them, every station after its parent; -1 at a root."""
-    return list(
-        zip(
-            *(each.tolist() for each in (way.order, way.parent[way.order], way.above[way.order])),
-            strict=True,
-        )
-    )
+    """Return station, parent and span between them, every station after its parent; -1 at a root."""
+    columns = way.order, way.parent[way.order], way.above[way.order]
+    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _toward_leaves(system: System, span: int, station: int) -> int:
-    """1 where the span's driven end is `station`, else -1."""
+    """Return 1 where the span's driven end is `station`, else -1."""
     return 1 if system.driven[span] == station else -1
 
 
 def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
-    """(spans,) share carried by each span of the tree: what is applied beyond it, with the sign of its direction."""
+    """Return the share (spans,) carried by each span of the tree: what is applied beyond it, signed by direction."""
     beyond, shares = list(applied), [Fraction(0)] * len(system.spans)
     for station, parent, span in reversed(_from_roots(way)):
         if span >= 0:
             shares[span] = -beyond[station] * _toward_leaves(system, span, station)
             beyond[parent] += beyond[station]
         elif beyond[station] != 0:
-            raise SolveError(
-                "the mean torque cannot reach the load: drive and load are not joined by any span"
-            )
+            message = "the mean torque cannot reach the load"
+            raise SolveError(f"{message}: drive and load are not joined by any span")
     return shares
 
 
 def _cycles(system: System, way: Walk, loops: IntArray) -> FloatArray:
-    """(loops, spans) 1 for each span that closes a loop and +-1 for those of the tree around it: their twists are 0."""
+    """Return (loops, spans) 1 for each span that closes a loop and +-1 for those of the tree around it."""
     cycle = np.zeros((len(loops), len(system.spans)))
-    for row, closing in zip(cycle, loops.tolist(), strict=True):
-        row[closing] = 1.0
-        for end, sense in (
-            (int(system.driving[closing]), 1.0),
-            (int(system.driven[closing]), -1.0),
-        ):
-            station = end
+    for row, chord in zip(cycle, loops.tolist(), strict=True):
+        row[chord] = 1.0
+        for end, sense in ((system.driving[chord], 1.0), (system.driven[chord], -1.0)):
+            station = int(end)
             while (span := int(way.above[station])) >= 0:
                 row[span] += sense * _toward_leaves(system, span, station)
                 station = int(way.parent[station])
     return cycle
-
-
-def _refuse_slipping(system: System, torque: FloatArray) -> None:
-    """A span without stiffness carries no torque while both of its ends turn at one speed."""
-    for span in np.flatnonzero(np.isinf(system.flexibility) & (torque != 0)).tolist():
-        message = f"the mean torque has to pass through '{system.spans[span].name}', that has damping but no stiffness"
-        raise SolveError(f"{message}; give it a stiffness")
 
 
 @reported
@@ -127,10 +111,9 @@ class Steady:
     applied: FloatArray = result("N*m", ("station", "speed"), "drive positive, load negative")
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
     sharing: str = result("", (), "how the load was shared, in words")
-    load_slope: FloatArray | None = (
-        None  # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load
-    )
-    drive_slope: FloatArray | None = None  # the same, -dT/dω of the laws of drive without a lag
+    # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load, -dT/dω of drives without a lag
+    load_slope: FloatArray | None = None
+    drive_slope: FloatArray | None = None
 
 
 @reported
@@ -157,34 +140,32 @@ class PowerBalance:
 
 
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
-    """Mean torques at reference speeds (speeds,) rad/s.
+    """Return mean torques at reference speeds (speeds,) rad/s.
 
     Where the torque enters and leaves is that of `power_balance`. Raises InputError as that does, and where a table of
     load does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     balance, reference = power_balance(train, operation), reference_station(train, operation)
-    none = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts inside shafts
-    torques, acting, twists = [], [], []
-    for load in balance.loads:
-        shares, mean = [*balance.shares(load), *none], load.torque_at(speed)
-        torque, twist = statics(system, shares, reference)
-        applied = [
-            float(share / station.ratio)
-            for share, station in zip(shares, system.stations, strict=True)
-        ]
-        torques.append(np.outer(torque / system.span_ratio, mean))
-        acting.append(np.outer(applied, mean))
-        twists.append(np.outer(twist * system.speed_ratio, mean))
-    torque_of_all, applied_of_all, twist_of_all = (
-        reduce(np.add, each) for each in (torques, acting, twists)
-    )
+    inside_shafts = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts there
     ratio = system.speed_ratio
+    torque, applied, twist = (
+        np.zeros((count, len(speed)))
+        for count in (len(system.spans), len(system.stations), len(system.stations))
+    )
+    for load in balance.loads:
+        shares, mean = [*balance.shares(load), *inside_shafts], load.torque_at(speed)
+        unit_torque, unit_twist = statics(system, shares, reference)
+        exact = zip(shares, system.stations, strict=True)
+        unit_applied = [float(share / station.ratio) for share, station in exact]
+        torque += np.outer(unit_torque / system.span_ratio, mean)
+        applied += np.outer(unit_applied, mean)
+        twist += np.outer(unit_twist * ratio, mean)
     return Steady(
         speed,
-        torque_of_all,
-        applied_of_all,
-        twist_of_all,
+        torque,
+        applied,
+        twist,
         balance.sentence,
         load_slopes(balance, ratio, speed),
         drive_slopes(train, operation, balance, ratio, speed),
@@ -192,14 +173,14 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
-    """Mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
+    """Return mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
     if not study.has_mean_torque:
         return None
     return steady(study.train, system, study.operation, speed)
 
 
 def reference_station(train: Train, operation: Operation) -> int:
-    """The station whose speed and angle are meant: that of the component `at`, else the first one."""
+    """Return the station whose speed and angle are meant: that of the component `at`, else the first one."""
     if operation.at is not None:
         stations = train.part(operation.at).stations
         if stations:
@@ -208,32 +189,28 @@ def reference_station(train: Train, operation: Operation) -> int:
 
 
 def run(work: Work) -> None:
-    """Mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
-    study, operation = work.study, work.study.operation
+    """Put mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
+    study, operation, speeds = work.study, work.study.operation, work.study.operation.speeds
     if not study.has_mean_torque:
-        work.log.without(
-            "mean torque", "the file states neither the power of the loads nor a table of the load"
-        )
+        reason = "the file states neither the power of the loads nor a table of the load"
+        work.log.without("mean torque", reason)
         return
-    balance, speeds = power_balance(study.train, operation), operation.speeds
-    grid = (
-        speeds.values()
-        if speeds is not None
-        else np.array([operation.speed] if operation.speed is not None else [])
-    )
+    balance = power_balance(study.train, operation)
+    if speeds is not None:
+        corners = [speed for speed in balance.corners if speeds.first <= speed <= speeds.last]
+        grid = np.union1d(speeds.values(), corners) if corners else speeds.values()
+    else:
+        grid = np.array([] if operation.speed is None else [operation.speed])
     if operation.rated is not None:
         grid = np.union1d(grid, [operation.rated.speed])
-    if speeds is not None and balance.corners:
-        grid = np.union1d(
-            grid, [speed for speed in balance.corners if speeds.first <= speed <= speeds.last]
-        )
     if not grid.size:
         work.log.without("mean torque", "`operation` says no speed")
         return
     with work.log.step("mean torque", "the file states the load") as step:
         mean = steady(study.train, work.system, operation, grid)
-        machines = balance_of(balance, work.system, mean, operation.speed or float(grid[-1]))
-        work.put(mean=mean, machines=PowerBalance(tuple(machines)))
+        point = int(np.argmin(np.abs(mean.speed - (operation.speed or float(grid[-1])))))
+        machines = tuple(_machines(balance, work.system, mean, point))
+        work.put(mean=mean, machines=PowerBalance(machines))
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
     for name, slope, key in slopes_without_vibration(study):
@@ -241,34 +218,28 @@ def run(work: Work) -> None:
         work.log.without(f"slope of '{name}' in vibration", why)
 
 
-def balance_of(
-    balance: Balance, system: System, mean: Steady, speed: float
-) -> Iterator[MachinePower]:
-    """Yield every machine with its power at the computed speed nearest to a reference speed (rad/s)."""
-    at = int(np.argmin(np.abs(mean.speed - speed)))
-    sides = [(driver.part, driver.stations, "", driver.is_free) for driver in balance.drivers]
-    sides += [
-        (part, load.stations, load.law.words, load.is_free)
-        for load in balance.loads
-        for part in load.parts
+def _machines(balance: Balance, system: System, mean: Steady, point: int) -> Iterator[MachinePower]:
+    """Yield every machine, or end in place of one, with its power at one of the computed speeds."""
+    sides: list[tuple[Part | None, Shared, str, bool]] = [
+        (driver.part, driver.stations, "", driver.is_free) for driver in balance.drivers
     ]
-    sides += [
-        (None, load.stations, load.law.words, load.is_free)
-        for load in balance.loads
-        if not load.parts
-    ]
+    named = [load for load in balance.loads if load.parts]
+    unnamed = [load for load in balance.loads if not load.parts]
+    for load in (*named, *unnamed):
+        parts = load.parts or (None,)
+        sides += [(part, load.stations, load.law.words, load.is_free) for part in parts]
     for number, (part, shared, law, is_free) in enumerate(sides):
-        places = _places(part, shared)
-        torque = float(mean.applied[places, at].sum())
-        own = float(mean.speed[at]) * abs(float(system.stations[places[0]].ratio))
-        name = part.name if part is not None else system.stations[places[0]].name
+        stations = _stations(part, shared)
+        station = system.stations[stations[0]]
+        name, kind = (station.name, "") if part is None else (part.name, part.kind)
+        torque = float(mean.applied[stations, point].sum())
+        speed = float(mean.speed[point]) * abs(float(station.ratio))
         enters = number < len(balance.drivers)
-        kind = part.kind if part is not None else ""
-        yield MachinePower(name, kind, enters, own, abs(torque) * own, torque, law, is_free)
+        yield MachinePower(name, kind, enters, speed, abs(torque) * speed, torque, law, is_free)
 
 
-def _places(part: Part | None, shared: Shared) -> list[int]:
-    """The stations at which a machine drives or absorbs."""
+def _stations(part: Part | None, shared: Shared) -> list[int]:
+    """Return the stations at which a machine drives or absorbs."""
     if part is not None and part.compressor is not None:
         return list(dict.fromkeys(throw.station for throw in part.compressor.throws))
     if part is not None and part.engine is None:
@@ -277,37 +248,30 @@ def _places(part: Part | None, shared: Shared) -> list[int]:
 
 
 def power_faults(study: Study) -> list[Fault]:
-    """Why the mean torque finds no way through the train, and a table of the load that does not cover the speeds."""
-    operation = study.operation
-    ends = [] if operation.speeds is None else [operation.speeds.first, operation.speeds.last]
+    """Return why the mean torque finds no way through the train, and tables of load that do not cover the speeds."""
+    operation, speeds = study.operation, study.operation.speeds
+    ends = [] if speeds is None else [speeds.first, speeds.last]
     speed = np.array([*ends, *([] if operation.rated is None else [operation.rated.speed])])
     if not speed.size:
         return []
     try:
         balance = power_balance(study.train, operation)
     except InputError as error:
-        table = Load((), [], operation.load)
-        return [*table.faults(speed), *error.faults]
+        return [*Load((), [], operation.load).faults(speed), *error.faults]
     return [fault for load in balance.loads for fault in load.faults(speed)]
 
 
 def table_faults(study: Study) -> list[Fault]:
-    """Tables of torques over speed, of those that the response reads, that do not cover its speeds."""
-    speeds, orders = (
-        study.operation.speeds,
-        getattr(study.analyses.get("response"), "orders", "all"),
-    )
-    if speeds is None:
-        return []
-    found: list[Fault] = []
-    for torque in study.train.torques:
+    """Return the tables of torques over speed, of those that the response reads, that do not cover its speeds."""
+    speeds, faults = study.operation.speeds, list[Fault]()
+    orders = getattr(study.analyses.get("response"), "orders", "all")
+    for torque in study.train.torques if speeds is not None else ():
         ratio = study.train.stations[torque.station].ratio
         is_read = torque.frequency is not None
         if torque.order is not None:
             is_read = not isinstance(orders, tuple) or torque.order * ratio in orders
-        if torque.table and is_read:
+        if torque.table and is_read and speeds is not None:
             about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
-            found += uncovered(
-                torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about
-            )
-    return found
+            ends = np.array([speeds.first, speeds.last]) * float(ratio)
+            faults += uncovered(torque.table, ends, about)
+    return faults

@@ -44,7 +44,7 @@ class ToothForces:
 def forces(
     torque: float, diameter: float, helix: float, pressure_angle: float
 ) -> tuple[float, float, float]:
-    """Tangential, radial and axial force (N) of a torque (N m) at a pitch diameter (m); angles in rad.
+    """Return tangential, radial and axial force (N) of a torque (N m) at a pitch diameter (m); angles in rad.
 
     >>> [round(force, 6) for force in forces(100.0, 0.2, 0.0, math.atan(0.25))]
     [1000.0, 250.0, 0.0]
@@ -58,30 +58,33 @@ def forces(
 
 
 def run(work: Work) -> None:
-    """Where the mean torque at the rated point is known."""
+    """Put the forces where the mean torque at the rated point is known."""
     rated, system = work.study.operation.rated, work.system
     meshes = [mesh for mesh in system.train.constraints if mesh.toothing is not None]
     try:
-        known = (
+        steady = (
             None if rated is None else steady_if_known(work.study, system, np.array([rated.speed]))
         )
     except InputError:  # the table of the load does not reach to it
-        known = None
-    if known is None:
+        steady = None
+    if steady is None:
         work.log.without("tooth forces", "the mean torque at the rated point is not known")
         return
     torques = {
-        (span.part, span.name): abs(float(known.torque[k, 0]))
+        (span.part, span.name): abs(float(steady.torque[k, 0]))
         for k, span in enumerate(system.own_spans)
     }
     with work.log.step("tooth forces", "the file gives pitch diameters") as step:
-        each = []
+        forces_of = []
         for mesh in meshes:
             teeth, torque = mesh.toothing, torques[mesh.part, mesh.name]
             if teeth is not None:
                 size = teeth.diameter, teeth.diameter / float(mesh.ratio), teeth.module
                 angles = teeth.helix, teeth.pressure_angle
                 acting = forces(torque, teeth.diameter, *angles)
-                each.append(ToothForce(mesh.name, *size, *angles, torque, *acting))
-        work.put(tooth_forces=ToothForces(tuple(each)))
-        step.method, step.size = "F_t = 2 T/d", f"{len(each)} mesh{'es' * (len(each) != 1)}"
+                forces_of.append(ToothForce(mesh.name, *size, *angles, torque, *acting))
+        work.put(tooth_forces=ToothForces(tuple(forces_of)))
+        step.method, step.size = (
+            "F_t = 2 T/d",
+            f"{len(forces_of)} mesh{'es' * (len(forces_of) != 1)}",
+        )

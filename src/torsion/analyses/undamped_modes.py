@@ -29,12 +29,6 @@ NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
 
 
-def shares(energy: FloatArray) -> FloatArray:
-    """What each one has of the sum over all, (all, modes), in the place of `energy`."""
-    energy /= energy.sum(axis=0)
-    return energy
-
-
 class ModesSettings(Declared):
     """Settings of `modes`."""
 
@@ -45,27 +39,26 @@ class ModesSettings(Declared):
 
 
 def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
-    """Settings of the modes that are computed; None where none are."""
+    """Return the settings of the modes that are computed; None where none are."""
     settings = study.analyses.get("modes")
     if isinstance(settings, ModesSettings):
         return settings
-    reads = (
-        "modes" in ruled or "transient" in study.analyses
-    )  # a motion over time is a sum of modes
-    return None if study.analyses and not reads else ModesSettings()
+    # A motion over time is a sum of modes.
+    is_read = "modes" in ruled or "transient" in study.analyses
+    return ModesSettings() if is_read or not study.analyses else None
 
 
-def without_mode(study: Study, mode: int, there: int, path: Path) -> Fault:
-    """The fault of a setting about a mode that is not computed, or that the train does not have."""
+def without_mode(study: Study, mode: int, count: int, path: Path) -> Fault:
+    """Return the fault of a setting about a mode that is not one of the `count` computed, or not one of the train."""
     settings = study.analyses.get("modes")
-    if there < (settings if isinstance(settings, ModesSettings) else ModesSettings()).count:
-        message = f"mode {mode} is none of the {there} elastic modes of the train"
-        return Fault(
-            path, message, f"one of 1 to {there}" if there else "a train with an elastic mode"
-        )
-    return Fault(
-        path, f"mode {mode} is none of the {there} that are computed", f"`modes: {{count: {mode}}}`"
-    )
+    requested = settings if isinstance(settings, ModesSettings) else ModesSettings()
+    if count < requested.count:
+        message = f"mode {mode} is none of the {count} elastic modes of the train"
+        hint = f"one of 1 to {count}" if count else "a train with an elastic mode"
+    else:
+        message = f"mode {mode} is none of the {count} that are computed"
+        hint = f"`modes: {{count: {mode}}}`"
+    return Fault(path, message, hint)
 
 
 @reported
@@ -99,16 +92,14 @@ class Modes(Displayed, Keyed):
     )  # of a train with distributed inertia
 
     def __getitem__(self, name: str) -> FloatArray:
-        """(modes,) rad: every mode at a component, or at one of its stations; raises KeyError with the nearest name."""
-        stations = {
-            station.name: k for k, station in reversed(list(enumerate(self.system.stations)))
-        }
-        points = {
-            part.name: part.stations[0]
-            for part in self.system.train.parts
-            if part.is_point and part.stations
-        }
-        return np.asarray(self.shape[by_name(name, {**stations, **points}, "station")])
+        """Return every mode (modes,) rad at a component or station; raises KeyError with the nearest name."""
+        stations = dict[str, int]()
+        for position, station in enumerate(self.system.stations):
+            stations.setdefault(station.name, position)
+        for part in self.system.train.parts:
+            if part.is_point and part.stations:
+                stations[part.name] = part.stations[0]
+        return np.asarray(self.shape[by_name(name, stations, "station")])
 
     @derived(
         "1",
@@ -119,15 +110,15 @@ class Modes(Displayed, Keyed):
         is_total=True,
     )
     def kinetic(self) -> FloatArray:
-        """(stations, modes)."""
+        """Share of the kinetic energy (stations, modes)."""
         energy = np.square(self.shape)
         energy *= np.where(self.system.held, 0.0, self.system.lumped_inertia)[:, None]
         if self.distributed is not None and self.system.bars is not None:
-            for end in (0, 1):
-                np.add.at(
-                    energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0
-                )
-        return shares(energy)
+            half = self.distributed.shaft_kinetic / 2.0
+            for ends in self.system.bars.ends.T:
+                np.add.at(energy, ends, half)
+        energy /= energy.sum(axis=0)
+        return energy
 
     @derived(
         "1",
@@ -138,118 +129,117 @@ class Modes(Displayed, Keyed):
         is_total=True,
     )
     def elastic(self) -> FloatArray:
-        """(spans, modes)."""
+        """Share of the elastic energy (spans, modes)."""
         if self.distributed is not None:
-            return shares(self.distributed.elastic[self.system.condensed.span])
-        flexibility, energy = self.system.flexibility, np.square(self.torque)
-        energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
-        return shares(energy)
+            energy = self.distributed.elastic[self.system.condensed.span]
+        else:
+            flexibility, energy = self.system.flexibility, np.square(self.torque)
+            energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
+        energy /= energy.sum(axis=0)
+        return energy
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
-        """(modes,)."""
+        """Number of nodes (modes,) of each shape."""
+        tree, chords = undamped_tree(self.system), chord_spans(self.system)
         square = np.square(2.0 * math.pi * self.frequency)
-        return nodes(
-            self.system, undamped_tree(self.system), chord_spans(self.system), self.shape, square
-        )
+        return nodes(self.system, tree, chords, self.shape, square)
 
     @property
     def enclosure(self) -> FloatArray:
-        """(modes, 2) Hz: lower and upper bound of each frequency."""
+        """Lower and upper bound (modes, 2) Hz of each frequency."""
         return np.stack([self.lower, self.upper], axis=1)
 
 
 def modes(system: System, count: int | None = 6, *, refine: bool = True) -> Modes:
-    """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
+    """Return the lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
     Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
     the results. Raises InputError for a count below 1 or above 100 000; SolveError where shafts cannot be refined,
     where that is needed and `refine` is False, and for a frequency that cannot be proven.
     """
     if count is not None and not 1 <= count <= MOST_MODES:
-        raise InputError(
-            [Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")]
-        )
-    ends = any(not table.holds for table in system.tables_over("frequency").values())
-    if ends:  # no mode above the end of a table is sought
+        message, hint = f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}"
+        raise InputError([Fault(("count",), message, hint)])
+    has_end = any(not table.holds for table in system.tables_over("frequency").values())
+    if has_end:  # no mode above the end of a table is sought
         system = resolving(system, _table_end(system), refine=refine)
-    if ends or not refine or (system.bars is None and math.isinf(system.resolved_to)):
-        found = modes_as_discretised(system, count)
+    if has_end or not refine or (system.bars is None and math.isinf(system.resolved_to)):
+        result = modes_as_discretised(system, count)
     else:
         if count is None:
             count = modes_as_discretised(system, None).frequency.size
-        found = _refined(system, count)
-    if count is not None and found.frequency.size < count and not ends:
-        demand_resolution(found.system, math.inf)
-    demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
-    return found
+        result = _refined(system, count)
+    if count is not None and result.frequency.size < count and not has_end:
+        demand_resolution(result.system, math.inf)
+    demand_resolution(result.system, float(result.frequency.max(initial=0.0)))
+    return result
 
 
-def modes_up_to(found: Modes, requested: int, reach: float) -> tuple[FloatArray, float]:
-    """Natural frequencies (modes,) in Hz up to `reach` (Hz), and the frequency below which none is missing.
+def modes_up_to(known: Modes, requested: int, reach: float) -> tuple[FloatArray, float]:
+    """Return natural frequencies (modes,) in Hz up to `reach` (Hz), and the frequency below which none is missing.
 
-    found: the modes of which `requested` were sought; where they end below `reach`, more are computed. The second
+    known: the modes of which `requested` were sought; where they end below `reach`, more are computed. The second
     number is infinite where the train has no further mode, and stays below `reach` where no more can be computed.
     """
-    frequency, sought = found.frequency, requested
-    ends = any(not table.holds for table in found.system.tables_over("frequency").values())
+    frequency, sought, tables = known.frequency, requested, known.system.tables_over("frequency")
     while (last := float(frequency.max(initial=0.0))) < reach:
         if frequency.size < sought:
-            return frequency, _table_end(found.system) if ends else math.inf
+            has_end = any(not table.holds for table in tables.values())
+            return frequency, _table_end(known.system) if has_end else math.inf
         sought = 2 * frequency.size + 2
         if sought > MOST_JUDGED:
-            return frequency, last
+            break
         try:
-            frequency = modes(found.system, sought).frequency
+            frequency = modes(known.system, sought).frequency
         except SolveError:
-            return frequency, last
+            break
     return frequency, last
 
 
 def _table_end(system: System) -> float:
-    """Frequency (Hz) at which the first table of a coupling ends."""
+    """Return the frequency (Hz) at which the first table of a coupling ends."""
     from torsion.assembly.tabled_spans import reach
 
     return reach(system)[1] / (2.0 * math.pi)
 
 
 def _refined(system: System, count: int) -> Modes:
-    """The lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
+    """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
     highest = system.requested.frequency
     system = _in_reach(system, highest, count)
-    found = _with_all(modes_as_discretised(system, count), count)
+    result = _in_more_segments(modes_as_discretised(system, count), count)
     for _ in range(ROUNDS):
-        system = found.system
-        top = max(highest, float(found.frequency[-1]) if found.frequency.size else 0.0)
-        finer = rediscretised(system, top)
+        system = result.system
+        finer = rediscretised(system, max(highest, float(result.frequency.max(initial=0.0))))
         if _discretisation(finer) == _discretisation(system):
-            return found if system.bars is None else replace(found, system=finer)
+            return result if system.bars is None else replace(result, system=finer)
         if system.bars is not None and is_as_fine(system, finer):
             break
-        found = modes_as_discretised(finer, count)
-    return found
+        result = modes_as_discretised(finer, count)
+    return result
 
 
-def _with_all(found: Modes, count: int) -> Modes:
-    """Lumped shafts in more segments until the train has `count` modes, as far as the settings allow."""
-    frequency, system = 0.0, found.system
+def _in_more_segments(modes: Modes, count: int) -> Modes:
+    """Return modes of lumped shafts in more segments until the train has `count` modes, as far as settings allow."""
+    frequency, system = 0.0, modes.system
     half_waves = [
         math.pi / phase(bar, 1.0)
         for bar in system.train.bars
         if bar.density > 0 and bar.segments is None
     ]
-    while system.bars is None and found.frequency.size < count and half_waves:
+    while system.bars is None and modes.frequency.size < count and half_waves:
         frequency = max(2.0 * frequency, min(half_waves))
         finer = rediscretised(system, frequency)
         if _discretisation(finer) != _discretisation(system):
-            system, found = finer, modes_as_discretised(finer, count)
+            system, modes = finer, modes_as_discretised(finer, count)
         elif finer.resolved_to < frequency:
             break
-    return found
+    return modes
 
 
 def _in_reach(system: System, highest: float, count: int) -> System:
-    """The train discretised for the last of `count` modes, which counts find beforehand, as far as settings allow."""
+    """Return the train discretised for the last of `count` modes, which counts find, as far as settings allow."""
     for _ in range(REACHING):
         bars = system.condensed_shafts
         if bars is None or not math.isfinite(bars.limit):
@@ -257,10 +247,10 @@ def _in_reach(system: System, highest: float, count: int) -> System:
         from torsion.analyses.modes.bars import above_mode, reach
 
         tree = undamped_tree(system)
-        known = reach(tree)
-        if known.count >= count:
+        resolved = reach(tree)
+        if resolved.count >= count:
             return rediscretised(system, max(highest, above_mode(tree, count) / (2.0 * math.pi)))
-        finer = rediscretised(system, known.frequency / (2.0 * math.pi))
+        finer = rediscretised(system, resolved.frequency / (2.0 * math.pi))
         if _discretisation(finer) == _discretisation(system):
             break
         system = finer
@@ -272,67 +262,67 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
 
 
 def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
-    """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
+    """Return the lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.tables_over("frequency"):
         from torsion.analyses.modes.tabled_modes import tabled_modes
 
-        return tabled_modes(system, count, modes_as_discretised)
+        result: Modes = tabled_modes(system, count, modes_as_discretised)
+        return result
     if system.groups is not None:
         return condensed_modes(modes_as_discretised(system.whole, count), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import referred_modes
 
-        found = referred_modes(tree, count)
-        outer = found.torque if found.shafts is None else found.shafts.torque_outer
-        torque = bar_torques(system, found.torque, outer)
+        referred = referred_modes(tree, count)
+        shafts = referred.shafts
+        outer = referred.torque if shafts is None else shafts.torque_outer
+        torque = bar_torques(system, referred.torque, outer)
     else:
         if chords.size:
             from torsion.kernels.variant_networks import counted_modes
 
+            ends = node[system.driving[chords]], node[system.driven[chords]]
             flexibility = (system.flexibility / system.span_ratio**2)[chords]
-            found = counted_modes(
-                tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count
-            )
+            referred = counted_modes(tree, *ends, flexibility, count)
         else:
             from torsion.kernels.natural_modes import tree_modes
 
-            found = tree_modes(tree, count)
-        torque = span_torques(system, found.torque, chords, found.loop_torque)
-    angle, hertz, ratio = _rows(found.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
-    shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
+            referred = tree_modes(tree, count)
+        torque = span_torques(system, referred.torque, chords, referred.loop_torque)
+    shape, hertz, ratio = _rows(referred.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
+    if not (ratio == 1.0).all():
+        shape = np.asarray(shape * ratio[:, None])
     return Modes(
-        found.frequency * hertz,
+        referred.frequency * hertz,
         shape,
         torque,
-        found.lower * hertz,
-        found.upper * hertz,
-        found.rigid,
-        found.certified,
+        referred.lower * hertz,
+        referred.upper * hertz,
+        referred.rigid,
+        referred.certified,
         system,
-        found.shafts,
+        referred.shafts,
     )
 
 
-def condensed_modes(whole: Modes, system: System) -> Modes:
-    """The modes of a whole system at the stations and spans of it condensed; shares of energy are sums over groups."""
+def condensed_modes(full: Modes, system: System) -> Modes:
+    """Return modes of a whole system at the stations and spans of it condensed; shares are sums over groups."""
     groups = system.groups
     if groups is None:
-        return whole
-    found = replace(
-        whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system
+        return full
+    shape, torque = full.shape[groups.stations], full.torque[groups.spans]
+    result = replace(full, shape=shape, torque=torque, system=system)
+    vars(result).update(
+        kinetic=groups.over_stations(full.kinetic),
+        elastic=groups.over_spans(full.elastic),
+        nodes=full.nodes,
     )
-    shared = {
-        "kinetic": groups.over_stations(whole.kinetic),
-        "elastic": groups.over_spans(whole.elastic),
-        "nodes": whole.nodes,
-    }
-    vars(found).update(shared)
-    return found
+    return result
 
 
 def undamped_tree(system: System) -> Tree:
-    """The tree with the laws of its distributed shafts, without spans that have damping but no stiffness.
+    """Return the tree with the laws of its distributed shafts, without spans that have damping but no stiffness.
 
     These hold nothing without damping.
     """
@@ -343,7 +333,7 @@ def undamped_tree(system: System) -> Tree:
 
 
 def chord_spans(system: System) -> IntArray:
-    """(chords,) spans with a stiffness that close loops or lie beside another span."""
+    """Return the spans (chords,) with a stiffness that close loops or lie parallel to another span."""
     extra = system.condensed.extra
     return extra[np.isfinite(system.flexibility[extra])]
 
@@ -354,7 +344,7 @@ def span_torques(
     chords: IntArray = NONE,
     chord_torque: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
+    """Return torques (spans, columns) N m at each driving station's speed, from those (tree stations, columns).
 
     chord_torque: (chords, columns) N m at one speed, positive when the driving side pushes.
     """
@@ -370,15 +360,17 @@ def span_torques(
 
 
 def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
-    """(spans, columns) N m at each driving station, from torques (tree stations, columns) at both ends of spans."""
+    """Return torques (spans, columns) N m at each driving station, from those (tree stations, columns) at both ends."""
     from_parent = system.condensed.span[system.condensed.sign > 0]
     at_driving = torque_outer.copy()
     at_driving[from_parent] = torque[from_parent]
     return span_torques(system, at_driving)
 
 
-def _rows(values: np.ndarray, at: IntArray) -> np.ndarray:
-    """values[at], with the memory laid out as that of `values`; they themselves where `at` counts up by one."""
-    if at.size and at[0] >= 0 and np.array_equal(at, np.arange(at[0], at[0] + at.size)):
-        return values[int(at[0]) : int(at[0]) + at.size]
-    return values[at] if values.flags.c_contiguous else np.take(values.T, at, axis=1).T
+def _rows(values: np.ndarray, index: IntArray) -> np.ndarray:
+    """Return values[index] with the memory laid out as that of `values`; a view where `index` counts up by one."""
+    if index.size and index[0] >= 0:
+        first, end = int(index[0]), int(index[0]) + index.size
+        if np.array_equal(index, np.arange(first, end)):
+            return values[first:end]
+    return values[index] if values.flags.c_contiguous else np.take(values.T, index, axis=1).T

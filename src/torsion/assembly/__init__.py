@@ -72,11 +72,13 @@ def as_divided(system: "System", train: "Train") -> "System":
     return of_train(system, replace(train, bars=bars))
 
 
-def is_as_fine(system: "System", other: "System") -> bool:
+def is_as_fine(system: "System", reference: "System") -> bool:
     """No shaft of the `other` system has more pieces, nor elements of a higher degree."""
-    degree, least = (0 if one.bars is None else one.bars.degree for one in (system, other))
-    return degree >= least and all(
-        system.segments[name] >= number for name, number in other.segments.items()
+    degree, least_degree = (
+        0 if assembled.bars is None else assembled.bars.degree for assembled in (system, reference)
+    )
+    return degree >= least_degree and all(
+        system.segments[name] >= number for name, number in reference.segments.items()
     )
 
 

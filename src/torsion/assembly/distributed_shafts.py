@@ -9,8 +9,7 @@ import numpy as np
 
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.lumped import MOST
-from torsion.assembly.shaft_pieces import Piece
-from torsion.assembly.shafts import bar_segments, is_uniform, phase
+from torsion.assembly.shafts import Piece, bar_segments, is_uniform, phase
 from torsion.assembly.spans import Row, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
@@ -30,36 +29,36 @@ def collect(
     Between the last piece and the driven station there is a rigid span with the torque there, but not where that
     station is one of several fixed ones. Where no shaft has inertia there are no pieces: None.
     """
-    found = Collected.of(train)
+    collected = Collected.of(train)
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
-    lumped = list(found.inertia)
+    lumped = list(collected.inertia)
     numbers, pieces = dict[str, int](), list[tuple[int, tuple[int, int], Piece]]()
     for bar in train.bars:
         massless = bar.density == 0
         tells_end = not massless and not (bar.driven in held and len(held) > 1)
         numbers[bar.name] = number = (bar.segments or 1) if massless else number_of(bar)
-        row = Row(bar, number, len(found.stations), found.stations[bar.driving])
+        row = Row(bar, number, len(collected.stations), collected.stations[bar.driving])
         if not massless:
             made = (Piece(bar, position, number) for position in range(number))
             pieces += zip(
-                count(len(found.spans)), pairwise(row.stations.tolist()), made, strict=False
+                count(len(collected.spans)), pairwise(row.stations.tolist()), made, strict=False
             )
-        found.one_by_one(row, *bar_segments(bar, number))
+        collected.one_by_one(row, *bar_segments(bar, number))
         if tells_end:
-            found.spans[-1] = replace(found.spans[-1], driven=len(found.stations))
-            found.add(
-                Span(f"{bar.name}, driven end", bar.part, len(found.stations), bar.driven), 0.0
+            collected.spans[-1] = replace(collected.spans[-1], driven=len(collected.stations))
+            collected.add(
+                Span(f"{bar.name}, driven end", bar.part, len(collected.stations), bar.driven), 0.0
             )
-            found.stations.append(
+            collected.stations.append(
                 Station(f"{bar.name} end", bar.part, row.begin.ratio, row.begin.sense)
             )
-            found.inertia.append(0.0)
+            collected.inertia.append(0.0)
     if not pieces:
-        return found, None, numbers
+        return collected, None, numbers
     pieces.sort(key=lambda piece: not is_uniform(piece[-1].bar))
-    lumped += [0.0] * (len(found.stations) - len(lumped))
+    lumped += [0.0] * (len(collected.stations) - len(lumped))
     span, halves, made_of = zip(*pieces, strict=True)
-    return found, BarSpans(np.array(span), np.array(lumped), np.array(halves), made_of), numbers
+    return collected, BarSpans(np.array(span), np.array(lumped), np.array(halves), made_of), numbers
 
 
 def pieces_for(bar: Bar, frequency: float) -> int:
@@ -76,5 +75,5 @@ def assemble_exact(train: Train, requested: Discretisation) -> System:
 
     Raises SolveError for a train with closed loops.
     """
-    found, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested.frequency))
-    return found.system("exact", pieces, requested, math.inf, bars)
+    collected, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested.frequency))
+    return collected.system("exact", pieces, requested, math.inf, bars)

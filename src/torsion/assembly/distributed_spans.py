@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.shaft_pieces import Piece
-from torsion.assembly.shafts import is_uniform
+from torsion.assembly.shafts import Piece, is_uniform
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Law, Shafts
@@ -60,9 +59,11 @@ class BarSpans:
             laws.append(profile_shafts(length[uniform:], 1.0 / rigidity, inertia))
         return tuple(laws)
 
-    def _along(self, which: slice, at: FloatArray, ratio2: FloatArray) -> FloatArray:
+    def _along(self, which: slice, points: FloatArray, ratio2: FloatArray) -> FloatArray:
         """G I in N m2 and rho I in kg m, (2, pieces, points), referred to one speed, at points `at` of every piece."""
         pieces = self.pieces[which]
-        across = np.array([piece.polar_area_moment(at) for piece in pieces]) * ratio2[which, None]
+        across = (
+            np.array([piece.polar_area_moment(points) for piece in pieces]) * ratio2[which, None]
+        )
         material = np.array([(piece.bar.shear_modulus, piece.bar.density) for piece in pieces])
         return np.asarray(material.T[..., None] * across)

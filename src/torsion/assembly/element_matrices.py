@@ -11,15 +11,14 @@ import numpy as np
 import skfem
 
 from torsion.arrays import FloatArray
-from torsion.assembly.shaft_pieces import Piece
-from torsion.assembly.shafts import is_uniform, uniform_area
+from torsion.assembly.shafts import Piece, is_uniform, uniform_area
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
 
 
 def element(degree: int) -> Any:
-    """The element of a degree."""
+    """Return scikit-fem's element of polynomials of a degree on a line."""
     if degree == 1:
         return skfem.ElementLineP1()
     return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)
@@ -50,8 +49,8 @@ def element_law(pieces: tuple[Piece, ...], degree: int, ratio2: FloatArray) -> C
         parts.append(_law_of_unit(degree).scaled(*factors))
     if end < len(pieces):
         stiffness, inertia = element_matrices(pieces[end:], degree)
-        rest = ratio2[end:, None, None]
-        parts.append(condensed_elements(stiffness * rest, inertia * rest))
+        scale = ratio2[end:, None, None]
+        parts.append(condensed_elements(stiffness * scale, inertia * scale))
     return CondensedElements.joined(parts)
 
 
@@ -59,10 +58,10 @@ def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
     """Matrices of all pieces of a shaft, from its first one on."""
     bar = first.bar
     if is_uniform(bar):
-        one, two = (
+        stiffness, two = (
             unit * factor for unit, factor in zip(_of_unit(degree), _factors(first), strict=True)
         )
-        return np.repeat(one, first.number, axis=0), np.repeat(two, first.number, axis=0)
+        return np.repeat(stiffness, first.number, axis=0), np.repeat(two, first.number, axis=0)
     basis = _basis(first.number, degree)
     stiff, heavy = _integrals(basis, first.polar_area_moment(basis.default_parameters()["x"][0]))
     return stiff * (bar.shear_modulus / first.length), heavy * (bar.density * first.length)

@@ -61,7 +61,7 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
     def number_of(bar: Bar) -> int:
         return _number(bar, elements_for(bar, frequency, order) if elements is None else elements)
 
-    found, bars, numbers = collect(train, number_of)
+    collected, bars, numbers = collect(train, number_of)
     moving = [bar for bar in train.bars if bar.density > 0]
     if bars is not None:
         error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in moving)
@@ -71,7 +71,7 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
         accurate_phase(order) if elements is not None else min(accurate_phase(order), LARGEST_PHASE)
     )
     resolved = (numbers[bar.name] * longest / phase(bar, 1.0) for bar in moving if not is_stated)
-    return found.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
+    return collected.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
 
 
 def _number(bar: Bar, elements: int) -> int:
@@ -105,15 +105,15 @@ def section_error(bar: Bar, number: int, degree: int) -> float:
     if is_uniform(bar):
         return 0.0
     x, weight = GAUSS
-    at = (np.arange(number)[:, None] + (x + 1.0) / 2.0) / number
+    points = (np.arange(number)[:, None] + (x + 1.0) / 2.0) / number
     polynomials = np.polynomial.legendre.legvander(x, degree - 1)
-    energy = np.einsum("ng,gi,gj->nij", area_along(bar, at) * weight, polynomials, polynomials)
+    energy = np.einsum("ng,gi,gj->nij", area_along(bar, points) * weight, polynomials, polynomials)
     across = np.zeros(degree)
     across[0] = 2.0
     flexibility = (
         np.linalg.solve(energy, np.broadcast_to(across[:, None], (number, degree, 1)))[:, 0, 0]
         * 2.0
     )
-    own = (bar.length / number / bar.shear_modulus) * flexibility / 2.0
+    element_flexibility = (bar.length / number / bar.shear_modulus) * flexibility / 2.0
     exact = bar_segments(bar, number)[0]
-    return float(max(np.sum(exact - own) / np.sum(exact), 0.0) / 2.0)
+    return float(max(np.sum(exact - element_flexibility) / np.sum(exact), 0.0) / 2.0)

@@ -47,13 +47,13 @@ def excess(bar: Bar) -> int:
 
 def assemble_lumped(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has enough segments for a highest frequency (Hz)."""
-    found = Collected.of(train)
+    collected = Collected.of(train)
     segments: dict[str, int] = {}
     for bar in train.bars:
         segments[bar.name] = number = segments_for(bar, requested.frequency)
-        found.row(bar, *bar_segments(bar, number))
+        collected.row(bar, *bar_segments(bar, number))
     resolved = (
         segments[bar.name] / excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
         for bar in filter(is_refined, train.bars)
     )
-    return found.system("lumped", segments, requested, min(resolved, default=math.inf))
+    return collected.system("lumped", segments, requested, min(resolved, default=math.inf))

@@ -96,12 +96,12 @@ def _with_elements(system: System, bars: BarSpans, view: Matrices) -> Matrices:
     inertia, stiffness, damping, loss = (np.pad(matrix, (0, size - free)) for matrix in given)
     basis = np.pad(view.basis, ((0, 0), (0, size - free)))
     names = list(view.names)
-    for place, span in enumerate(bars.span.tolist()):
-        own = free + place * inner + np.arange(inner)
+    for number, span in enumerate(bars.span.tolist()):
+        inside = free + number * inner + np.arange(inner)
         angles = np.zeros((bars.degree + 1, size))
         angles[:2] = basis[[system.driving[span], system.driven[span]]]
-        angles[np.arange(2, bars.degree + 1), own] = system.span_ratio[span]
-        stiff, heavy = (angles.T @ matrices[place] @ angles for matrices in elements)
+        angles[np.arange(2, bars.degree + 1), inside] = system.span_ratio[span]
+        stiff, heavy = (angles.T @ matrices[number] @ angles for matrices in elements)
         stiffness += stiff
         loss += system.loss_factor[span] * stiff
         inertia += heavy

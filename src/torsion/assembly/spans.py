@@ -1,18 +1,12 @@
-"""Spans, and the stations and spans of a train; those inside of a shaft in segments are made when they are read."""
+"""Spans of a train, and the shafts in segments with the groups that stand for many of them."""
 
-from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import accumulate
-from typing import TypeVar, overload
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.primitives import Bar, Station
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,16 +37,15 @@ class Row:
 
     def station(self, k: int) -> Station:
         """The station at the end of segment, or group, k."""
-        place = f"{self.edges[k + 1]}/{self.edges[-1]}" if self.edges else f"{k + 1}/{self.number}"
+        label = f"{self.edges[k + 1]}/{self.edges[-1]}" if self.edges else f"{k + 1}/{self.number}"
         return Station(
-            f"{self.bar.name} {place}", self.bar.part, self.begin.ratio, self.begin.sense
+            f"{self.bar.name} {label}", self.bar.part, self.begin.ratio, self.begin.sense
         )
 
     def span(self, k: int) -> Span:
-        """Segment, or group, k."""
         first, last = (self.edges[k] + 1, self.edges[k + 1]) if self.edges else (k + 1, k + 1)
-        place = f"{first}" if first == last else f"{first}..{last}"
-        name = self.bar.name if self.number == 1 else f"{self.bar.name} [{place}]"
+        label = f"{first}" if first == last else f"{first}..{last}"
+        name = self.bar.name if self.number == 1 else f"{self.bar.name} [{label}]"
         driving = self.bar.driving if k == 0 else self.inside + k - 1
         return Span(
             name,
@@ -62,38 +55,20 @@ class Row:
         )
 
     @property
+    def inner_stations(self) -> list[Station]:
+        return [self.station(k) for k in range(self.number - 1)]
+
+    @property
+    def spans(self) -> list[Span]:
+        """Segments, from the driving to the driven end."""
+        return [self.span(k) for k in range(self.number)]
+
+    @property
     def stations(self) -> IntArray:
         """(number + 1,) positions of all stations, from the driving to the driven one."""
         ends = np.arange(self.inside - 1, self.inside + self.number, dtype=np.int64)
         ends[0], ends[-1] = self.bar.driving, self.bar.driven
         return ends
-
-
-class Runs(Sequence[T]):
-    """Things one after another: a `head` that is there, then runs of so many that a rule makes one by one."""
-
-    def __init__(self, head: Sequence[T], runs: Sequence[tuple[int, Callable[[int], T]]]) -> None:
-        self._runs = [(len(head), tuple(head).__getitem__), *runs]
-        self._begin = [0, *accumulate(number for number, _ in self._runs)]
-
-    def __len__(self) -> int:
-        return self._begin[-1]
-
-    def __iter__(self) -> Iterator[T]:
-        for number, made in self._runs:
-            yield from map(made, range(number))
-
-    @overload
-    def __getitem__(self, at: int) -> T: ...
-    @overload
-    def __getitem__(self, at: slice) -> tuple[T, ...]: ...
-    def __getitem__(self, at: int | slice) -> T | tuple[T, ...]:
-        if isinstance(at, slice):
-            return tuple(self[k] for k in range(*at.indices(len(self))))
-        if not -len(self) <= at < len(self):
-            raise IndexError(f"position {at} of {len(self)}")
-        run = bisect_right(self._begin, at % len(self)) - 1
-        return self._runs[run][1](at % len(self) - self._begin[run])
 
 
 @dataclass(frozen=True)
@@ -105,7 +80,7 @@ class SegmentGroups:
 
     stations: IntArray  # (stations kept,) their positions in the system
     spans: IntArray  # (spans kept,) likewise
-    kept: Sequence[Span]  # (spans kept,) every span or group, between positions in `stations`
+    kept: tuple[Span, ...]  # (spans kept,) every span or group, between positions in `stations`
     rows: tuple[Row, ...]  # shafts in segments, in groups
     segments: int  # spans of the system
     longest: int  # segments in a group
@@ -129,7 +104,7 @@ class SegmentGroups:
 
     @property
     def is_whole(self) -> bool:
-        """Nothing is left out."""
+        """Whether no segments are joined to groups."""
         return self.longest == 1
 
     def names(self) -> list[str]:
@@ -146,4 +121,4 @@ class SegmentGroups:
 
     def place(self, spans: list[int]) -> list[int]:
         """Positions among the spans kept of some `spans` of the system that are kept."""
-        return [int(place) for place in np.searchsorted(self.spans, spans)]
+        return [int(position) for position in np.searchsorted(self.spans, spans)]

@@ -5,7 +5,7 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.spans import Row, Runs, SegmentGroups, Span
+from torsion.assembly.spans import Row, SegmentGroups, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
@@ -59,8 +59,8 @@ class System(Displayed):
 
     train: Train
     model: str
-    stations: Sequence[Station]
-    spans: Sequence[Span]
+    stations: tuple[Station, ...]
+    spans: tuple[Span, ...]
     inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where fixed; half of each piece of a shaft included
     flexibility: (
         FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
@@ -97,35 +97,24 @@ class System(Displayed):
         return self.uncondensed or self
 
     @property
-    def own_stations(self) -> int:
-        """How many stations are not between the segments of a row; they come first."""
-        return len(self.stations) - sum(row.number - 1 for row in self.rows)
-
-    @property
-    def own_spans(self) -> Sequence[Span]:
+    def own_spans(self) -> tuple[Span, ...]:
         """The spans that are no segments of a row; they come first."""
-        return (
-            self.spans[: len(self.spans) - sum(row.number for row in self.rows)]
-            if self.rows
-            else self.spans
-        )
+        return self.spans[: len(self.spans) - sum(row.number for row in self.rows)]
 
     @cached_property
     def speed_ratio(self) -> FloatArray:
         """(stations,) speed of each station / reference speed."""
-        return self._over_stations(lambda station: float(station.ratio))
+        return np.array([float(station.ratio) for station in self.stations])
 
     @cached_property
     def station_part(self) -> IntArray:
         """(stations,) the component that made each station, as a position in the train's parts."""
-        return self._over_stations(lambda station: station.part)
+        return np.array([station.part for station in self.stations], dtype=np.int64)
 
     @cached_property
     def span_part(self) -> IntArray:
         """(spans,) the component that made each span."""
-        return self._over_spans(
-            lambda span: span.part, lambda row: np.full(row.number, row.bar.part)
-        )
+        return np.array([span.part for span in self.spans], dtype=np.int64)
 
     @cached_property
     def span_ratio(self) -> FloatArray:
@@ -144,12 +133,12 @@ class System(Displayed):
     @cached_property
     def driving(self) -> IntArray:
         """(spans,) driving station of each span."""
-        return self._over_spans(lambda span: span.driving, lambda row: row.stations[:-1])
+        return np.array([span.driving for span in self.spans], dtype=np.int64)
 
     @cached_property
     def driven(self) -> IntArray:
         """(spans,) driven station of each span."""
-        return self._over_spans(lambda span: span.driven, lambda row: row.stations[1:])
+        return np.array([span.driven for span in self.spans], dtype=np.int64)
 
     @cached_property
     def held(self) -> BoolArray:
@@ -228,15 +217,15 @@ class System(Displayed):
         x = self.followed(span, w, mean, speed)
         if x is None:
             h, loss, viscous = (
-                own[span] for own in (self.flexibility, self.loss_factor, self.viscous)
+                values[span] for values in (self.flexibility, self.loss_factor, self.viscous)
             )
             if h.ndim:  # a column for each point
                 h, loss, viscous = (
-                    own.reshape(-1, *(1,) * (w.ndim - 1)) for own in (h, loss, viscous)
+                    values.reshape(-1, *(1,) * (w.ndim - 1)) for values in (h, loss, viscous)
                 )
             return 1.0 / h, loss / h + w * viscous
-        found = self.tables[span].complex_stiffness(x, w)
-        return found.real, found.imag
+        stiffness = self.tables[span].complex_stiffness(x, w)
+        return stiffness.real, stiffness.imag
 
     def followed(
         self, span: int, w: FloatArray, mean: FloatArray | None, speed: FloatArray | None
@@ -256,18 +245,6 @@ class System(Displayed):
         given = self.train.modal_damping or (0.0,)
         return np.array([*given, *[given[-1]] * modes][:modes])
 
-    def _over_stations(self, of: Callable[[Station], float]) -> np.ndarray:
-        """(stations,) what is known of every station one by one, and of all those inside of a row at once."""
-        own = [of(station) for station in self.stations[: self.own_stations]]
-        return np.concatenate(
-            [own, *(np.full(row.number - 1, of(row.station(0))) for row in self.rows)]
-        )
-
-    def _over_spans(self, of: Callable[[Span], int], over: Callable[[Row], IntArray]) -> IntArray:
-        """(spans,) what is known of every span one by one, and of every row at once."""
-        own = np.array([of(span) for span in self.own_spans], dtype=np.int64)
-        return np.concatenate([own, *map(over, self.rows)])
-
     def ground_damping(
         self, speed: FloatArray, mean_torque: FloatArray, load_slope: FloatArray | None = None
     ) -> FloatArray:
@@ -277,10 +254,10 @@ class System(Displayed):
         """
         damping = np.zeros((len(self.stations), len(speed)))
         for damper in self.dampers:
-            own = speed * self.speed_ratio[damper.station]
-            row = damper.constant + damper.speed_factor * own
+            own_speed = speed * self.speed_ratio[damper.station]
+            row = damper.constant + damper.speed_factor * own_speed
             if damper.torque_factor:
-                row = row + damper.torque_factor * np.abs(mean_torque[damper.station]) / own
+                row = row + damper.torque_factor * np.abs(mean_torque[damper.station]) / own_speed
             if damper.load_factor and load_slope is not None:
                 row = row + damper.load_factor * load_slope[damper.station]
             damping[damper.station] += row
@@ -338,36 +315,36 @@ def _split_held(system: System) -> _Ends:
     copies: list[int] = []
     for station in held:
         is_ground = system.stations[station].is_ground
-        for side, span, other in touching[station] if len(touching[station]) > 1 else []:
-            here, there = (driving, driven) if side == 0 else (driven, driving)
-            is_between = bool(system.held[other]) and there[span] < number
-            is_elsewhere = root.get(int(group[other]), station) != station
+        for side, span, neighbour in touching[station] if len(touching[station]) > 1 else []:
+            near, far = (driving, driven) if side == 0 else (driven, driving)
+            is_between = bool(system.held[neighbour]) and far[span] < number
+            is_elsewhere = root.get(int(group[neighbour]), station) != station
             if system.flexibility[span] > 0 and (is_ground or is_between or is_elsewhere):
-                here[span] = number + len(copies)
+                near[span] = number + len(copies)
                 copies.append(station)
         if not is_ground:
-            for _, _, other in touching[station]:
-                root.setdefault(int(group[other]), station)
+            for _, _, neighbour in touching[station]:
+                root.setdefault(int(group[neighbour]), station)
     first = dict.fromkeys(root.values())
-    rest = [
+    unrooted = [
         station
         for station in held
         if station not in first and not system.stations[station].is_ground
     ]
-    return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *rest], anchors)
+    return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *unrooted], anchors)
 
 
 def _touching(system: System, station: int) -> list[tuple[int, int, int]]:
     """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
-    found = []
-    for side, here, there in (
+    touching = []
+    for side, near, far in (
         (0, system.driving, system.driven),
         (1, system.driven, system.driving),
     ):
-        found += [
-            (side, span, int(there[span])) for span in np.flatnonzero(here == station).tolist()
+        touching += [
+            (side, span, int(far[span])) for span in np.flatnonzero(near == station).tolist()
         ]
-    return found
+    return touching
 
 
 def _rigidly_rooted(
@@ -376,9 +353,13 @@ def _rigidly_rooted(
     """The first fixed station that a rigid span joins to each group, and the anchors."""
     root, anchors = dict[int, int](), set[int]()
     for station, spans in touching.items():
-        for _, span, other in spans:
+        for _, span, neighbour in spans:
             if system.flexibility[span] == 0:
-                first = other if system.held[other] else root.setdefault(int(group[other]), station)
+                first = (
+                    neighbour
+                    if system.held[neighbour]
+                    else root.setdefault(int(group[neighbour]), station)
+                )
                 anchors |= {first, station} if first != station else set()
     return root, tuple(sorted(anchors))
 
@@ -404,7 +385,7 @@ def _layout(
     """Number the tree from its roots to its leaves."""
     stations = len(system.stations)
     order, number = way.order, len(way.order)
-    place = np.argsort(order)
+    tree_station = np.argsort(order)
     parent, above = way.parent[order], way.above[order]
     node = np.flatnonzero(above >= 0)
     span = above[node]
@@ -416,10 +397,12 @@ def _layout(
     span_node[span] = node
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
-    tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
-    sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
+    tree = Tree(
+        np.where(parent >= 0, tree_station[parent], -1), flexible, inertia, system.held[source]
+    )
+    sign = np.where(tree_station[ends.driven] == span_node, 1.0, -1.0)
     return CondensedTrain(
-        tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
+        tree, tree_station[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
     )
 
 
@@ -427,33 +410,28 @@ MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about
 
 
 def segment_groups(system: System, most: int) -> SegmentGroups:
-    """At most about `most` groups of every shaft; its last segment is one of its own."""
-    station, span, inside, longest = (
-        system.own_stations,
-        len(system.own_spans),
-        system.own_stations,
-        1,
-    )
+    """Return at most about `most` groups of every shaft; its last segment is a group by itself."""
+    # The stations and spans that are no part of a row come first.
+    station = len(system.stations) - sum(row.number - 1 for row in system.rows)
+    span = len(system.own_spans)
+    inside, longest = station, 1
     stations, spans, rows = [np.arange(station)], [np.arange(span)], list[Row]()
+    kept = list(system.own_spans)
     for row in system.rows:
         step = 1 if row.number <= most else -(-(row.number - 1) // most)
         starts = np.append(np.arange(0, row.number - 1, step), row.number - 1)
         stations.append(station - 1 + starts[1:])
         spans.append(span + starts)
         edges = (*starts.tolist(), row.number)
-        whole = tuple(row.edges[edge] for edge in edges) if row.edges else edges
-        rows.append(Row(row.bar, len(starts), inside, row.begin, whole))
-        station, span, inside = (
-            station + row.number - 1,
-            span + row.number,
-            inside + len(starts) - 1,
-        )
-        longest = max(longest, step)
-    kept = Runs(system.own_spans, [(row.number, row.span) for row in rows])
+        row_edges = tuple(row.edges[edge] for edge in edges) if row.edges else edges
+        rows.append(Row(row.bar, len(starts), inside, row.begin, row_edges))
+        kept += rows[-1].spans
+        station, span = station + row.number - 1, span + row.number
+        inside, longest = inside + len(starts) - 1, max(longest, step)
     return SegmentGroups(
         np.concatenate(stations),
         np.concatenate(spans),
-        kept,
+        tuple(kept),
         tuple(rows),
         len(system.spans),
         longest,
@@ -461,23 +439,22 @@ def segment_groups(system: System, most: int) -> SegmentGroups:
 
 
 def condensed(system: System, most: int = MOST_GROUPS) -> System:
-    """The system with groups in place of the segments of its long shafts; itself where it has none, or closed loops.
+    """Return the system with groups in place of the segments of its long shafts.
 
-    Inertia and flexibility of a group are reported as sums. The whole system stays at hand as `uncondensed`.
+    The system itself where it has no long shafts, or closed loops. Inertia and flexibility of a group are reported as
+    sums. The whole system stays at hand as `uncondensed`.
     """
     groups = segment_groups(system, most)
     if groups.is_whole or system.bars is not None or system.condensed.extra.size:
         return system
-    stations = Runs(
-        system.stations[: system.own_stations],
-        [(row.number - 1, row.station) for row in groups.rows],
-    )
+    first = len(system.stations) - sum(row.number - 1 for row in system.rows)
+    inner = (station for row in groups.rows for station in row.inner_stations)
     return replace(
         system,
         groups=groups,
         uncondensed=system,
         rows=groups.rows,
-        stations=stations,
+        stations=(*system.stations[:first], *inner),
         spans=groups.kept,
         inertia=groups.over_stations(system.inertia),
         flexibility=groups.over_spans(system.flexibility),

@@ -1,12 +1,13 @@
 """Stations and spans while a system is put together; what is the same in every model of the shafts."""
 
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.spans import Row, Runs, Span
+from torsion.assembly.spans import Row, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.primitives import Bar, Station
@@ -40,34 +41,33 @@ class Collected:
     @classmethod
     def of(cls, train: Train) -> "Collected":
         """Everything of a train but its shafts."""
-        found = cls(train, list(train.stations), [0.0] * len(train.stations))
+        collected = cls(train, list(train.stations), [0.0] * len(train.stations))
         for lump in train.inertias:
-            found.inertia[lump.station] += lump.inertia
+            collected.inertia[lump.station] += lump.inertia
         for spring in train.springs:
             span = Span(spring.name, spring.part, spring.driving, spring.driven)
-            found.add(span, spring.flexibility, spring.viscous, spring.loss_factor)
+            collected.add(span, spring.flexibility, spring.viscous, spring.loss_factor)
         for mesh in train.constraints:
-            found.add(
+            collected.add(
                 Span(mesh.name, mesh.part, mesh.driving, mesh.driven, mesh.ratio, mesh.error),
                 mesh.flexibility,
             )
-        return found
+        return collected
 
     def add(
         self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0
     ) -> None:
-        """Add a span."""
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
 
     def one_by_one(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
-        self.stations += map(row.station, range(row.number - 1))
+        self.stations += row.inner_stations
         self.inertia += [0.0] * (row.number - 1)
         for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
             self.inertia[end] += lump
-        for k, own in enumerate(flexibility.tolist()):
-            self.add(row.span(k), own, 0.0, row.bar.loss_factor)
+        for k, segment_flexibility in enumerate(flexibility.tolist()):
+            self.add(row.span(k), segment_flexibility, 0.0, row.bar.loss_factor)
 
     def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add a whole shaft in segments; no station or span of another kind may be added after it."""
@@ -109,12 +109,8 @@ class Collected:
         system = System(
             self.train,
             model,
-            Runs(self.stations, [(row.number - 1, row.station) for row in rows])
-            if rows
-            else tuple(self.stations),
-            Runs(self.spans, [(row.number, row.span) for row in rows])
-            if rows
-            else tuple(self.spans),
+            tuple(chain(self.stations, *(row.inner_stations for row in rows))),
+            tuple(chain(self.spans, *(row.spans for row in rows))),
             np.concatenate([self.inertia, *self.inner_inertia]),
             np.concatenate([flexibility, *self.row_flexibility]),
             np.concatenate([viscous, *map(np.zeros_like, loss)]),

@@ -41,24 +41,24 @@ def taken_under(system: System, mean: FloatArray, speed: float) -> System:
 
     speed: rad/s of the reference station.
     """
-    at = {span: abs(float(mean[span])) for span in system.tables_over("mean torque")}
-    at |= {span: speed * float(system.span_ratio[span]) for span in system.tables_over("speed")}
-    return _taken(system, at)
+    points = {span: abs(float(mean[span])) for span in system.tables_over("mean torque")}
+    points |= {span: speed * float(system.span_ratio[span]) for span in system.tables_over("speed")}
+    return _taken(system, points)
 
 
-def _taken(system: System, at: dict[int, float]) -> System:
+def _taken(system: System, points: dict[int, float]) -> System:
     """The system with the values of some tables at one point each, and without those tables.
 
     The tree keeps its layout; values at the nearest end stand for those beyond a table.
     """
-    if not at:
+    if not points:
         return system
     values = {}
-    for span, x in at.items():
-        k, loss, viscous = (float(one) for one in system.tables[span].values(np.asarray(x)))
+    for span, x in points.items():
+        k, loss, viscous = (float(value) for value in system.tables[span].values(np.asarray(x)))
         values[span] = 1.0 / k, viscous, loss
     return with_springs(
-        system, values, {span: table for span, table in system.tables.items() if span not in at}
+        system, values, {span: table for span, table in system.tables.items() if span not in points}
     )
 
 
@@ -73,28 +73,33 @@ def with_springs(
     """
     spans = list(values)
     taken = np.array(list(values.values())).reshape(-1, 3).T
-    stated = [one.copy() for one in (system.flexibility, system.viscous, system.loss_factor)]
-    for each, new in zip(stated, taken, strict=True):
-        each[spans] = new
-    found = replace(
+    stated = [
+        values_of_spans.copy()
+        for values_of_spans in (system.flexibility, system.viscous, system.loss_factor)
+    ]
+    for stated_values, new in zip(stated, taken, strict=True):
+        stated_values[spans] = new
+    changed = replace(
         system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables
     )
     if system.uncondensed is not None:
-        vars(found)["uncondensed"] = with_springs(system.uncondensed, values, tables)
-    known, node, ratio2 = (
+        vars(changed)["uncondensed"] = with_springs(system.uncondensed, values, tables)
+    before, node, ratio2 = (
         system.condensed,
         system.condensed.span[spans],
         system.span_ratio[spans] ** 2,
     )
-    of_tree = (known.tree.flexibility.copy(), known.viscous.copy(), known.loss_factor.copy())
+    of_tree = (before.tree.flexibility.copy(), before.viscous.copy(), before.loss_factor.copy())
     referred, inside = (taken[0] / ratio2, taken[1] * ratio2, taken[2]), node >= 0
     if (taken[0][~inside] == 0.0).any():
-        return found
-    for each, new in zip(of_tree, referred, strict=True):
-        each[node[inside]] = new[inside]
-    tree = replace(known.tree, flexibility=of_tree[0])
-    vars(found)["condensed"] = replace(known, tree=tree, viscous=of_tree[1], loss_factor=of_tree[2])
-    return found
+        return changed
+    for tree_values, new in zip(of_tree, referred, strict=True):
+        tree_values[node[inside]] = new[inside]
+    tree = replace(before.tree, flexibility=of_tree[0])
+    vars(changed)["condensed"] = replace(
+        before, tree=tree, viscous=of_tree[1], loss_factor=of_tree[2]
+    )
+    return changed
 
 
 def complex_stiffness(
@@ -110,7 +115,7 @@ def complex_stiffness(
     (frequencies,) rad/s of the reference station; the same. vibratory: (frequencies,) N m of spans whose table is over
     it; others are left out. Raises InputError where a table does not cover them.
     """
-    found: dict[int, ComplexArray] = {}
+    stiffness: dict[int, ComplexArray] = {}
     for span, table in system.tables.items():
         carried = (
             vibratory.get(span)
@@ -123,8 +128,8 @@ def complex_stiffness(
         if x is None:
             continue
         refuse_beyond(system, span, x)
-        found[span] = table.complex_stiffness(x, w)
-    return found
+        stiffness[span] = table.complex_stiffness(x, w)
+    return stiffness
 
 
 def refuse_beyond(system: System, span: int, x: FloatArray) -> None:

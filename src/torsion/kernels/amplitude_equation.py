@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.bracketed_search import find_root
 
 SAMPLES = 240  # of a whole range
 VALUES = 2**18  # of samples computed at once
-STEPS = 100
 TOLERANCE = 2e-16  # of the logarithm of an amplitude
 GOLDEN = 0.3819660112501051  # (3 - sqrt 5)/2
 NARROWED = 45  # times by 0.618: to 4e-10 of two samples, where a minimum is flat to rounding
@@ -32,12 +32,12 @@ class Amplitudes:
     nearest: FloatArray  # (columns,) rad, to an amplitude that is given
     number: IntArray  # (columns,)
 
-    def having(self, others: "Amplitudes", at: IntArray) -> "Amplitudes":
+    def having(self, other_amplitudes: "Amplitudes", columns: IntArray) -> "Amplitudes":
         """The same with others in the columns `at`."""
-        each = {key: values.copy() for key, values in vars(self).items()}
-        for key, values in each.items():
-            values[at] = getattr(others, key)
-        return Amplitudes(**each)
+        copied = {key: values.copy() for key, values in vars(self).items()}
+        for key, values in copied.items():
+            values[columns] = getattr(other_amplitudes, key)
+        return Amplitudes(**copied)
 
 
 def amplitudes(
@@ -66,34 +66,35 @@ def solutions(
     """Column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))
     steps = np.linspace(0.0, 1.0, samples)[:, None]
-    at = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
+    sampled = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
     rows = max(VALUES // max(len(bottom), 1), 1)
-    parts = [at[begin : begin + rows] for begin in range(0, samples, rows)]
-    found = np.concatenate(
+    parts = [sampled[begin : begin + rows] for begin in range(0, samples, rows)]
+    ratios = np.concatenate(
         [ratio(part.ravel(), np.tile(columns, len(part))).reshape(part.shape) for part in parts]
     )
-    step, column = np.nonzero((found[:-1] < 1.0) != (found[1:] < 1.0))
-    low, high = at[step, column], at[step + 1, column]
-    first, second, of = _dips(ratio, at, found)
+    step, column = np.nonzero((ratios[:-1] < 1.0) != (ratios[1:] < 1.0))
+    low, high = sampled[step, column], sampled[step + 1, column]
+    first, second, dip_column = _dips(ratio, sampled, ratios)
     column, low, high = (
-        np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second])
+        np.concatenate(part)
+        for part in ([column, dip_column, dip_column], [low, *first], [high, *second])
     )
     return column, _roots(ratio, column, low, high)
 
 
 def _dips(
-    ratio: Ratio, at: FloatArray, found: FloatArray
+    ratio: Ratio, sampled: FloatArray, ratios: FloatArray
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], IntArray]:
     """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
     step, column = np.nonzero(
-        (found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:])
+        (ratios[1:-1] >= 1.0) & (ratios[1:-1] <= ratios[:-2]) & (ratios[1:-1] <= ratios[2:])
     )
-    begin, end = at[step, column], at[step + 2, column]
+    begin, end = sampled[step, column], sampled[step + 2, column]
     if not step.size:
         return (begin, begin), (end, end), column
     low, high = np.log(begin), np.log(end)
     left, right = low + GOLDEN * (high - low), high - GOLDEN * (high - low)
-    values = [ratio(np.exp(one), column) for one in (left, right)]
+    values = [ratio(np.exp(inner), column) for inner in (left, right)]
     for _ in range(NARROWED):
         down = values[0] < values[1]
         low, high = np.where(down, low, left), np.where(down, right, high)
@@ -107,33 +108,14 @@ def _dips(
 
 
 def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(brackets,) rad, by Chandrupatla's method in log(A / low) (Adv. Eng. Softw. 28 (1997) 145)."""
+    """(brackets,) rad, in the logarithm of the amplitude over the lower bound."""
     if not len(low):
         return low
+    end = np.log(high / low)
 
-    def height(at: FloatArray) -> FloatArray:
-        return np.asarray(np.log(ratio(low * np.exp(at), column)))
+    def height(growth: FloatArray) -> FloatArray:
+        # At its end exactly the upper bound, where the sign is known.
+        return np.asarray(np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column)))
 
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x1, x2, step = np.log(high / low), np.zeros(len(low)), np.full(len(low), 0.5)
-        f1, f2 = height(x1), height(x2)
-        for _ in range(STEPS):
-            x = x1 + step * (x2 - x1)
-            f = height(x)
-            same = (f < 0.0) == (f1 < 0.0)
-            x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
-            x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
-            x1, f1 = x, f
-            least = TOLERANCE / np.abs(x2 - x1)
-            if ((least > 0.5) | (f == 0.0)).all():
-                break
-            part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-            smooth = (rise**2 < part) & ((1.0 - rise) ** 2 < 1.0 - part)
-            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (
-                f3 - f1
-            ) * f2 / (f3 - f2)
-            step = np.where(
-                smooth & np.isfinite(inverse), np.clip(inverse, least, 1.0 - least), 0.5
-            )
-            step = np.where((least > 0.5) | (f == 0.0), 0.0, step)
-    return low * np.exp(np.where(np.abs(f1) <= np.abs(f2), x1, x2))
+    growth = find_root(height, np.zeros(len(low)), end, tolerance=TOLERANCE)
+    return np.asarray(low * np.exp(growth))

@@ -134,16 +134,16 @@ def find_minimum(
             step_before = (low if best >= middle else high) - best
             step = _GOLDEN * step_before
 
-        place = best + (1.0 if step >= 0.0 else -1.0) * max(abs(step), room)
-        found = function(place)
-        if found <= value:
-            low, high = (best, high) if place >= best else (low, best)
+        trial = best + (1.0 if step >= 0.0 else -1.0) * max(abs(step), room)
+        trial_value = function(trial)
+        if trial_value <= value:
+            low, high = (best, high) if trial >= best else (low, best)
             third, value_third, second, value_second = second, value_second, best, value
-            best, value = place, found
+            best, value = trial, trial_value
             continue
-        low, high = (place, high) if place < best else (low, place)
-        if found <= value_second or second == best:
-            third, value_third, second, value_second = second, value_second, place, found
-        elif found <= value_third or third in (best, second):
-            third, value_third = place, found
+        low, high = (trial, high) if trial < best else (low, trial)
+        if trial_value <= value_second or second == best:
+            third, value_third, second, value_second = second, value_second, trial, trial_value
+        elif trial_value <= value_third or third in (best, second):
+            third, value_third = trial, trial_value
     return best, value

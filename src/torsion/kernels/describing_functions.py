@@ -12,12 +12,12 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.bracketed_search import find_root
 from torsion.sources import source
 
-STEPS = 80  # of Newton's method between bounds that are halved at least
 SMALL = 1.0  # rad, below which sin(theta) - theta cos(theta) is a series; ten terms err by 21/23! = 8e-22
 SERIES = [(-1.0) ** (n + 1) * 2 * n / math.factorial(2 * n + 1) for n in range(1, 11)]
-UNKNOWN = 2.2e-16  # share of a torque that rounding of the twist leaves open: nearer to the mean there is nothing
+BEYOND_ROUNDING = 1.0 + 1e-12  # times a bound that may be the solution itself
 OPEN = 1e-12  # share of its stiffness that stands for a spring without contact: any smaller changes nothing
 
 
@@ -31,9 +31,9 @@ def ramp(offset: FloatArray, amplitude: FloatArray) -> tuple[FloatArray, FloatAr
         np.clip((amplitude + side * offset) / amplitude, 0.0, 2.0) for side in (1.0, -1.0)
     )
     moment, share, time = _above_zero(below, above)
-    whole = above == 0.0
-    mean = np.where(whole, offset, amplitude * moment)
-    return mean, np.where(whole, 1.0, share), np.where(whole, 1.0, time)
+    always_above = above == 0.0
+    mean = np.where(always_above, offset, amplitude * moment)
+    return mean, np.where(always_above, 1.0, share), np.where(always_above, 1.0, time)
 
 
 def _above_zero(below: FloatArray, above: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -108,21 +108,21 @@ class PiecewiseCoupling:
         """rad, the largest twist at which something begins."""
         return max(
             *(begin for begin, _ in self.springs),
-            *(one.half + one.torque / one.stiffness for one in self.sliders),
+            *(dry.half + dry.torque / dry.stiffness for dry in self.sliders),
             0.0,
         )
 
     @property
-    def whole(self) -> float:
-        """N m/rad of all together."""
+    def total_stiffness(self) -> float:
+        """Stiffness of all springs and sliders together, N m/rad."""
         return sum(stiffness for _, stiffness in self.springs) + sum(
-            one.stiffness for one in self.sliders
+            dry.stiffness for dry in self.sliders
         )
 
     @property
     def stuck(self) -> float:
         """N m/rad of the sliders beside the own spring at a very small amplitude."""
-        return sum(one.stiffness for one in self.sliders if not one.half)
+        return sum(dry.stiffness for dry in self.sliders if not dry.half)
 
     @property
     def lasting(self) -> float:
@@ -133,7 +133,7 @@ class PiecewiseCoupling:
     def offset(self) -> float:
         """N m by which the fundamental differs at most from that of `lasting`, whatever the amplitude."""
         springs = 2.0 * sum(begin * stiffness for begin, stiffness in self.springs)
-        return springs + 2.0 * sum(one.torque for one in self.sliders)
+        return springs + 2.0 * sum(dry.torque for dry in self.sliders)
 
     def static(self, mean: FloatArray) -> FloatArray:
         """(columns,) rad under mean torques (columns,) N m >= 0 alone; 0 under none."""
@@ -141,84 +141,65 @@ class PiecewiseCoupling:
 
     def first(self, mean: FloatArray) -> FloatArray:
         """(columns,) rad, the smallest amplitude at which the coupling ceases to be linear about its mean twist."""
-        at = self.static(mean)
+        mean_twist = self.static(mean)
         near = [
-            np.abs(begin - at) if begin else np.full(len(at), np.inf) for begin, _ in self.springs
+            np.abs(begin - mean_twist) if begin else np.full(len(mean_twist), np.inf)
+            for begin, _ in self.springs
         ]
-        slips = [np.full(len(at), one.half or one.torque / one.stiffness) for one in self.sliders]
+        slips = [
+            np.full(len(mean_twist), dry.half or dry.torque / dry.stiffness) for dry in self.sliders
+        ]
         return np.asarray(np.min([*near, *slips], axis=0))
 
     def bias(self, amplitude: FloatArray, mean: FloatArray) -> FloatArray:
         """(columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
         total = sum(stiffness for _, stiffness in self.springs)
-        rest = (mean + sum(begin * stiffness for begin, stiffness in self.springs)) / total
-        widest = max(begin for begin, _ in self.springs)
-        low, high = np.zeros(len(mean)), np.maximum(rest, amplitude + widest)
         if not (self.half or self.stages):
             return np.asarray(mean / total)
-        at = np.where(
-            mean > 0.0,
-            np.where(amplitude < mean / self.stiffness, self.half + mean / self.stiffness, rest),
-            0.0,
+        # No spring carries more than without its begin, nor less than while it is in contact all the time.
+        lost = sum(begin * stiffness for begin, stiffness in self.springs)
+        loaded = np.flatnonzero(mean > 0.0)
+        torque = mean[loaded]
+        twist = np.zeros(len(mean))
+        twist[loaded] = find_root(
+            lambda trial: self._carried(trial, amplitude[loaded]) - torque,
+            torque / total / BEYOND_ROUNDING,
+            (torque + lost) / total * BEYOND_ROUNDING,
         )
-        at = np.clip(at, low, high)
-        todo = np.flatnonzero(mean > 0.0)
-        for _ in range(STEPS):
-            carried, slope = self._carried(at[todo], amplitude[todo])
-            over = carried - mean[todo]
-            low[todo], high[todo] = (
-                np.where(over <= 0, at[todo], low[todo]),
-                np.where(over > 0, at[todo], high[todo]),
-            )
-            with np.errstate(divide="ignore", invalid="ignore"):
-                step = at[todo] - over / slope
-            inside = (step > low[todo]) & (step < high[todo])
-            new = np.where(inside, step, 0.5 * (low[todo] + high[todo]))
-            moved = np.abs(new - at[todo]) > 4e-16 * (np.abs(new) + amplitude[todo])
-            held = np.abs(over) <= UNKNOWN * total * (np.abs(at[todo]) + amplitude[todo] + widest)
-            at[todo] = np.where(held, at[todo], new)
-            todo = todo[moved & ~held]
-            if not todo.size:
-                break
-        return at
+        return twist
 
     def secant(self, amplitude: FloatArray, mean: FloatArray) -> Secant:
         """Of amplitudes (columns,) rad > 0 and mean torques (columns,) N m >= 0."""
-        at = self.bias(amplitude, mean) if self.half or self.stages else np.zeros(len(amplitude))
+        mean_twist = (
+            self.bias(amplitude, mean) if self.half or self.stages else np.zeros(len(amplitude))
+        )
         share = np.ones(len(amplitude))
         if self.half:
-            share = np.maximum(_both(at, self.half, amplitude), OPEN)
+            share = np.maximum(_both(mean_twist, self.half, amplitude), OPEN)
         extra = np.zeros(len(amplitude), dtype=complex)
         for begin, stiffness in self.stages:
-            extra += stiffness * _both(at, begin, amplitude)
-        for one in self.sliders:
-            extra += slider(amplitude, one.torque, one.stiffness, one.half)
+            extra += stiffness * _both(mean_twist, begin, amplitude)
+        for dry in self.sliders:
+            extra += slider(amplitude, dry.torque, dry.stiffness, dry.half)
         return Secant(share, extra)
 
-    def _carried(self, at: FloatArray, amplitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean torque N m and its slope N m/rad over the mean twist."""
-        carried, slope = np.zeros((2, len(at)))
-        later = [one for one in self.springs if one[0]]
-        means, _, times = ramp(
-            np.array([_sides(at, begin) for begin, _ in later]).reshape(len(later), 2, len(at)),
-            amplitude,
-        )
+    def _carried(self, mean_twist: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """Mean torque (columns,) N m about a mean twist (columns,) rad."""
+        carried = np.zeros(len(mean_twist))
         for begin, stiffness in self.springs:
-            if not begin:
-                carried, slope = carried + stiffness * at, slope + stiffness
-        for (_, stiffness), mean, time in zip(later, means, times, strict=True):
-            carried, slope = (
-                carried + stiffness * (mean[0] - mean[1]),
-                slope + stiffness * (time[0] + time[1]),
-            )
-        return carried, slope
+            if begin:
+                above, below = ramp(_sides(mean_twist, begin), amplitude)[0]
+                carried += stiffness * (above - below)
+            else:
+                carried += stiffness * mean_twist
+        return carried
 
 
-def _both(at: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:
+def _both(mean_twist: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:
     """Share of a spring that begins at a twist to either side."""
-    return np.asarray(ramp(_sides(at, begin), amplitude)[1].sum(axis=0))
+    return np.asarray(ramp(_sides(mean_twist, begin), amplitude)[1].sum(axis=0))
 
 
-def _sides(at: FloatArray, begin: float) -> FloatArray:
+def _sides(mean_twist: FloatArray, begin: float) -> FloatArray:
     """(2, columns) rad by which a twist exceeds the begin of a spring on either side."""
-    return np.array([at - begin, -at - begin])
+    return np.array([mean_twist - begin, -mean_twist - begin])

@@ -88,26 +88,28 @@ class Fitted:
     @property
     def known(self) -> Identified:
         """What all minima agree on: the covariance is that of their normal distributions as one, each as likely."""
-        each = [identified(one.jacobian) for one in self.minima]
-        if len(each) == 1:
-            return each[0]
-        values = np.array([one.values for one in self.minima])
-        apart = values - values.mean(axis=0)
-        covariance = np.mean([one.covariance for one in each], axis=0) + apart.T @ apart / len(each)
+        identities = [identified(minimum.jacobian) for minimum in self.minima]
+        if len(identities) == 1:
+            return identities[0]
+        values = np.array([minimum.values for minimum in self.minima])
+        offset = values - values.mean(axis=0)
+        covariance = np.mean([identity.covariance for identity in identities], axis=0)
+        covariance += offset.T @ offset / len(identities)
         variance, directions = np.linalg.eigh(covariance)
-        moved = np.array([np.linalg.norm(one.jacobian @ directions, axis=0) for one in self.minima])
-        least = NULL * np.array([[one.singular.max(initial=0.0)] for one in each])
-        unseen = np.asarray((moved <= least).all(axis=0))
+        changes = np.array(
+            [np.linalg.norm(minimum.jacobian @ directions, axis=0) for minimum in self.minima]
+        )
+        null = NULL * np.array([[identity.singular.max(initial=0.0)] for identity in identities])
+        unseen = np.asarray((changes <= null).all(axis=0))
         singular = np.sqrt(np.maximum(1.0 / variance - 1.0, 0.0))
         return Identified(np.where(unseen, 0.0, singular), directions.T, unseen, covariance)
 
     def interval(self, half: float) -> tuple[FloatArray, FloatArray]:
         """Ends (values,) so many deviations below and above, over this minimum and all others."""
-        each = half * np.array(
-            [np.sqrt(np.diag(identified(one.jacobian).covariance)) for one in self.minima]
-        )
-        middle = np.array([one.values for one in self.minima])
-        return (middle - each).min(axis=0), (middle + each).max(axis=0)
+        covariances = [identified(minimum.jacobian).covariance for minimum in self.minima]
+        width = half * np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
+        middle = np.array([minimum.values for minimum in self.minima])
+        return (middle - width).min(axis=0), (middle + width).max(axis=0)
 
 
 class _KnownMinimum(Exception):
@@ -140,29 +142,32 @@ def fitted(
         return jacobian(values)
 
     def new(values: FloatArray) -> FloatArray:
-        if any(float(np.abs(values - one.values).max()) <= DISTINCT for one in found):
+        if any(np.abs(values - minimum.values).max() <= DISTINCT for minimum in minima):
             raise _KnownMinimum
         return slopes(values)
 
-    found = [_searched(residual, slopes, np.zeros(count), TOLERANCE)]
-    starts = deque([*START * np.eye(count), *-START * np.eye(count), *beyond(found[0].values)])
+    minima = [_searched(residual, slopes, np.zeros(count), TOLERANCE)]
+    starts = deque([*START * np.eye(count), *-START * np.eye(count), *beyond(minima[0].values)])
     while starts and searches < MOST_SEARCHES:
         start = starts.popleft()
         searches += 1
         try:
-            one = _searched(residual, new, start, COARSE)
-            if one.squares < min(known.squares for known in found) + 2.0 * AS_WELL:
-                found.append(_searched(residual, new, one.values, TOLERANCE))
-                starts += beyond(found[-1].values)
+            minimum = _searched(residual, new, start, COARSE)
+            if minimum.squares < min(other.squares for other in minima) + 2.0 * AS_WELL:
+                minima.append(_searched(residual, new, minimum.values, TOLERANCE))
+                starts += beyond(minima[-1].values)
         except (SolveError, _KnownMinimum):
             continue
-    least = min(one.squares for one in found)
-    best = next(
-        one for one in found if one.squares <= least + SAME
-    )  # the first, where it is as good
-    rest = sorted((one for one in found if one is not best), key=lambda one: one.squares)
-    others = (one for one in rest if one.converged and one.squares < least + AS_WELL)
-    return replace(best, steps=steps, searches=searches, others=tuple(others))
+    ranked = sorted(minima, key=lambda minimum: minimum.squares)
+    lowest = ranked[0].squares
+    # The first minimum is the best if it is as good.
+    best = next(minimum for minimum in minima if minimum.squares <= lowest + SAME)
+    others = tuple(
+        minimum
+        for minimum in ranked
+        if minimum is not best and minimum.converged and minimum.squares < lowest + AS_WELL
+    )
+    return replace(best, steps=steps, searches=searches, others=others)
 
 
 def _searched(
@@ -179,7 +184,7 @@ def _searched(
     def slopes(values: FloatArray) -> FloatArray:
         return np.vstack([jacobian(values), np.eye(len(start))])
 
-    found: Any = least_squares(
+    solution: Any = least_squares(
         both,
         start,
         jac=slopes,
@@ -192,5 +197,9 @@ def _searched(
     )
     data = slice(None, -len(start))
     return Fitted(
-        found.x, found.fun[data], found.jac[data], int(found.njev), bool(found.status > 0)
+        solution.x,
+        solution.fun[data],
+        solution.jac[data],
+        int(solution.njev),
+        bool(solution.status > 0),
     )

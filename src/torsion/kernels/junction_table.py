@@ -35,14 +35,16 @@ class JunctionTable:
         >>> round(junction_table().excess_length(0.0, 0.5, 0.0), 4)
         0.1257
         """
-        at = (bore, height, fillet / height if height else math.inf)
-        if not all(low <= one <= high for low, one, high in zip(LOWEST, at, HIGHEST, strict=True)):
+        sizes = (bore, height, fillet / height if height else math.inf)
+        if not all(
+            low <= size <= high for low, size, high in zip(LOWEST, sizes, HIGHEST, strict=True)
+        ):
             return None
-        low, place, high = (np.array(_smooth(one)) for one in (LOWEST, at, HIGHEST))
-        found = self.values
-        for one, size in zip((2.0 * place - low - high) / (high - low), SIZES, strict=True):
-            found = np.tensordot(_weights(float(one), size), found, axes=1)
-        return float(found)
+        low, point, high = (np.array(_smooth(corner)) for corner in (LOWEST, sizes, HIGHEST))
+        values = self.values
+        for coordinate, size in zip((2.0 * point - low - high) / (high - low), SIZES, strict=True):
+            values = np.tensordot(_weights(float(coordinate), size), values, axes=1)
+        return float(values)
 
 
 @cache
@@ -62,8 +64,8 @@ def table_places() -> list[FloatArray]:
     return [bore, np.exp(height), fillet**1.5]
 
 
-def _smooth(place: tuple[float, float, float]) -> tuple[float, float, float]:
-    bore, height, fillet = place
+def _smooth(sizes: tuple[float, float, float]) -> tuple[float, float, float]:
+    bore, height, fillet = sizes
     return bore, math.log(height), fillet ** (2.0 / 3.0)
 
 
@@ -71,12 +73,12 @@ def _nodes(size: int) -> FloatArray:
     return np.asarray(-np.cos(math.pi * np.arange(size) / (size - 1)))
 
 
-def _weights(at: float, size: int) -> FloatArray:
+def _weights(point: float, size: int) -> FloatArray:
     """Of each value in the polynomial through all of them, at a place from -1 to 1."""
-    away = at - _nodes(size)
-    if np.any(here := np.abs(away) < 1e-14):  # rounding of a place
-        return here.astype(float)
+    away = point - _nodes(size)
+    if np.any(is_node := np.abs(away) < 1e-14):  # rounding of a place
+        return is_node.astype(float)
     sign = (-1.0) ** np.arange(size)
     sign[[0, -1]] /= 2.0
-    found = sign / away
-    return np.asarray(found / found.sum())
+    weights = sign / away
+    return np.asarray(weights / weights.sum())

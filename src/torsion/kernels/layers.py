@@ -52,12 +52,12 @@ def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
     children = np.where(number > ranks, (end - number) + ranks, size)
     siblings = _round_families(parent, number, end, ranks[1:])
     layers = []
-    for begin, middle, stop, most in zip(edges, edges[1:], edges[2:], widest, strict=False):
+    for begin, middle, stop, largest in zip(edges, edges[1:], edges[2:], widest, strict=False):
         above, stations = slice(begin, middle), slice(middle, stop)
-        if most == 1 and middle - begin == stop - middle:
+        if largest == 1 and middle - begin == stop - middle:
             layers.append(Layer(stations, above, True, _NOWHERE, _NOBODY, _NOBODY, ()))
         else:
-            few = most if most <= _MOST_AT_ONCE else 0
+            few = largest if largest <= _MOST_AT_ONCE else 0
             near = siblings[: max(few - 1, 0), stations]
             families = (
                 ()
@@ -75,9 +75,9 @@ def _round_families(
     parent: IntArray, number: IntArray, end: IntArray, distance: IntArray
 ) -> IntArray:
     """The siblings (distances, stations) that stand `distance` (distances, 1) on, beginning anew after the last."""
-    there, size = np.arange(len(parent)) + distance, number[parent]
-    there -= np.where(there >= end[parent], size, 0)
-    return np.asarray(np.where(size > distance, there, len(parent)))
+    sibling, size = np.arange(len(parent)) + distance, number[parent]
+    sibling -= np.where(sibling >= end[parent], size, 0)
+    return np.asarray(np.where(size > distance, sibling, len(parent)))
 
 
 def sweep_to_roots(
@@ -125,27 +125,31 @@ def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatA
         for sibling in passed.take(layer.siblings, 0):
             np.add(out, sibling, out)
     for family in layer.families:
-        own, rows = (
+        passed_by_family, rows = (
             passed[family],
             out[family.start - layer.stations.start : family.stop - layer.stations.start],
         )
-        rows[1:] += np.add.accumulate(own[:-1], axis=0)
-        rows[:-1] += np.add.accumulate(own[:0:-1], axis=0)[::-1]
+        rows[1:] += np.add.accumulate(passed_by_family[:-1], axis=0)
+        rows[:-1] += np.add.accumulate(passed_by_family[:0:-1], axis=0)[::-1]
 
 
 def share(
-    children: Sequence[int], through: list[Any], rest: list[Any], remainder: Any, add: Any = np.add
+    children: Sequence[int],
+    through: list[Any],
+    remainders: list[Any],
+    remainder: Any,
+    add: Any = np.add,
 ) -> None:
     """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
     if len(children) == 1:
-        rest[children[0]] = remainder
+        remainders[children[0]] = remainder
         return
     before = remainder
     for child in children:
-        rest[child] = before
+        remainders[child] = before
         before = add(before, through[child])
     after: Any = None
     for child in reversed(children):
         if after is not None:
-            rest[child] = add(rest[child], after)
+            remainders[child] = add(remainders[child], after)
         after = through[child] if after is None else add(after, through[child])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.kernels.elimination import eliminate, forced
 from torsion.kernels.factors import jacobi_svd, star_mesh_factor
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
@@ -22,8 +23,9 @@ from torsion.kernels.reduction import (
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Rerooted, Tree
-from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
-from torsion.kernels.two_sides import forced, two_sides
+from torsion.kernels.tree_response import TreeResponse, amplification_of, pose, residual_of
+from torsion.kernels.two_sides import forced as forced_undamped
+from torsion.kernels.two_sides import two_sides
 from torsion.sources import source
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -46,12 +48,12 @@ class LoopedTrain(Rerooted):
     second: IntArray
     flexibility: FloatArray  # (chords,) rad/(N m)
 
-    def given(self, found: TreeModes) -> TreeModes:
+    def given(self, modes: TreeModes) -> TreeModes:
         """Modes with torques in stations and chords, at the given stations, spans and chords."""
-        torque, size = self.torques(found.torque), len(self.station)
-        angle, rigid_angle = self.angles(found.angle), self.angles(found.rigid_angle)
+        torque, size = self.torques(modes.torque), len(self.station)
+        angle, rigid_angle = self.angles(modes.angle), self.angles(modes.rigid_angle)
         return replace(
-            found,
+            modes,
             angle=angle,
             rigid_angle=rigid_angle,
             torque=torque[:size],
@@ -89,18 +91,18 @@ def graph_modes(
     train = stiffest_tree(tree, first, second, flexibility)
     if not len(train.first):  # the loops go only through fixed stations
         return train.given(tree_modes(train.tree, count))
-    known = rigidity(train.tree)
-    solved = cut(train.tree, known)
-    wanted = known.elastic if count is None else min(count, known.elastic)
+    bodies = rigidity(train.tree)
+    solved = cut(train.tree, bodies)
+    wanted = bodies.elastic if count is None else min(count, bodies.elastic)
     if wanted == 0:
         return replace(tree_modes(tree, 0), loop_torque=np.empty((len(first), 0)))
-    frequency, start = _jacobi_modes(train, known)
+    frequency, start = _jacobi_modes(train, bodies)
     angle, torque = _shapes(solved, train, frequency, start)
     sign = shape_sign(angle)
     angle, torque = (angle * sign)[:, :wanted], (torque * sign)[:, :wanted]
-    torque = _with_all_reactions(train, solved, known, torque)
+    torque = _with_all_reactions(train, solved, bodies, torque)
     frequency = frequency[:wanted]
-    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
+    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(bodies.elastic, 1))
     return train.given(
         TreeModes(
             frequency=frequency,
@@ -108,21 +110,21 @@ def graph_modes(
             upper=frequency + margin,
             angle=angle,
             torque=torque,
-            rigid=len(known.free_roots),
-            rigid_angle=rigid_shapes(train.tree, known),
+            rigid=len(bodies.free_roots),
+            rigid_angle=rigid_shapes(train.tree, bodies),
             certified=False,
         )
     )
 
 
-def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, FloatArray]:
+def _jacobi_modes(train: LoopedTrain, bodies: Rigidity) -> tuple[FloatArray, FloatArray]:
     """All elastic frequencies, ascending, and the angles (stations, modes) of the stations with inertia."""
-    reduced = reduce_tree(train.tree, known, (train.first, train.second, train.flexibility))
-    factor = star_mesh_factor(reduced)[:, : known.elastic]
+    reduced = reduce_tree(train.tree, bodies, (train.first, train.second, train.flexibility))
+    factor = star_mesh_factor(reduced)[:, : bodies.elastic]
     left, values, _ = jacobi_svd(factor, "U")
     angle = np.zeros((train.tree.size, len(values)))
     angle[reduced.head] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
-    return values[::-1], angle[known.body]
+    return values[::-1], angle[bodies.body]
 
 
 def _shapes(
@@ -132,7 +134,7 @@ def _shapes(
     inertia = tree.moving_inertia[:, None]
     root = np.sqrt(inertia)
     groups = repeated_groups(frequency, np.ones(len(frequency), dtype=bool))
-    respond = _torn_response(tree, train, _beside(frequency))
+    respond = _torn_response(tree, train, _shift_frequencies(frequency))
     angle, torque = start, np.empty(0)
     for _ in range(_STEPS):
         angle, torque = respond(inertia * angle)
@@ -143,14 +145,22 @@ def _shapes(
     return angle, torque
 
 
-def _beside(frequency: FloatArray) -> FloatArray:
-    """For each of `frequency` (m,) one as far from it as can be, but no nearer to another one by more than half."""
+def _shift_frequencies(frequency: FloatArray) -> FloatArray:
+    """Return for each of ascending frequencies (m,) a frequency as far from it as can be.
+
+    But no nearer to another natural frequency than half as far.
+    """
     candidates = frequency * np.concatenate([1.0 - _SHIFTS, 1.0 + _SHIFTS])[:, None]
-    own = np.abs(candidates - frequency)
-    nearest = np.min(np.abs(candidates[:, :, None] - frequency), axis=2)
-    allowed = np.where(nearest >= 0.5 * own, own, -1.0)
-    beside: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
-    return beside
+    distance = np.abs(candidates - frequency)
+    above = np.searchsorted(frequency, candidates)
+    last = len(frequency) - 1
+    nearest = np.minimum(
+        np.abs(candidates - frequency[np.maximum(above - 1, 0)]),
+        np.abs(candidates - frequency[np.minimum(above, last)]),
+    )
+    allowed = np.where(nearest >= 0.5 * distance, distance, -1.0)
+    shifted: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
+    return shifted
 
 
 def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
@@ -160,14 +170,16 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
     """
     sides, ends = two_sides(tree, w), (train.first, train.second)
     acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
-    units = [forced(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting]
+    units = [
+        forced_undamped(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting
+    ]
     twist = around(tree, *ends) * tree.flexibility
     system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(
         train.flexibility
     )
 
     def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        angle, torque = forced(tree, sides, load)
+        angle, torque = forced_undamped(tree, sides, load)
         torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
         for row, unit in zip(torn, units, strict=True):
             angle, torque = angle + row * unit[0], torque + row * unit[1]
@@ -177,14 +189,14 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
 
 def _with_all_reactions(
-    train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray
+    train: LoopedTrain, solved: Tree, bodies: Rigidity, torque: FloatArray
 ) -> FloatArray:
     """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
     if solved is train.tree:
         return torque
     size = train.tree.size
     load = pairs(size, train.first, train.second).T @ torque[size:]
-    return np.vstack([with_reactions(train.tree, known, torque[:size], load), torque[size:]])
+    return np.vstack([with_reactions(train.tree, bodies, torque[:size], load), torque[size:]])
 
 
 def looped_response(
@@ -205,18 +217,22 @@ def looped_response(
     """
     sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
     given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance}
-    opened = [
-        tree_response(tree, w, force, twist=twist, **given),
-        *(tree_response(tree, w, row, **given) for row in pair),
-    ]
+    problem = pose(tree, w, force, twist=twist, **given)
+    equations, plan = problem.equations(slice(None)), problem.plan
     hc = _rows(tree.flexibility if compliance is None else compliance)
     with np.errstate(all="ignore"):
-        torque, loss = _loop_torques(chords, sign, opened, hc, twist)
-        loss = loss * np.max([part.amplification for part in opened], axis=0)
-        angles, torques = opened[0].angle.copy(), opened[0].torque.copy()
-        for part, row in zip(opened[1:], torque, strict=True):
-            angles += part.angle * row
-            torques += part.torque * row
+        # The open train under the sources, then under a pair of unit torques in place of each chord.
+        sides = eliminate(plan, equations.own, equations.compliance, guard=True)
+        angles, torques = forced(plan, sides, equations.force, equations.twist)
+        acting = np.where(tree.held, 0.0, pair)[:, :, None]
+        units = [forced(plan, sides, row) for row in acting]
+        torque, loss = _loop_torques(
+            chords, sign, [hc * row for row in (torques, *(unit[1] for unit in units))], twist
+        )
+        loss *= amplification_of(plan, equations.own, sides)
+        for unit, row in zip(units, torque, strict=True):
+            angles += unit[0] * row
+            torques += unit[1] * row
         loss[
             ~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0))
             | np.isnan(loss)
@@ -235,32 +251,34 @@ def _rows(values: NDArray[Any]) -> NDArray[Any]:
 def _loop_torques(
     chords: Chords,
     sign: FloatArray,
-    opened: list[TreeResponse],
-    hc: NDArray[Any],
+    wound: list[NDArray[Any]],
     twist: NDArray[Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:
-    """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
-    own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
-    open_twist = _rows(chords.twist) + sign @ (hc * opened[0].torque)
+    """Return torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve.
+
+    wound: compliance times torque (stations, frequencies) rad of the open train, then under each pair of unit torques.
+    """
+    compliance = np.broadcast_to(_rows(chords.compliance), (len(sign), wound[0].shape[1]))
+    open_twist = _rows(chords.twist) + sign @ wound[0]
     if twist is not None:
         open_twist = open_twist - sign @ _rows(twist)
     matrix = np.stack(
-        [-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1
+        [-(sign @ row).T for row in wound[1:]], axis=-1
     )  # (frequencies, chords, chords)
-    terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(own)
-    chord, one = np.arange(len(sign)), np.eye(len(sign))
-    matrix[:, chord, chord] += own.T
+    terms = sum(np.abs(sign) @ np.abs(row) for row in wound[1:]) + np.abs(compliance)
+    chord, identity = np.arange(len(sign)), np.eye(len(sign))
+    matrix[:, chord, chord] += compliance.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
-    scaled[lost] = one
-    least = np.linalg.svd(scaled, compute_uv=False)[:, -1]
-    lost |= least == 0
-    scaled[lost] = one
+    scaled[lost] = identity
+    smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+    lost |= smallest == 0
+    scaled[lost] = identity
     torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(
         np.complex128
     )
     torque[:, lost] = np.nan
-    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
+    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / smallest))
 
 
 def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
@@ -310,12 +328,12 @@ def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
     """
     sign = np.zeros((len(first), tree.size))
     for chord, ends in enumerate(zip(second.tolist(), first.tolist(), strict=True)):
-        here = list(ends)
+        ends_reached = list(ends)
         for side, direction in ((0, 1.0), (1, -1.0)):
-            while tree.parents[here[side]] >= 0:
-                sign[chord, here[side]] += direction
-                here[side] = tree.parents[here[side]]
-        if here[0] != here[1] and not tree.held[here].all():
+            while tree.parents[ends_reached[side]] >= 0:
+                sign[chord, ends_reached[side]] += direction
+                ends_reached[side] = tree.parents[ends_reached[side]]
+        if ends_reached[0] != ends_reached[1] and not tree.held[ends_reached].all():
             raise ValueError(
                 f"chord {chord} is the only connection of two parts; expected it in the tree"
             )

@@ -60,7 +60,6 @@ class Shapes:
             getattr(self, name)[..., columns] = getattr(shapes, name)
 
     def take(self, columns: IntArray) -> "Shapes":
-        """The shapes in `columns`."""
         return Shapes(*(getattr(self, name)[..., columns] for name in (*_OF_STATIONS, *_OF_MODES)))
 
     def scale(self, factor: FloatArray) -> None:
@@ -127,11 +126,11 @@ def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
     block = max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
     if len(frequency) <= block:
         return free_shapes(tree, frequency)
-    whole = Shapes.empty(tree, len(frequency))
+    shapes = Shapes.empty(tree, len(frequency))
     for begin in range(0, len(frequency), block):
         part = slice(begin, begin + block)
-        whole.put(part, free_shapes(tree, frequency[part]))
-    return whole
+        shapes.put(part, free_shapes(tree, frequency[part]))
+    return shapes
 
 
 @source("ParlettDhillon1997")
@@ -173,8 +172,8 @@ def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
         undetermined = np.isnan(residual)
         if undetermined.any():
             residual[undetermined] = np.inf
-    least: IntArray = residual.argmin(axis=0)
-    return least
+    station: IntArray = residual.argmin(axis=0)
+    return station
 
 
 def _end_torques(

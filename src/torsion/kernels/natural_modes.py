@@ -39,7 +39,6 @@ _TRUSTED = (
     0.1  # relative distance from the start beyond which a step is taken to have left its mode
 )
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
-_OFF = 5e-2  # relative, that a given start may be off
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
 _STATIONS_FOR_COUNTS = (
     300  # from which the few lowest modes are sooner found by counts than all at once (measured)
@@ -49,32 +48,26 @@ _FULL_BISECTION = 2.0**-52
 
 
 @source("WittrickWilliams1971")
-def tree_modes(
-    tree: Tree,
-    count: int | None = None,
-    *,
-    start: FloatArray | None = None,
-) -> TreeModes:
+def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     """The lowest `count` elastic modes of a tree, or all.
 
     Frequencies closer than 1e-13 (relative) count as repeated: their shapes are one orthogonal set of many. Raises
     SolveError for a frequency that cannot be proven. Flexibilities must be finite, inertias not negative.
 
-    With distributed shafts, `start` (count,) rad/s may give frequencies near the modes, ascending; and a mode above
-    0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
+    With distributed shafts a mode above 0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
-    known = rigidity(tree.static)
-    rigid, wanted = len(known.free_roots), known.elastic if count is None else count
+    bodies = rigidity(tree.static)
+    rigid, wanted = len(bodies.free_roots), bodies.elastic if count is None else count
     if tree.shafts is None or not math.isfinite(tree.shafts.limit):
-        wanted = min(wanted, known.elastic)
-    solved = cut(tree, known)
+        wanted = min(wanted, bodies.elastic)
+    solved = cut(tree, bodies)
     rerooted = rerooted_at_middle(solved)
     swept = rerooted.tree
     if wanted == 0:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
     else:
-        frequency, shapes = _polish(swept, *_start(tree, swept, known, wanted, start))
+        frequency, shapes = _polish(swept, *_start(tree, swept, bodies, wanted))
         frequency, lower, upper, wrong = _enclosed(swept, frequency, rigid, shapes.passed)
         if wrong.any():
             shapes = shapes_at(swept, frequency)
@@ -85,29 +78,27 @@ def tree_modes(
         _complete(solved, frequency, shapes)
     torque, of_shafts = _with_shafts(solved, frequency, shapes)
     if solved is not tree:
-        torque, of_shafts = _with_reactions(tree, known, torque, of_shafts)
-    rigid_angle = rigid_shapes(tree.static, known)
+        torque, of_shafts = _with_reactions(tree, bodies, torque, of_shafts)
+    rigid_angle = rigid_shapes(tree.static, bodies)
     return TreeModes(
         frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts
     )
 
 
 def _start(
-    tree: Tree, swept: Tree, known: Rigidity, wanted: int, near: FloatArray | None
+    tree: Tree, swept: Tree, bodies: Rigidity, wanted: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.
 
-    `swept` is the same train numbered for sweeps; `near` is a start that is known.
+    `swept` is the same train numbered for sweeps.
     """
-    modes = len(known.free_roots) + np.arange(wanted)
-    if near is not None:
-        return near.copy(), near * (1.0 - _OFF), near * (1.0 + _OFF)
+    modes = len(bodies.free_roots) + np.arange(wanted)
     if tree.shafts is not None:
         low, high = brackets(swept, modes)
         room = _BEYOND * (high - low)
         return low + 0.5 * (high - low), low - room, high + room
-    is_few = tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
-    start = None if is_few else start_frequencies(reduce_tree(tree, known), known.elastic)
+    is_few = tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * bodies.elastic
+    start = None if is_few else start_frequencies(reduce_tree(tree, bodies), bodies.elastic)
     if start is None or not np.all(start > 0.0):
         start = bisect(swept, modes, tolerance=_START_BISECTION)
     start = start[:wanted].copy()
@@ -125,11 +116,11 @@ def _polish(
             again = shapes_at(tree, frequency[left])
             shapes.put(left, again)
             correction = again.correction
-        here = frequency[left]
+        estimate = frequency[left]
         with np.errstate(invalid="ignore", over="ignore"):
-            share = correction / (here * here)
+            share = correction / (estimate * estimate)
             change = share / (1.0 + np.sqrt(1.0 + share))
-            moved = here * (1.0 + change)
+            moved = estimate * (1.0 + change)
         inside = (moved >= low[left]) & (moved <= high[left])
         frequency[left[inside]] = moved[inside]
         left = left[inside & (np.abs(change) >= _SETTLED)]
@@ -193,14 +184,14 @@ def _with_shafts(
 
 
 def _with_reactions(
-    tree: Tree, known: Rigidity, torque: FloatArray, of_shafts: ShaftModes | None
+    tree: Tree, bodies: Rigidity, torque: FloatArray, of_shafts: ShaftModes | None
 ) -> tuple[FloatArray, ShaftModes | None]:
     """The torques with those of rigid spans between fixed stations; the inertia of a shaft takes its part of them."""
     if tree.shafts is None or of_shafts is None:
-        return with_reactions(tree, known, torque), None
+        return with_reactions(tree, bodies, torque), None
     taken = np.zeros_like(torque)
     by_shafts = (of_shafts.torque_outer - torque)[tree.shafts.node]
     tree.add_ends(taken, by_shafts, np.zeros_like(by_shafts))
-    outer = with_reactions(tree, known, of_shafts.torque_outer, taken)
+    outer = with_reactions(tree, bodies, of_shafts.torque_outer, taken)
     torque[tree.springs] = outer[tree.springs]
     return torque, replace(of_shafts, torque_outer=outer)

@@ -40,11 +40,11 @@ class Network:
     chord: FloatArray  # (chords, trains) rad/(N m)
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
-        """Some of the trains."""
+        """Return the network of some trains, by position or mask."""
         tree, shafts = self.tree, self.tree.shafts
         if shafts is not None:
-            place = np.arange(tree.flexibility.shape[1])[trains]
-            laws = tuple(law.chosen(place) for law in shafts.laws if isinstance(law, Columns))
+            position = np.arange(tree.flexibility.shape[1])[trains]
+            laws = tuple(law.chosen(position) for law in shafts.laws if isinstance(law, Columns))
             shafts = replace(shafts, laws=laws)
         some = replace(
             tree,
@@ -73,7 +73,7 @@ class Way:
     )
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
-        """For some of the trains."""
+        """Return the way of some trains, by position or mask."""
         if self.basis is None or self.terms is None:
             return self
         rows = {
@@ -95,8 +95,12 @@ class Way:
         basis = np.repeat(np.eye(number)[:, :, None], trains, axis=2)
         basis[largest, :, column] = (chord_torque / scale).T
         sign, bound = (
-            np.einsum("klt,lst->kst", one, np.broadcast_to(other, (*other.shape[:2], trains)))
-            for one, other in ((basis, self.sign), (np.abs(basis), np.abs(self.sign)))
+            np.einsum(
+                "klt,lst->kst",
+                weight,
+                np.broadcast_to(torque_signs, (*torque_signs.shape[:2], trains)),
+            )
+            for weight, torque_signs in ((basis, self.sign), (np.abs(basis), np.abs(self.sign)))
         )
         q, lifts = np.broadcast_to(self.torque, sign.shape).copy(), np.zeros((number, trains))
         q[largest, :, column], lifts[largest, column] = (torque / scale).T, lift / scale
@@ -108,9 +112,9 @@ class Way:
         return Way(self.steps, self.root, sign, q, load, lifts, basis, terms)
 
 
-def product(one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
+def product(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
     """(chords, chords, trains) of two (chords, trains)."""
-    return np.asarray(one[:, None] * other[None, :])
+    return np.asarray(left[:, None] * right[None, :])
 
 
 class Elimination:
@@ -169,9 +173,9 @@ class Elimination:
             s, t = way.sign[:, station], way.torque[:, station]
             self.q[:, station] = t * h[span] + (0.0 if self.fixed[near] else self.q[:, near])
             self.matrix += (product(s, t) + product(t, s) - product(t, t)) * h[span]
-        own = a * self.q
-        self.load = own + way.load
-        self.matrix += np.einsum("kit,lit->klt", own, self.q)
+        inertia_load = a * self.q
+        self.load = inertia_load + way.load
+        self.matrix += np.einsum("kit,lit->klt", inertia_load, self.q)
         if self.lean:
             self._begin_bounds(
                 np.abs(np.einsum("klt,lt,mlt->kmt", np.abs(basis), trains.chord, np.abs(basis)))
@@ -190,9 +194,9 @@ class Elimination:
                 0.0 if self.fixed[near] else self.reach[:, near]
             )
             self.size += h[span] * (product(s, t) if way.basis is None else product(s + t, s + t))
-        own = self.inertia * self.reach
-        self.size += np.einsum("kit,lit->klt", own, self.reach)
-        self.error, self.load_error = self.unit * self.size, self.unit * own
+        inertia_load = self.inertia * self.reach
+        self.size += np.einsum("kit,lit->klt", inertia_load, self.reach)
+        self.error, self.load_error = self.unit * self.size, self.unit * inertia_load
         if way.terms is not None:
             self.load_error += self.unit * way.terms
 
@@ -205,10 +209,10 @@ class Elimination:
         term = product(q, q * share) + product(q, f) + product(f, q)
         self.matrix -= term
         if self.lean:
-            own = self.reach[:, i]
-            less = self.unit * (own * share + np.abs(f)) + self.load_error[:, i]
+            bound = self.reach[:, i]
+            load_error = self.unit * (bound * share + np.abs(f)) + self.load_error[:, i]
             self.size += np.abs(term)
-            self.error += product(own, less) + product(less, own)
+            self.error += product(bound, load_error) + product(load_error, bound)
         if not self.fixed[near]:
             self.load[:, near] -= q * share
             if self.lean:
@@ -216,49 +220,49 @@ class Elimination:
 
     def _past_free(self, i: int, near: int, h: NDArray[Any]) -> None:
         z = self.stiffness[i]
-        rest = 1.0 / (1.0 + h * z)
-        through = z * rest
-        self.negative += rest.real < 0.0
+        transfer = 1.0 / (1.0 + h * z)
+        through = z * transfer
+        self.negative += transfer.real < 0.0
         if self.number:
             f = self.load[:, i]
-            term = h * rest * product(f, f)
+            term = h * transfer * product(f, f)
             self.matrix += term
             if self.lean:
                 self.size += np.abs(term)
-                self._bound(i, h * rest)
+                self._bound(i, h * transfer)
         if self.lean:
-            less = self.lean * self.margin * np.abs(through)
-            through = through - less
+            lessening = self.lean * self.margin * np.abs(through)
+            through = through - lessening
             if (
                 self.number and not self.fixed[near]
             ):  # what is passed on less is as inertia of the next station
-                self._lessen(i, near, less, np.abs(through), np.abs(rest))
+                self._lessen(i, near, lessening, np.abs(through), np.abs(transfer))
         self.stiffness[near] += through
         if (
             self.number and not self.fixed[near]
         ):  # every span has a copy of a fixed station of its own
-            self.load[:, near] += rest * f
+            self.load[:, near] += transfer * f
 
     def _bound(self, i: int, weight: FloatArray) -> None:
-        own, room = np.abs(self.load[:, i]), self.load_error[:, i]
+        size, room = np.abs(self.load[:, i]), self.load_error[:, i]
         self.error += np.abs(weight) * (
-            product(own + room, own + room) * (1.0 + self.term) - product(own, own)
+            product(size + room, size + room) * (1.0 + self.term) - product(size, size)
         )
 
     def _lessen(
-        self, i: int, near: int, less: FloatArray, through: FloatArray, rest: FloatArray
+        self, i: int, near: int, lessening: FloatArray, through: FloatArray, transfer: FloatArray
     ) -> None:
         q, room = self.q[:, near], self.unit * self.reach[:, near]
-        most, amount = (
+        largest, amount = (
             np.abs(q) + room,
             _OF_STIFFNESS * _UNIT_ROUNDOFF * through,
         )  # by which `less` is not right
-        self.load[:, near] += less * q
-        self.matrix += less * product(q, q)
-        beside = amount * most + np.abs(less) * room
-        self.error += product(beside, most) + product(most, beside)
-        own = rest * (self.load_error[:, i] + self.term * np.abs(self.load[:, i]))
-        self.load_error[:, near] += own + beside
+        self.load[:, near] += lessening * q
+        self.matrix += lessening * product(q, q)
+        extra = amount * largest + np.abs(lessening) * room
+        self.error += product(extra, largest) + product(largest, extra)
+        passed_error = transfer * (self.load_error[:, i] + self.term * np.abs(self.load[:, i]))
+        self.load_error[:, near] += passed_error + extra
 
     @property
     def at_root(self) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -276,15 +280,16 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
     with np.errstate(all="ignore"):
         seen = Elimination(trains, w * w, way, lean)
         stiffness, load = seen.at_root
-        own, room, root = np.abs(load), seen.load_error[:, way.root], np.abs(1.0 / stiffness)
+        size, room, root = np.abs(load), seen.load_error[:, way.root], np.abs(1.0 / stiffness)
         last = product(load, load) / stiffness
         error = seen.error + root * (
-            product(own + room, own + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(own, own)
+            product(size + room, size + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(size, size)
         )
         chord = np.arange(number)
         scale = np.sqrt((seen.size + np.abs(last))[chord, chord])
         matrix, error = (
-            (one / product(scale, scale)).transpose(2, 0, 1) for one in (seen.matrix + last, error)
+            (values / product(scale, scale)).transpose(2, 0, 1)
+            for values in (seen.matrix + last, error)
         )
         matrix[:, chord, chord] += lean * (
             error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF
@@ -292,8 +297,8 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
     lost = ~np.isfinite(matrix).all(axis=(1, 2))
     matrix[lost] = lean * np.eye(number)
     below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
-    found = seen.negative + (stiffness < 0.0) - below
-    return np.asarray(np.where(lost, trains.tree.size if lean > 0 else -1, found))
+    total = seen.negative + (stiffness < 0.0) - below
+    return np.asarray(np.where(lost, trains.tree.size if lean > 0 else -1, total))
 
 
 def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, FloatArray]:
@@ -301,7 +306,7 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
     with np.errstate(all="ignore"):
         seen = Elimination(trains, square, way)
         stiffness, load = seen.at_root
-        chord_torque = _least(seen.matrix + product(load, load) / stiffness)
+        chord_torque = _least_chord_torques(seen.matrix + product(load, load) / stiffness)
         f = np.einsum("kt,kst->st", chord_torque, seen.load)
         q = np.einsum("kt,kst->st", chord_torque, seen.q)
         torque = np.einsum(
@@ -310,14 +315,14 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         angle = np.zeros_like(f)
         angle[way.root] = f[way.root] / stiffness
         for i, near, span in reversed(way.steps):
-            h, beside = seen.flexibility[span], 0.0 if seen.fixed[near] else angle[near]
+            h, near_angle = seen.flexibility[span], 0.0 if seen.fixed[near] else angle[near]
             if seen.fixed[i]:
                 angle[i] = -q[i]
-                torque[i] += (angle[i] - beside) / h
+                torque[i] += (angle[i] - near_angle) / h
             else:
-                rest = 1.0 / (1.0 + h * seen.stiffness[i])
-                angle[i] = rest * (beside + h * f[i])
-                torque[i] += rest * (f[i] - seen.stiffness[i] * beside)
+                transfer = 1.0 / (1.0 + h * seen.stiffness[i])
+                angle[i] = transfer * (near_angle + h * f[i])
+                torque[i] += transfer * (f[i] - seen.stiffness[i] * near_angle)
         lift = angle[way.root]
         lost = ~(
             np.isfinite(torque).all(axis=0)
@@ -326,17 +331,19 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         )
         torque[:, lost], lift, chord_torque[:, lost] = 0.0, np.where(lost, 0.0, lift), 1.0
         modal = way.modal(trains.tree.held, chord_torque, torque, lift)
-        own = Elimination(trains, square, modal)
+        seen_with_mode = Elimination(trains, square, modal)
         row, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(len(square))
-        stiffness, load = own.at_root
-        matrix = (own.matrix + product(load, load) / stiffness)[row, row, column]
-        change = -matrix / (own.inertia * own.q[row, :, column].T ** 2).sum(axis=0)
+        stiffness, load = seen_with_mode.at_root
+        matrix = (seen_with_mode.matrix + product(load, load) / stiffness)[row, row, column]
+        change = -matrix / (seen_with_mode.inertia * seen_with_mode.q[row, :, column].T ** 2).sum(
+            axis=0
+        )
     return modal, np.where(
         np.isfinite(change) & (np.abs(change) < 1e-6), square * (1.0 + change), square
     )
 
 
-def _least(matrix: FloatArray) -> FloatArray:
+def _least_chord_torques(matrix: FloatArray) -> FloatArray:
     """Chord torques (chords, trains) for which M (chords, chords, trains) is least beside its diagonal."""
     number = len(matrix)
     if number == 1:
@@ -346,5 +353,7 @@ def _least(matrix: FloatArray) -> FloatArray:
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
     scaled[lost] = np.eye(number)
     values, vectors = np.linalg.eigh(scaled)
-    least = np.argmin(np.abs(values), axis=1)
-    return np.asarray(np.take_along_axis(vectors, least[:, None, None], axis=2)[:, :, 0].T * scale)
+    smallest = np.argmin(np.abs(values), axis=1)
+    return np.asarray(
+        np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0].T * scale
+    )

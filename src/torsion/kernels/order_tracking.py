@@ -54,16 +54,16 @@ def uneven(time: FloatArray) -> int | None:
     first = _unlike(share)
     if first is not None:
         return first
-    for own, beside, found in (
+    for interval, medians, ratio in (
         (intervals, side, share),
         (intervals[::-1], side[::-1], share[::-1]),
     ):
-        for k in range(min(NEAR, beside.size - NEAR - 1)):
+        for k in range(min(NEAR, medians.size - NEAR - 1)):
             near, far = (
-                beside[[k + 1, k + 1 + NEAR]] ** -2.0
+                medians[[k + 1, k + 1 + NEAR]] ** -2.0
             )  # squares of speeds, which rise evenly with the angle
             square = near - (far - near) * (NEAR + 1) / (2.0 * NEAR)
-            found[k] = own[k] * np.sqrt(square) if square > 0.0 else 1.0
+            ratio[k] = interval[k] * np.sqrt(square) if square > 0.0 else 1.0
     return _unlike(share)
 
 
@@ -107,13 +107,13 @@ def _tracked(
     *,
     derived: bool = False,
 ) -> Tracked:
-    found = []
+    windows = []
     for part in _windows(angle, revolutions):
         if part.size < DEGREE + 1 + 2 * LEAST_SAMPLES * len(orders):
             message = f"{part.size} samples of {revolutions} revolutions are too few for {len(orders)} orders"
             raise ValueError(message)
-        found.append(_window(time[part], values[part], orders, revolutions, derived))
-    speed, angle, error = (np.array([one[k] for one in found]) for k in range(3))
+        windows.append(_window(time[part], values[part], orders, revolutions, derived))
+    speed, angle, error = (np.array([window[k] for window in windows]) for k in range(3))
     shape = -1, len(orders)
     return Tracked(speed, angle.astype(np.complex128).reshape(shape), error.reshape(shape))
 
@@ -121,8 +121,11 @@ def _tracked(
 def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
     """Positions of the samples of every whole window of so many revolutions."""
     turned = (angle - angle[0]) / (2.0 * np.pi * revolutions) * (1.0 + 1e-12)
-    number, whole = np.floor(turned).astype(int), int(turned[-1] * len(turned) / (len(turned) - 1))
-    return (np.flatnonzero(number == one) for one in range(whole))
+    number, windows = (
+        np.floor(turned).astype(int),
+        int(turned[-1] * len(turned) / (len(turned) - 1)),
+    )
+    return (np.flatnonzero(number == window) for window in range(windows))
 
 
 def _window(
@@ -140,34 +143,36 @@ def _window(
         share
     )  # its square is Hann's window
     near = BESIDE[np.abs(BESIDE) + FREE <= 0.5 * revolutions] / revolutions
-    beside = np.abs(orders[:, None] + near).ravel()
+    nearby = np.abs(orders[:, None] + near).ravel()
     powers = np.polynomial.polynomial.polyvander(u, DEGREE)
     slopes = np.zeros_like(powers)
     slopes[:, 1:] = powers[:, :-1] * np.arange(1, DEGREE + 1) / half
     rows = slopes[:, 1:] if derived else powers
-    smooth = _least(rows, values, weight)
+    smooth = _weighted_least_squares(rows, values, weight)
     mean = np.concatenate([[0.0], smooth]) if derived else smooth
     for _ in range(ROUNDS):
         turned, before = powers @ mean, mean
-        carrier = np.exp(1j * turned[:, None] * np.append(orders, beside))
+        carrier = np.exp(1j * turned[:, None] * np.append(orders, nearby))
         if derived:
-            carrier = carrier * (1j * np.append(orders, beside) * (slopes @ mean)[:, None])
-        carrier, others = carrier[:, : len(orders)], carrier[:, len(orders) :]
-        found = _least(np.hstack([rows, carrier.real, -carrier.imag]), values, weight)
-        mean = np.concatenate([[0.0], found[:DEGREE]]) if derived else found[: DEGREE + 1]
+            carrier = carrier * (1j * np.append(orders, nearby) * (slopes @ mean)[:, None])
+        carrier, neighbours = carrier[:, : len(orders)], carrier[:, len(orders) :]
+        solution = _weighted_least_squares(
+            np.hstack([rows, carrier.real, -carrier.imag]), values, weight
+        )
+        mean = np.concatenate([[0.0], solution[:DEGREE]]) if derived else solution[: DEGREE + 1]
         if np.abs(powers @ (mean - before)).max() < SETTLED:
             break
-    parts, square = found[rows.shape[1] :], weight**2
-    left = square * (values - np.hstack([rows, carrier.real, -carrier.imag]) @ found)
-    size = 2.0 * np.abs(left @ others.conj()) / (square @ np.abs(others) ** 2)
+    parts, square = solution[rows.shape[1] :], weight**2
+    left = square * (values - np.hstack([rows, carrier.real, -carrier.imag]) @ solution)
+    size = 2.0 * np.abs(left @ neighbours.conj()) / (square @ np.abs(neighbours) ** 2)
     error = np.sqrt(
         np.square(size).reshape(len(orders), -1).sum(axis=1) / (2.0 * max(1, len(near)))
     )
     return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :], error
 
 
-def _least(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
+def _weighted_least_squares(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
     """Weighted least squares, the columns scaled alike."""
     size = np.sqrt(np.square(rows).sum(axis=0))
-    found, *_ = np.linalg.lstsq(rows / size * weight[:, None], values * weight, rcond=None)
-    return np.asarray(found / size)
+    solution, *_ = np.linalg.lstsq(rows / size * weight[:, None], values * weight, rcond=None)
+    return np.asarray(solution / size)

@@ -27,8 +27,8 @@ class PowerLaw(StiffnessTable):
         """Stiffness (N m/rad), loss factor 0 and viscous damping (N m s/rad) at x, each of the shape of x."""
         over = np.clip(np.asarray(x, dtype=float), self.at[0], self.at[-1]) / self.at[0]
         k, c = (
-            one[0] * over**power
-            for one, power in zip((self.stiffness, self.viscous), self.powers, strict=True)
+            factors[0] * over**power
+            for factors, power in zip((self.stiffness, self.viscous), self.powers, strict=True)
         )
         return k, np.zeros_like(over), c
 
@@ -43,7 +43,7 @@ class PowerLaw(StiffnessTable):
 
     @property
     def words(self) -> str:
-        """The law with its figures."""
+        """The law as a formula with its numbers."""
         return self.formula
 
     @property

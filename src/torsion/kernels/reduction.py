@@ -69,17 +69,17 @@ def rigidity(tree: Tree) -> Rigidity:
     )
 
 
-def rigid_shapes(tree: Tree, known: Rigidity) -> FloatArray:
+def rigid_shapes(tree: Tree, bodies: Rigidity) -> FloatArray:
     """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
     if tree.is_plain:
         return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
-    part = known.component[:, None] == known.free_roots
+    part = bodies.component[:, None] == bodies.free_roots
     scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
     return scaled
 
 
 def reduce_tree(
-    tree: Tree, known: Rigidity, chords: tuple[IntArray, IntArray, FloatArray] | None = None
+    tree: Tree, bodies: Rigidity, chords: tuple[IntArray, IntArray, FloatArray] | None = None
 ) -> ReducedTrain:
     """The moving inertias of a tree and the springs between them, with the spans that close loops, if any.
 
@@ -91,33 +91,33 @@ def reduce_tree(
         return ReducedTrain(
             stations, tree.inertia, tree.parent[1:], stations[1:], stiffness, ground, True
         )
-    head = np.flatnonzero((known.body == stations) & ~known.fixed)
+    head = np.flatnonzero((bodies.body == stations) & ~bodies.fixed)
     number = np.full(tree.size, -1)
     number[head] = np.arange(len(head))
-    number = number[known.body]  # of the moving body of each station; -1 where it is fixed
+    number = number[bodies.body]  # of the moving body of each station; -1 where it is fixed
     spans = tree.parent, stations, tree.flexibility
     near, far, flexibility = (
         spans if chords is None else (np.append(*pair) for pair in zip(spans, chords, strict=True))
     )
-    one, other = number[near], number[far]
-    is_soft = (near >= 0) & (flexibility > 0.0) & (one != other)
-    is_between = np.minimum(one, other) >= 0
+    near_body, far_body = number[near], number[far]
+    is_soft = (near >= 0) & (flexibility > 0.0) & (near_body != far_body)
+    is_between = np.minimum(near_body, far_body) >= 0
     spring, tie = is_soft & is_between, is_soft & ~is_between
     inertia, ground = (
-        np.asarray(np.bincount(known.body, tree.moving_inertia), dtype=np.float64),
+        np.asarray(np.bincount(bodies.body, tree.moving_inertia), dtype=np.float64),
         np.zeros(len(head)),
     )
-    np.add.at(ground, np.maximum(one, other)[tie], 1.0 / flexibility[tie])
-    whole = ReducedTrain(
+    np.add.at(ground, np.maximum(near_body, far_body)[tie], 1.0 / flexibility[tie])
+    train = ReducedTrain(
         head=head,
         inertia=inertia[head],
-        inner=one[spring],
-        outer=other[spring],
+        inner=near_body[spring],
+        outer=far_body[spring],
         stiffness=1.0 / flexibility[spring],
         ground=ground,
         acyclic=chords is None,
     )
-    return whole if whole.inertia.min(initial=1.0) > 0.0 else _without_massless(whole)
+    return train if train.inertia.min(initial=1.0) > 0.0 else _without_massless(train)
 
 
 def _without_massless(train: ReducedTrain) -> ReducedTrain:
@@ -135,9 +135,9 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
         for position, (a, k) in enumerate(star):
             del neighbours[a][body]
             ground[a] += k * (ground[body] / total)
-            for b, other in star[:position]:
+            for b, k_other in star[:position]:
                 neighbours[a][b] = neighbours[b][a] = neighbours[a].get(b, 0.0) + k * (
-                    other / total
+                    k_other / total
                 )
     kept = np.flatnonzero(train.inertia > 0.0)
     number = {body: position for position, body in enumerate(kept.tolist())}
@@ -151,15 +151,15 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
     )
 
 
-def cut(tree: Tree, known: Rigidity) -> Tree:
+def cut(tree: Tree, bodies: Rigidity) -> Tree:
     """The tree with every fixed station `held` and the rigid spans between them taken out; itself if there are none."""
-    if not (tree.holds and _inside(tree, known).any()):
+    if not (tree.holds and _inside(tree, bodies).any()):
         return tree
-    return replace(tree, parent=np.where(_inside(tree, known), -1, tree.parent), held=known.fixed)
+    return replace(tree, parent=np.where(_inside(tree, bodies), -1, tree.parent), held=bodies.fixed)
 
 
 def with_reactions(
-    tree: Tree, known: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0
+    tree: Tree, bodies: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0
 ) -> FloatArray:
     """Torque (stations, m) of the cut tree, completed in the rigid spans between fixed stations by equilibrium.
 
@@ -167,7 +167,7 @@ def with_reactions(
 
     Where a body is fixed more than once, the shares are not determined: the fixed station numbered first takes all.
     """
-    inside, stations = _inside(tree, known), np.arange(tree.size)
+    inside, stations = _inside(tree, bodies), np.arange(tree.size)
     load = np.where(tree.parent[:, None] >= 0, torque, 0.0) + outside
     for station, parent in enumerate(tree.parents):
         if parent >= 0 and not inside[station]:
@@ -182,6 +182,6 @@ def with_reactions(
     return full
 
 
-def _inside(tree: Tree, known: Rigidity) -> BoolArray:
+def _inside(tree: Tree, bodies: Rigidity) -> BoolArray:
     """Stations (stations,) whose span is rigid and joins fixed stations."""
-    return np.asarray(known.fixed & (tree.static.flexibility == 0.0) & (tree.parent >= 0))
+    return np.asarray(bodies.fixed & (tree.static.flexibility == 0.0) & (tree.parent >= 0))

@@ -63,11 +63,13 @@ def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> _Inertia:
         return _Inertia(tree, *total)
     from numpy.polynomial import legendre
 
-    for place, weight in zip(*(part.tolist() for part in legendre.leggauss(_GAUSS)), strict=True):
-        at = tree.shafts.slopes(begin + (0.5 + 0.5 * place) * (end - begin))
-        total[0] += 0.5 * weight * (at.flexibility_slope / (at.flexibility * at.flexibility))
-        total[1] += 0.5 * weight * (at.inner + at.square * at.inner_slope)
-        total[2] += 0.5 * weight * (at.outer + at.square * at.outer_slope)
+    for point, weight in zip(*(part.tolist() for part in legendre.leggauss(_GAUSS)), strict=True):
+        slopes = tree.shafts.slopes(begin + (0.5 + 0.5 * point) * (end - begin))
+        total[0] += (
+            0.5 * weight * (slopes.flexibility_slope / (slopes.flexibility * slopes.flexibility))
+        )
+        total[1] += 0.5 * weight * (slopes.inner + slopes.square * slopes.inner_slope)
+        total[2] += 0.5 * weight * (slopes.outer + slopes.square * slopes.outer_slope)
     return _Inertia(tree, *total)
 
 
@@ -90,21 +92,21 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     columns = np.concatenate(groups)
     parts = np.split(np.arange(len(columns)), np.cumsum([len(group) for group in groups])[:-1])
     gap = np.concatenate([np.full(len(group), _relative_gap(frequency, group)) for group in groups])
-    at, root = frequency[columns], np.sqrt(tree.static.moving_inertia)[:, None]
-    square = at * at
-    here = _inertia(tree, square, square)
+    group_frequency, root = frequency[columns], np.sqrt(tree.static.moving_inertia)[:, None]
+    square = group_frequency * group_frequency
+    inertia = _inertia(tree, square, square)
     load = root * np.random.default_rng(len(columns)).standard_normal((tree.size, len(columns)))
     for shift, steps in zip(_SHIFTS, _STEPS, strict=True):
-        beside = at * (1.0 - shift * gap)
-        sides, mean = two_sides(tree, beside), _inertia(tree, beside * beside, square)
+        shifted = group_frequency * (1.0 - shift * gap)
+        sides, mean = two_sides(tree, shifted), _inertia(tree, shifted * shifted, square)
         uneven = [part for part in parts if shift * gap[part[0]] < _EVEN]
         for step in range(steps):
-            shapes = _response(tree, sides, beside * beside, load)
+            shapes = _response(tree, sides, shifted * shifted, load)
             shapes /= np.max(np.abs(root * shapes[: tree.size]), axis=0)
-            _normalise(here, shapes, parts if step == 0 or tree.shafts is not None else uneven)
+            _normalise(inertia, shapes, parts if step == 0 or tree.shafts is not None else uneven)
             load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
-    shapes = _response(tree, sides, beside * beside, load)
-    _normalise(here, shapes, parts)
+    shapes = _response(tree, sides, shifted * shifted, load)
+    _normalise(inertia, shapes, parts)
     for part in parts:
         shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
     return _with_ends(tree, square, shapes)
@@ -118,11 +120,11 @@ def _response(tree: Tree, sides: TwoSides, square: FloatArray, load: FloatArray)
     return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))
 
 
-def _normalise(here: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> None:
+def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> None:
     """Make the shapes of each part orthonormal, in place; those of shafts twice, for their products are less exact."""
-    tree, size = here.tree, here.tree.size
+    tree, size = inertia.tree, inertia.tree.size
     for _ in range(1 if tree.shafts is None else 2):
-        load = here.load(shapes[:size], shapes[2 * size :]) if tree.shafts is not None else None
+        load = inertia.load(shapes[:size], shapes[2 * size :]) if tree.shafts is not None else None
         for part in parts:
             angle = shapes[:size, part]
             if load is None:
@@ -156,13 +158,13 @@ def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     if tree.shafts is not None:
         _orthogonalise_with_shafts(tree, frequency, shapes)
         return
-    apart = frequency[1:] - frequency[:-1] > _CLOSE * frequency[1:]
-    if apart.all():
+    is_separate = frequency[1:] - frequency[:-1] > _CLOSE * frequency[1:]
+    if is_separate.all():
         return
     root = np.sqrt(tree.moving_inertia)[:, None]
     run, edges = (
-        np.append(0, np.cumsum(apart)),
-        [0, *(np.flatnonzero(apart) + 1).tolist(), len(frequency)],
+        np.append(0, np.cumsum(is_separate)),
+        [0, *(np.flatnonzero(is_separate) + 1).tolist(), len(frequency)],
     )
     if len(frequency) <= _SHAPES_AT_ONCE:
         edges = [0, len(frequency)]
@@ -213,8 +215,10 @@ def _close_pairs(frequency: FloatArray) -> tuple[IntArray, IntArray]:
 
 def _relative_gap(frequency: FloatArray, group: IntArray) -> float:
     """Relative distance from the group's frequency to the nearest other one, at most 1."""
-    here = float(frequency[group[0]])
-    return min(1.0, float(np.abs(np.delete(frequency, group) - here).min(initial=here)) / here)
+    centre = float(frequency[group[0]])
+    return min(
+        1.0, float(np.abs(np.delete(frequency, group) - centre).min(initial=centre)) / centre
+    )
 
 
 def orthonormal(weighted: FloatArray) -> FloatArray:
@@ -242,12 +246,12 @@ def _separating(basis: FloatArray) -> FloatArray:
     """Rotation after which each column of `basis` is zero in the rows where those before it are largest."""
     if basis.shape[1] == 1:
         return np.ones((1, 1))
-    rest, directions = basis.copy(), list[FloatArray]()
+    remainder, directions = basis.copy(), list[FloatArray]()
     for _ in range(basis.shape[1]):
-        row = rest[np.argmax(np.einsum("ij,ij->i", rest, rest))]
-        for known in directions:
-            row = row - known * (known @ row)
+        row = remainder[np.argmax(np.einsum("ij,ij->i", remainder, remainder))]
+        for previous in directions:
+            row = row - previous * (previous @ row)
         direction = row / np.linalg.norm(row)
         directions.append(direction)
-        rest = rest - np.outer(rest @ direction, direction)
+        remainder = remainder - np.outer(remainder @ direction, direction)
     return np.column_stack(directions)

@@ -35,11 +35,15 @@ def walk(
     for root in [station for station in roots if near[station]] + list(range(number)):
         part = [] if seen[root] else [root]
         seen[root] = True
-        for here in part:
-            for there, span in near[here]:
-                if not seen[there]:
-                    seen[there], parent[there], above[there] = True, here, span
-                    part.append(there)
+        for parent_station in part:
+            for neighbour, span in near[parent_station]:
+                if not seen[neighbour]:
+                    seen[neighbour], parent[neighbour], above[neighbour] = (
+                        True,
+                        parent_station,
+                        span,
+                    )
+                    part.append(neighbour)
         order += part
     return Walk(*(np.array(values, dtype=np.int64) for values in (order, parent, above)))
 
@@ -49,8 +53,13 @@ def connected(number: int, driving: IntArray, driven: IntArray) -> IntArray:
     first = np.arange(number)
     while len(driving):
         a, b = first[driving], first[driven]
-        apart = a != b
-        driving, driven, a, b = driving[apart], driven[apart], a[apart], b[apart]
+        is_separate = a != b
+        driving, driven, a, b = (
+            driving[is_separate],
+            driven[is_separate],
+            a[is_separate],
+            b[is_separate],
+        )
         np.minimum.at(first, np.maximum(a, b), np.minimum(a, b))
         while np.any(first[first] != first):
             first = first[first]
@@ -58,15 +67,15 @@ def connected(number: int, driving: IntArray, driven: IntArray) -> IntArray:
 
 
 def closing_no_loop(
-    number: int, driving: IntArray, driven: IntArray, ranked: IntArray, one: Sequence[int] = ()
+    number: int, driving: IntArray, driven: IntArray, ranked: IntArray, joined: Sequence[int] = ()
 ) -> BoolArray:
     """(spans,) the spans that make a forest, taken in the order `ranked` (Kruskal 1956); stations of `one` are joined.
 
     Taken from the stiffest on, what is left closes each loop at its softest span.
     """
     group, chosen = list(range(number)), np.zeros(len(driving), dtype=bool)
-    for station in one:
-        group[station] = one[0]
+    for station in joined:
+        group[station] = joined[0]
 
     def root(a: int) -> int:
         while group[a] != a:

@@ -39,29 +39,29 @@ class SpringLaw(StiffnessTable):
 
     def at_root(self, s: ComplexArray | complex) -> tuple[ComplexArray, ComplexArray]:
         """K (N m/rad) and dK/ds (N m s/rad) at complex s (rad/s), of its shape."""
-        at = np.asarray(s, dtype=np.complex128)
+        point = np.asarray(s, dtype=np.complex128)
         k, slope = (
-            np.full(at.shape, self.static, dtype=np.complex128),
-            np.zeros(at.shape, dtype=np.complex128),
+            np.full(point.shape, self.static, dtype=np.complex128),
+            np.zeros(point.shape, dtype=np.complex128),
         )
-        for own, tau in self.terms:
+        for stiffness, tau in self.terms:
             if self.exponent is None:
                 k, slope = (
-                    k + own * at * tau / (1.0 + at * tau),
-                    slope + own * tau / (1.0 + at * tau) ** 2,
+                    k + stiffness * point * tau / (1.0 + point * tau),
+                    slope + stiffness * tau / (1.0 + point * tau) ** 2,
                 )
             else:
-                power = own * (at * tau) ** self.exponent
+                power = stiffness * (point * tau) ** self.exponent
                 k = k + power
                 slope = slope + np.divide(
-                    self.exponent * power, at, out=np.zeros_like(at), where=at != 0
+                    self.exponent * power, point, out=np.zeros_like(point), where=point != 0
                 )
         return np.asarray(k), np.asarray(slope)
 
     def poles(self, s: ComplexArray) -> ComplexArray:
         """Sum of tau/(1 + s tau), of its shape: what p'/p of a determinant lacks for the poles of K."""
-        each = self.terms if self.exponent is None else ()
-        return sum((tau / (1.0 + s * tau) for _, tau in each), np.zeros_like(s))
+        terms = self.terms if self.exponent is None else ()
+        return sum((tau / (1.0 + s * tau) for _, tau in terms), np.zeros_like(s))
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor, and no viscous damping, at x (rad/s)."""
@@ -103,11 +103,13 @@ class SpringLaw(StiffnessTable):
             if self.exponent is None
             else f"{{:.8g}} (s τ)^{self.exponent:.8g}, τ = {{:.8g}} s"
         )
-        return " + ".join([f"K(s) = {self.static:.8g}", *(form.format(*one) for one in self.terms)])
+        return " + ".join(
+            [f"K(s) = {self.static:.8g}", *(form.format(*term) for term in self.terms)]
+        )
 
     @property
     def ends(self) -> tuple[float, float]:
-        """rad/s: it says something everywhere."""
+        """Lowest and highest frequency (rad/s) of any use: the law holds everywhere."""
         times = [tau for _, tau in self.terms]
         return 1.0 / (FAR * max(times)), FAR / min(times)
 
@@ -135,6 +137,6 @@ def fractional(static: float, stiffness: float, tau: float, exponent: float) -> 
 
 def _sampled(law: SpringLaw) -> SpringLaw:
     times = [tau for _, tau in law.terms]
-    at = np.geomspace(1.0 / (AROUND * max(times)), AROUND / min(times), SAMPLES)
-    k, eta, c = (tuple(one.tolist()) for one in law.values(at))
-    return replace(law, at=tuple(at.tolist()), stiffness=k, loss_factor=eta, viscous=c)
+    frequency = np.geomspace(1.0 / (AROUND * max(times)), AROUND / min(times), SAMPLES)
+    k, eta, c = (tuple(values.tolist()) for values in law.values(frequency))
+    return replace(law, at=tuple(frequency.tolist()), stiffness=k, loss_factor=eta, viscous=c)

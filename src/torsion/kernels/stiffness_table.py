@@ -39,7 +39,8 @@ class StiffnessTable:
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""
         k, eta, c = (
-            np.interp(x, self.at, one) for one in (self.stiffness, self.loss_factor, self.viscous)
+            np.interp(x, self.at, column)
+            for column in (self.stiffness, self.loss_factor, self.viscous)
         )
         return k, eta, c
 
@@ -94,15 +95,15 @@ class StiffnessTable:
 
     @property
     def damps(self) -> bool:
-        """It takes energy out somewhere."""
+        """Whether the table has a loss factor or viscous damping anywhere."""
         return any(self.loss_factor) or any(self.viscous)
 
     @property
     def slopes(self) -> FloatArray:
         """(2, pieces) d ln k/d ln x at both ends of every piece; between them it lies between (k = a + b x)."""
-        at, k = np.array(self.at), np.array(self.stiffness)
-        rise = np.diff(k) / np.diff(at)
-        return np.stack([rise * at[:-1] / k[:-1], rise * at[1:] / k[1:]])
+        points, k = np.array(self.at), np.array(self.stiffness)
+        rise = np.diff(k) / np.diff(points)
+        return np.stack([rise * points[:-1] / k[:-1], rise * points[1:] / k[1:]])
 
     @property
     def steepest(self) -> float:

@@ -148,20 +148,25 @@ def _by_stations(
             through[i].fill(0.0)
 
 
-def _bound_in_chain(own: FloatArray, flexibility: FloatArray, margin: FloatArray) -> IntArray:
+def _bound_in_chain(
+    station_stiffness: FloatArray, flexibility: FloatArray, margin: FloatArray
+) -> IntArray:
     """Like `_negative`, from both ends of a chain to its middle, side by side: half as many operations.
 
     Not for a plain count: its zero pivots, where a frequency is met exactly, would depend on where the sweep ends.
     own: (stations, m); flexibility: (stations, 1) or (stations, m).
     """
-    stations, columns = own.shape
+    stations, columns = station_stiffness.shape
     arm, first = (stations - 1) // 2, (stations - 1) % 2
     single = flexibility[first] + np.zeros(columns)
     if first:  # the near arm is longer by one station
-        _pass_on(own[0], single, margin)
-        own[1] += single
+        _pass_on(station_stiffness[0], single, margin)
+        station_stiffness[1] += single
     station, span = np.empty((2, arm, 2, columns))
-    station[:, 0], station[:, 1] = own[first : first + arm], own[: stations - 1 - arm : -1]
+    station[:, 0], station[:, 1] = (
+        station_stiffness[first : first + arm],
+        station_stiffness[: stations - 1 - arm : -1],
+    )
     span[:, 0] = flexibility[first + 1 : first + 1 + arm]
     span[:, 1] = flexibility[: stations - 1 - arm : -1]
     both, passed = np.concatenate((margin, margin)), np.zeros(2 * columns)
@@ -171,13 +176,13 @@ def _bound_in_chain(own: FloatArray, flexibility: FloatArray, margin: FloatArray
         np.add(z, passed, z)
         _pass_on(z, through, both)
         passed = through
-    own[first + arm] += passed[:columns] + passed[columns:]
+    station_stiffness[first + arm] += passed[:columns] + passed[columns:]
     number = _sum_of_rows(
         np.greater(station.reshape(-1, columns) < 0.0, np.signbit(span.reshape(-1, columns)))
     )
     if first:
-        number += (own[0] < 0.0) & ~np.signbit(single)
-    number += own[first + arm] < 0.0
+        number += (station_stiffness[0] < 0.0) & ~np.signbit(single)
+    number += station_stiffness[first + arm] < 0.0
     return number
 
 
@@ -276,46 +281,46 @@ def brackets(
         raise SolveError(
             "a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness"
         )
-    found = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
+    bracket = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
     left = np.arange(len(mode))
     while len(left):
-        before = found[:, left]
-        found[:, left] = _refined(tree, mode[left], before)
-        low, high, *_ = found[:, left]
+        before = bracket[:, left]
+        bracket[:, left] = _refined(tree, mode[left], before)
+        low, high, *_ = bracket[:, left]
         width = (high - low) / high
         if tolerance is None:
             done = ((before[3] - before[2] == 1) & (width <= _NEAR)) | (width <= _COINCIDENT)
         else:
             done = (width <= tolerance) | (high - low >= before[1] - before[0])
         left = left[~done]
-    return found[0], found[1]
+    return bracket[0], bracket[1]
 
 
-def _refined(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
+def _refined(tree: Tree, mode: IntArray, bracket: FloatArray) -> FloatArray:
     """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it.
 
     `found` (4, m): bounds rad/s, and the counts at them.
     """
     _, first, which, sharing = np.unique(
-        found[0], return_index=True, return_inverse=True, return_counts=True
+        bracket[0], return_index=True, return_inverse=True, return_counts=True
     )
     number = np.maximum(
         min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing
     )
     inside = [
         a + (b - a) * (np.arange(1, n + 1) / (n + 1))
-        for a, b, n in zip(*found[:2, first], number, strict=True)
+        for a, b, n in zip(*bracket[:2, first], number, strict=True)
     ]
     counts = np.split(count_below(tree, np.concatenate(inside)), np.cumsum(number)[:-1])
     members = np.split(np.argsort(which.reshape(-1), kind="stable"), np.cumsum(sharing)[:-1])
-    narrower = found.copy()
+    narrower = bracket.copy()
     for (low, high, below, up_to), places, count, rows in zip(
-        found[:, first].T, inside, counts, members, strict=True
+        bracket[:, first].T, inside, counts, members, strict=True
     ):
         ladder = np.concatenate(([low], places, [high]))
-        known = np.concatenate(
+        counted = np.concatenate(
             ([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to])
         )
-        above = np.searchsorted(known, mode[rows], side="right")
-        narrower[:, rows] = ladder[above - 1], ladder[above], known[above - 1], known[above]
+        above = np.searchsorted(counted, mode[rows], side="right")
+        narrower[:, rows] = ladder[above - 1], ladder[above], counted[above - 1], counted[above]
     return narrower

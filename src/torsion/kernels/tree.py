@@ -54,7 +54,6 @@ class Tree:
 
     @cached_property
     def roots(self) -> list[int]:
-        """The stations without a parent."""
         return [station for station, parent in enumerate(self.parents) if parent < 0]
 
     @cached_property
@@ -94,7 +93,7 @@ class Tree:
 
     @cached_property
     def holds(self) -> bool:
-        """Any station is fixed."""
+        """Whether any station is fixed."""
         return bool(self.held.any())
 
     def own_stiffness(self, square: FloatArray) -> FloatArray:
@@ -102,11 +101,11 @@ class Tree:
 
         Infinite where fixed; written as a difference, so that a zero is positive.
         """
-        own: FloatArray = self.inertia_columns * square
-        np.subtract(0.0, own, out=own)
+        stiffness: FloatArray = self.inertia_columns * square
+        np.subtract(0.0, stiffness, out=stiffness)
         if self.holds:
-            own[self.held] = np.inf
-        return own
+            stiffness[self.held] = np.inf
+        return stiffness
 
     @cached_property
     def is_chain(self) -> bool:
@@ -156,7 +155,8 @@ class Tree:
     def at(self, square: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Flexibility and inertia (stations, m) at `square` (m,), each shaft a flexibility between two inertias."""
         flexibility, inertia = (
-            np.repeat(own[:, None], len(square), axis=1) for own in (self.flexibility, self.inertia)
+            np.repeat(values[:, None], len(square), axis=1)
+            for values in (self.flexibility, self.inertia)
         )
         if self.shafts is not None:
             flexibility[self.shafts.node], inner, outer = self.shafts.at(square)
@@ -234,19 +234,6 @@ def rerooted_at_middle(tree: Tree) -> Rerooted:
     return _rerooted(tree, path)
 
 
-def rerooted_at_end(tree: Tree) -> Rerooted | None:
-    """The same train with an end of the row in which its stations lie as the root; None where they are no row."""
-    if tree.is_chain:
-        return _as_it_is(tree)
-    path = tree.roots[:1]
-    if len(tree.roots) != 1 or len(tree.children[path[0]]) > 2 or tree.most_children > 2:
-        return None
-    while tree.children[path[-1]]:
-        path.append(tree.children[path[-1]][0])
-    row = _rerooted(tree, path if len(tree.children[path[0]]) == 2 else path[:1])
-    return row if row.tree.is_chain else None
-
-
 def by_layers(tree: Tree) -> Rerooted:
     """The same train numbered layer by layer, its roots where they are."""
     return _renumbered(tree, tree.parents, np.arange(tree.size), np.ones((tree.size, 1)))
@@ -272,8 +259,8 @@ def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray)
     station, span = _inverse(order), span[order]
     number = np.append(station, -1)  # the last one is what -1 finds
     parent = number[np.array(toward, dtype=np.int64)[order]]
-    whole = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
-    return Rerooted(whole, station, _inverse(span), sign)
+    renumbered = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
+    return Rerooted(renumbered, station, _inverse(span), sign)
 
 
 def _to_the_middle(parents: list[int]) -> list[int]:
@@ -305,6 +292,6 @@ def _by_layers(parents: list[int]) -> IntArray:
 
 
 def _inverse(order: IntArray) -> IntArray:
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    return place
+    position = np.empty(len(order), dtype=np.int64)
+    position[order] = np.arange(len(order))
+    return position

@@ -1,6 +1,5 @@
 """Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -11,17 +10,16 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.sweeps import EPS, Equations, Layout, layout, solve, values_or_rows
+from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate, forced, layout
 from torsion.kernels.tree import Tree
 
 CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SINGULAR_LOSS allows of a smaller one
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
-BLOCK_VALUES = 2**14  # of which the residual is found at once: 256 KiB of each array
 SHORTEST_CHUNK, LONGEST_CHUNK = (
-    1024,
+    512,
     2048,
-)  # columns: fewer, and calls cost more than sums; more, and caches overflow
+)  # columns; fewer, and calls cost more than sums (measured)
 Part = slice | IntArray
 
 
@@ -54,27 +52,17 @@ class TreeResponse:
 
     @classmethod
     def blank(cls, tree: Tree, frequencies: int) -> "TreeResponse":
-        """A response to be filled in place."""
+        """Return a response to be filled in place."""
         angle, torque = np.zeros((2, tree.size, frequencies), dtype=np.complex128)
         outer = torque if tree.shafts is None else torque.copy()
         residual, amplification = np.full((2, frequencies), np.nan)
-        return cls(
-            angle,
-            torque,
-            outer,
-            residual,
-            amplification,
-            np.zeros((0, frequencies), dtype=np.complex128),
-        )
+        none = np.zeros((0, frequencies), dtype=np.complex128)
+        return cls(angle, torque, outer, residual, amplification, none)
 
-    def part(self, part: slice) -> "TreeResponse":
-        """A view of some frequencies."""
-        return TreeResponse(*(values[..., part] for values in vars(self).values()))
-
-    def store(self, block: "TreeResponse", at: IntArray) -> None:
-        """Replace what stands at these numbers of frequencies."""
+    def store(self, part: Part, block: "TreeResponse") -> None:
+        """Replace what stands at the frequencies `part`."""
         for name, values in vars(self).items():
-            values[..., at] = getattr(block, name)
+            values[..., part] = getattr(block, name)
 
 
 def tree_response(
@@ -100,22 +88,16 @@ def tree_response(
     Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    given: dict[str, Any] = {
-        "ground_damping": ground_damping,
-        "compliance": compliance,
-        "shaft_loss": shaft_loss,
-    }
+    given = {"ground_damping": ground_damping, "compliance": compliance, "shaft_loss": shaft_loss}
     problem = pose(tree, w, force, twist=twist, **given)
     result = TreeResponse.blank(tree, problem.w.size)
     length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // tree.size, LONGEST_CHUNK))
-    for part in (slice(start, start + length) for start in range(0, problem.w.size, length)):
-        block = result.part(part)
-        solve_part(problem, part, block, check=check)
-        lost = np.flatnonzero(np.isinf(block.amplification)) + part.start
-        if lost.size:
-            block = TreeResponse.blank(tree, lost.size)
-            solve_part(problem, lost, block, check=check, guard=True)
-            result.store(block, lost)
+    for start in range(0, problem.w.size, length):
+        part = np.arange(start, min(start + length, problem.w.size))
+        block = solve_part(problem, slice(start, start + length), check=check)
+        result.store(slice(start, start + length), block)
+        if (lost := part[np.isinf(block.amplification)]).size:
+            result.store(lost, solve_part(problem, lost, check=check, guard=True))
     return result
 
 
@@ -156,46 +138,55 @@ def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
+class Equations:
+    """One linear system for every column: own angle = force + torques, angle = angle of parent - hc torque + twist."""
+
+    own: NDArray[
+        Any
+    ]  # (stations, columns) N m/rad, the dynamic stiffness of each station by itself
+    compliance: NDArray[Any]  # hc, (stations, 1) or (stations, columns) rad/(N m)
+    force: NDArray[Any]  # (stations, 1) or (stations, columns) N m, 0 on fixed stations
+    twist: NDArray[Any] | None  # rad, the same of the spans; none: 0
+    pi: Pi | None = (
+        None  # what the distributed shafts have brought: hc, and -w^2 J at both ends, (shafts, columns)
+    )
+
+
+@dataclass(frozen=True)
 class Problem:
-    """What `tree_response` is given, checked once."""
+    """What `tree_response` is given, checked once; arrays have one column, or one for each frequency."""
 
     plan: Layout
     tree: Tree
     w: FloatArray  # (frequencies,) rad/s
-    force: list[Any]  # N m, a number or a row a station; None where none acts at any frequency
-    twist: list[Any]  # rad, the same of the span
-    damping: FloatArray  # (stations,) or (stations, frequencies) N m s/rad to ground
-    damped: list[int]  # stations with such damping
-    compliance: NDArray[Any]  # (stations,) or (stations, frequencies) rad/(N m)
+    force: NDArray[Any]  # (stations, .) N m
+    twist: NDArray[Any] | None  # (stations, .) rad of the span
+    damping: FloatArray  # (stations, .) N m s/rad to ground
+    compliance: NDArray[Any]  # (stations, .) rad/(N m)
     shaft_loss: FloatArray  # (shafts,) loss factor of each distributed shaft
 
-    def equations(self, part: Part) -> tuple[Equations, Pi | None]:
-        """The equations at the frequencies of `part`, and what the distributed shafts have brought to them."""
-        own, compliance, shafts = (
-            _own_stiffness(self, part),
-            _columns(self.compliance, part),
-            self.tree.shafts,
-        )
-        force, twist = (
-            [row[part] if isinstance(row, np.ndarray) else row for row in rows]
-            for rows in (self.force, self.twist)
-        )
+    def equations(self, part: Part) -> Equations:
+        """Return the equations at the frequencies of `part`."""
+        w, tree, shafts = self.w[part], self.tree, self.tree.shafts
+        stiffness: NDArray[Any] = _columns(tree.inertia_columns, part) * -(w * w)
+        if self.damping.any():
+            stiffness = stiffness + 1j * (w * _columns(self.damping, part))
+        compliance, force = _columns(self.compliance, part), _columns(self.force, part)
+        twist = None if self.twist is None else _columns(self.twist, part)
         if shafts is None:
-            return Equations(own, compliance, force, twist), None
-        square = self.w[part] * self.w[part]
-        lossy = self.shaft_loss.any()
+            return Equations(stiffness, compliance, force, twist)
+
+        square, lossy = w * w, self.shaft_loss.any()
         flexibility, inner, outer = (
             shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
         )
         pi = flexibility, inner * -square, outer * -square
-        own = own.astype(np.result_type(own, inner), copy=False)
-        self.tree.add_ends(own, *pi[1:])
-        rows = np.empty(
-            (self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility)
-        )
-        rows[:] = compliance[:, None] if compliance.ndim == 1 else compliance
+        stiffness = stiffness.astype(np.result_type(stiffness, inner), copy=False)
+        tree.add_ends(stiffness, *pi[1:])
+        rows = np.empty((tree.size, len(w)), dtype=np.result_type(compliance, flexibility))
+        rows[:] = compliance
         rows[shafts.node] = flexibility
-        return Equations(own, rows, force, twist), pi
+        return Equations(stiffness, rows, force, twist, pi)
 
 
 def pose(
@@ -208,7 +199,7 @@ def pose(
     compliance: NDArray[Any] | None = None,
     shaft_loss: FloatArray | None = None,
 ) -> Problem:
-    """The problem in the arrays that the sweeps take; arguments and errors as of `tree_response`."""
+    """Return the problem in the arrays that the elimination takes; arguments and errors as of `tree_response`."""
     w, shafts, none = np.asarray(w, dtype=np.float64), tree.shafts, np.zeros(tree.size)
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
@@ -248,177 +239,111 @@ def pose(
             raise ValueError(
                 "a twist is imposed on a span with distributed inertia; expected a plain span next to it"
             )
-    damped = np.flatnonzero(_any_in_rows(damping)).tolist()
+    acting = np.where(tree.held, 0.0, force.T).T.reshape(tree.size, -1)
     return Problem(
-        layout(tree, rigid), tree, w, _acting(force), _acting(twist), damping, damped, hc, loss
+        layout(tree, rigid),
+        tree,
+        w,
+        acting,
+        twist.reshape(tree.size, -1) if twist.any() else None,
+        damping.reshape(tree.size, -1),
+        hc.reshape(tree.size, -1),
+        loss,
     )
 
 
-def _acting(values: NDArray[Any]) -> list[Any]:
-    """Numbers or rows, one a station; None for a station on which nothing acts at any frequency."""
-    rows = zip(values_or_rows(values), _any_in_rows(values), strict=True)
-    return [row if acts else None for row, acts in rows]
+def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
+    """Return the columns of `values` that `part` names; a single column stands for all."""
+    return values if values.shape[1] == 1 else values[:, part]
 
 
-def _any_in_rows(values: NDArray[Any]) -> list[bool]:
-    """Whether any value of each station differs from zero."""
-    if values.ndim == 1:
-        return list((values != 0).tolist())
-    return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
-
-
-def solve_part(
-    problem: Problem, part: Part, block: TreeResponse, *, check: bool, guard: bool = False
-) -> None:
-    """Fill `block` with the response at the frequencies of `part`.
-
-    Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
-    dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
-    energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
-    """
-    given, pi = problem.equations(part)
-    columns = block.angle.shape[1]
-    sensitivity = np.zeros(columns * given.own.itemsize // 8) if check else None
+def solve_part(problem: Problem, part: Part, *, check: bool, guard: bool = False) -> TreeResponse:
+    """Return the response at the frequencies of `part`."""
+    given, plan = problem.equations(part), problem.plan
     with np.errstate(all="ignore"):
-        solve(problem.plan, given, block.angle, block.torque, sensitivity=sensitivity, guard=guard)
-        lost = ~np.isfinite(block.angle.sum(axis=0) + block.torque.sum(axis=0))
-        if sensitivity is not None:
-            block.residual[:] = equilibrium_residual(problem.plan, given, block.angle, block.torque)
-            block.amplification[:] = 1 + 2 * sensitivity.reshape(columns, -1).sum(axis=1)
-            lost |= ~np.isfinite(block.amplification)
-        if pi is not None and problem.tree.shafts is not None:
-            node, block.torque_outer[:] = problem.tree.shafts.node, block.torque
-            block.torque_outer[node] -= pi[2] * block.angle[node]
-            block.torque[node] += pi[1] * block.angle[problem.tree.shaft_parent]
-    block.amplification[lost] = np.inf
+        sides = eliminate(plan, given.own, given.compliance, guard=guard)
+        angle, torque = forced(plan, sides, given.force, given.twist)
+        columns = angle.shape[1]
+        residual, amplification = np.full((2, columns), np.nan)
+        lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0))
+        if check:
+            residual = equilibrium_residual(plan, given, angle, torque)
+            amplification = amplification_of(plan, given.own, sides)
+            lost |= ~np.isfinite(amplification)
+        amplification[lost] = np.inf
+        outer = torque
+        if given.pi is not None and problem.tree.shafts is not None:
+            node, outer = problem.tree.shafts.node, torque.copy()
+            outer[node] -= given.pi[2] * angle[node]
+            torque[node] += given.pi[1] * angle[problem.tree.shaft_parent]
+    chords = np.zeros((0, columns), dtype=np.complex128)
+    return TreeResponse(angle, torque, outer, residual, amplification, chords)
 
 
 def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
-    """Worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    given, pi = problem.equations(slice(None))
-    torque = response.torque
-    if pi is not None and problem.tree.shafts is not None:
+    """Return the worst relative residual of any equation, (frequencies,), of a response found in any way."""
+    given, torque = problem.equations(slice(None)), response.torque
+    if given.pi is not None and problem.tree.shafts is not None:
         torque = torque.copy()
-        torque[problem.tree.shafts.node] -= pi[1] * response.angle[problem.tree.shaft_parent]
+        torque[problem.tree.shafts.node] -= given.pi[1] * response.angle[problem.tree.shaft_parent]
     with np.errstate(all="ignore"):
         return equilibrium_residual(problem.plan, given, response.angle, torque)
 
 
-def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
-    """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
-    w, inertia = problem.w[part], _columns(problem.tree.moving_inertia, part)
-    inertia, square = inertia[:, None] if inertia.ndim == 1 else inertia, -w * w
-    if (
-        not problem.damped
-        and not problem.shaft_loss.any()
-        and not np.iscomplexobj(problem.compliance)
-    ):
-        return inertia * square
-    own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
-    if inertia.shape[1] == 1:
-        np.multiply(
-            inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64)
-        )
-    else:
-        own.imag = 0.0
-        np.multiply(inertia, square, out=own.real)
-    damping = _columns(problem.damping, part)
-    for station in problem.damped:
-        own[station].imag = w * damping[station]
-    return own
+def amplification_of(plan: Layout, station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:
+    """Return the growth (columns,) of relative errors of the data: 1 + 2 sum |own receptance| over the free stations.
 
-
-def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
-    """The columns of `values` that `part` names; values that do not vary along the columns stay as they are."""
-    return values if values.ndim == 1 else values[:, part]
-
-
-Terms = tuple[ComplexArray, FloatArray]  # an answer (stations, columns), and its magnitudes
-
-
-@dataclass(frozen=True)
-class _Balance:
-    """Equations, one a station: coefficient times value, plus or minus what `other` is here less there = acting."""
-
-    coefficient: NDArray[Any]  # (stations,) or (stations, columns)
-    value: Terms
-    other: Terms
-    plus: np.ufunc
-    minus: np.ufunc
-    there: Sequence[Sequence[int]]  # stations whose `other` counts
-    acting: Sequence[Any]
-    without: list[bool]  # stations that have no such equation
-
-    def put(self, block: slice, error: ComplexArray, scale: FloatArray) -> None:
-        """What each equation of a block is wrong by, and the sum of the magnitudes in it."""
-        factor = self.coefficient[block]
-        factor = factor[:, None] if factor.ndim == 1 else factor
-        (value, size), (other, other_size) = self.value, self.other
-        np.multiply(factor, value[block], out=error)
-        if factor.shape[1] == 1:
-            np.multiply(np.abs(factor), size[block], out=scale)
-        else:
-            np.abs(error, out=scale)
-        self.plus(error, other[block], out=error)
-        scale += other_size[block]
-        for mine, there in _runs(
-            (i, there) for i, near in enumerate(self.there[block]) for there in near
-        ):
-            self.minus(error[mine], other[there], out=error[mine])
-            scale[mine] += other_size[there]
-        for line, row in enumerate(self.acting[block]):
-            if row is not None:
-                error[line] -= row
-                scale[line] += np.abs(row)
+    Twice the relative change of the determinant of the dynamic stiffness under relative changes of every inertia and
+    damper to ground. In a mode the springs hold as much energy as the inertias, hence twice; |z| is taken as
+    |real| + |imaginary|.
+    """
+    total = np.zeros(station_stiffness.shape[1])
+    for station in range(plan.size):
+        if not plan.prescribed[station]:
+            loss = station_stiffness[station] * sides.divisor[station]
+            loss *= sides.meeting[station]
+            total += np.abs(loss.real)
+            total += np.abs(loss.imag)
+    return 1 + 2 * total
 
 
 def equilibrium_residual(
     plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray
 ) -> FloatArray:
-    """Worst relative residual, (columns,), over every station that is not fixed and every span.
+    """Return the worst relative residual, (columns,), over every station that is not fixed and every span.
 
-    Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
-    all zero is satisfied. Terms count as no less than CANCELLED of the largest torque (of a span: angle) of the column:
-    where two sources cancel exactly, what is beyond them is rounding, which has no accuracy of its own.
+    Computed from the answer alone, so that it also sees what the elimination could not know. An equation whose terms
+    are all zero is satisfied. Terms count as no less than CANCELLED of the largest torque (of a span: angle) of the
+    column: where two sources cancel exactly, what is beyond them is rounding, which has no accuracy of its own.
     """
-    size, columns = angle.shape
-    angles, torques, worst = (angle, np.abs(angle)), (torque, np.abs(torque)), np.zeros(columns)
-    inner, roots = (
-        [() if parent < 0 else (parent,) for parent in plan.parent],
-        [parent < 0 for parent in plan.parent],
-    )
-    stations = _Balance(
-        given.own, angles, torques, np.subtract, np.add, plan.children, given.force, plan.held
-    )
-    spans = _Balance(
-        given.compliance, torques, angles, np.add, np.subtract, inner, given.twist, roots
-    )
-    height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
-    errors, (scales, sizes) = (
-        np.empty((height, columns), dtype=np.complex128),
-        np.empty((2, height, columns)),
-    )
-    for start in range(0, size, height):
-        block = slice(start, min(start + height, size))
-        error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
-        for balance, floor in ((stations, torques), (spans, angles)):
-            balance.put(block, error, scale)
-            np.maximum(scale, CANCELLED * floor[1].max(axis=0), out=scale)
-            np.abs(error, out=relative)
-            np.divide(relative, scale, out=relative)
-            relative[balance.without[block]] = 0
-            np.fmax(worst, np.fmax.reduce(relative, axis=0), out=worst)
+    turned, carried = np.abs(angle), np.abs(torque)
+    least_angle, least_torque = CANCELLED * turned.max(axis=0), CANCELLED * carried.max(axis=0)
+    worst = np.zeros(angle.shape[1])
+
+    def add_equation(error: NDArray[Any], scale: FloatArray, floor: FloatArray) -> None:
+        np.fmax(worst, np.abs(error) / np.maximum(scale, floor), out=worst)
+
+    for station, parent in enumerate(plan.parent):
+        # Of a station: own angle = force + torque of its span - those of the spans to its children.
+        force = given.force[station]
+        if not plan.held[station]:
+            error = given.own[station] * angle[station]
+            scale = np.abs(error)
+            scale += carried[station] + np.abs(force)
+            error -= torque[station] + force
+            for child in plan.children[station]:
+                error += torque[child]
+                scale += carried[child]
+            add_equation(error, scale, least_torque)
+
+        # Of a span: angle = angle of the parent - hc torque + twist.
+        if parent >= 0:
+            error = given.compliance[station] * torque[station]
+            scale = np.abs(error)
+            scale += turned[station] + turned[parent]
+            error += angle[station] - angle[parent]
+            if given.twist is not None:
+                error -= given.twist[station]
+                scale += np.abs(given.twist[station])
+            add_equation(error, scale, least_angle)
     return worst
-
-
-def _runs(pairs: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:
-    """Pairs of lines in as few runs of both as they form in the order given; a chain is one run."""
-    found: list[list[int]] = []
-    for here, there in pairs:
-        if found and found[-1][0] + found[-1][2] == here and found[-1][1] + found[-1][2] == there:
-            found[-1][2] += 1
-        else:
-            found.append([here, there, 1])
-    return [
-        (slice(here, here + count), slice(there, there + count)) for here, there, count in found
-    ]

@@ -90,14 +90,18 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
         dict[int, FloatArray](),
     )
     with np.errstate(all="ignore"):
-        own = tree.own_stiffness(square)
-        whole, zd = np.zeros((3, *own.shape)), [np.zeros(len(w))] * tree.size
-        whole[0] = own
-        own_rows, z, zz, y = list(own), *map(list, whole)
+        station_stiffness = tree.own_stiffness(square)
+        stiffness, zd = np.zeros((3, *station_stiffness.shape)), [np.zeros(len(w))] * tree.size
+        stiffness[0] = station_stiffness
+        own_rows, z, zz, y = list(station_stiffness), *map(list, stiffness)
         z_end, zz_end, zd_end, y_end = z, zz, zd, y
         if tree.shafts is not None:
             flexibility, inner, outer = tree.shafts.at(square)
-            node, h, ends = tree.shafts.node.tolist(), h.copy(), np.zeros((4, *own.shape))
+            node, h, ends = (
+                tree.shafts.node.tolist(),
+                h.copy(),
+                np.zeros((4, *station_stiffness.shape)),
+            )
             near, far = (dict(zip(node, part * square, strict=True)) for part in (inner, outer))
             z_end, zz_end, zd_end, y_end = map(list, ends)
             for station, row in zip(node, flexibility, strict=True):
@@ -121,11 +125,11 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
                 y_end[child] = (
                     subtract(y[child], far[child], y_end[child]) if child in far else y[child]
                 )
-    seen = whole[0], whole[1], np.array(zd), whole[2]
+    seen = stiffness[0], stiffness[1], np.array(zd), stiffness[2]
     if tree.shafts is None:
         return TwoSides(*seen, *seen)
-    for part, same in zip(ends, seen, strict=True):
-        part[tree.springs] = same[tree.springs]
+    for part, plain_part in zip(ends, seen, strict=True):
+        part[tree.springs] = plain_part[tree.springs]
     return TwoSides(*seen, *ends)
 
 
@@ -135,12 +139,18 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
     The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
     a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
     """
-    f, (ff, g), rest = (
+    f, (ff, g), rest_source = (
         torque.copy(),
         np.zeros((2, *torque.shape)),
         [np.zeros(torque.shape[1])] * tree.size,
     )
-    own, source, passed, back, parents = list(torque), list(f), list(ff), list(g), tree.parents
+    torque_rows, source, passed, back, parents = (
+        list(torque),
+        list(f),
+        list(ff),
+        list(g),
+        tree.parents,
+    )
     with np.errstate(all="ignore"):
         to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
         for i in range(tree.size - 1, -1, -1):
@@ -150,11 +160,11 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
                 np.add(source[parent], passed[i], source[parent])
         for i, children in enumerate(tree.children):
             if children:
-                share(children, passed, rest, own[i] + back[i])
+                share(children, passed, rest_source, torque_rows[i] + back[i])
             for child in children:
-                np.multiply(rest[child], to_root[child], back[child])
+                np.multiply(rest_source[child], to_root[child], back[child])
         fd, z, zz, zd, y = (
-            np.array(rest),
+            np.array(rest_source),
             sides.branch_end,
             sides.passed,
             sides.rest_end,
@@ -198,7 +208,7 @@ def spread(tree: Tree, sides: Sides | TwoSides, start: IntArray) -> Spread:
 
 
 def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
-    """Layer by layer."""
+    """Spread the angle at the start layer by layer, as `spread` returns it."""
     to_root, to_leaves, passed = sides.to_root, sides.to_leaves, sides.passed
     angle, torque, product = np.zeros_like(to_root), np.zeros_like(to_root), np.zeros_like(passed)
     angle[start, np.arange(len(start))] = 1.0
@@ -213,8 +223,8 @@ def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
         stations, before = layer.stations, angle[layer.above]
         if not layer.is_in_line:
             before = before.take(layer.parent, 0)
-        here, moment, share = angle[stations], torque[stations], product[stations]
-        add(here, multiply(before, to_leaves[stations], share), here)
+        layer_angle, moment, share = angle[stations], torque[stations], product[stations]
+        add(layer_angle, multiply(before, to_leaves[stations], share), layer_angle)
         multiply(before, passed[stations], moment)
         multiply(before, moment, share)
     torque[path, column] = -sides.returned[path, column] * angle[path, column]
@@ -223,7 +233,7 @@ def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
 
 
 def _spread_by_stations(tree: Tree, sides: TwoSides, start: IntArray) -> Spread:
-    """One station after another."""
+    """Spread the angle at the start station by station, as `spread` returns it."""
     angle, product = np.zeros(sides.to_leaves.shape), np.empty(len(start))
     angle[start, np.arange(len(start))] = 1.0
     rows, factor = list(angle), list(sides.to_root)
@@ -245,10 +255,13 @@ def _spread_by_stations(tree: Tree, sides: TwoSides, start: IntArray) -> Spread:
     return angle, torque, np.multiply(at_parent, torque, out=at_parent), is_toward_root
 
 
-def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
+def _sides_of_layers(tree: Tree, station_stiffness: FloatArray) -> Sides:
     """Both sweeps, from the dynamic stiffness `own` (stations, m) of each station by itself."""
-    size, columns = own.shape
-    total, to_leaves, to_root, rest = own.copy(), *np.empty((3, size, columns))
+    size, columns = station_stiffness.shape
+    total, to_leaves, to_root, rest_stiffness = (
+        station_stiffness.copy(),
+        *np.empty((3, size, columns)),
+    )
     passed, returned = np.empty((size + 1, columns)), np.empty((size, columns))
     passed[:size] = tree.flexibility_columns
     returned[:] = passed[:size]
@@ -260,15 +273,15 @@ def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
     _transmission(tree, passed[:size], to_leaves, total)
     for layer in tree.layers or ():
         stations, above = layer.stations, layer.above
-        inverse, through, behind = to_root[stations], returned[stations], rest[stations]
+        inverse, through, behind = to_root[stations], returned[stations], rest_stiffness[stations]
         if layer.is_in_line:
-            add(own[above], returned[above], behind)
+            add(station_stiffness[above], returned[above], behind)
         else:
-            of_the_rest(layer, own[above] + returned[above], passed, behind)
+            of_the_rest(layer, station_stiffness[above] + returned[above], passed, behind)
         reciprocal(behind, inverse)
         add(through, inverse, through)
         reciprocal(through, through)
-    _transmission(tree, returned, to_root, rest)
+    _transmission(tree, returned, to_root, rest_stiffness)
     return Sides(np.add(total, returned, out=total), passed, returned, to_leaves, to_root)
 
 
@@ -288,23 +301,23 @@ def _transmission(
             inverse[soft] = 1.0
 
 
-def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
+def _sides_of_chain(tree: Tree, station_stiffness: FloatArray) -> Sides:
     """Like `_sides_of_layers`, from both ends at once: m columns from the last station to the first, m back."""
-    size, columns = own.shape
+    size, columns = station_stiffness.shape
     behind, (inverse, through) = np.empty((size, 2 * columns)), np.empty((2, size - 1, 2 * columns))
-    behind[:, :columns], behind[:, columns:] = own[::-1], own
+    behind[:, :columns], behind[:, columns:] = station_stiffness[::-1], station_stiffness
     through[:, :columns], through[:, columns:] = (
         tree.flexibility_columns[:0:-1],
         tree.flexibility_columns[1:],
     )
     add, reciprocal, rows = np.add, np.reciprocal, list(behind)
-    here = rows[0]
-    for turned, seen, there in zip(inverse, through, rows[1:], strict=True):
-        reciprocal(here, turned)
+    behind_row = rows[0]
+    for turned, seen, ahead in zip(inverse, through, rows[1:], strict=True):
+        reciprocal(behind_row, turned)
         add(seen, turned, seen)
         reciprocal(seen, seen)
-        add(there, seen, there)
-        here = there
+        add(ahead, seen, ahead)
+        behind_row = ahead
     total, (passed, returned, to_leaves, to_root) = (
         behind[::-1, :columns].copy(),
         np.zeros((4, size + 1, columns)),
@@ -318,7 +331,7 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
 
 
 def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
-    """Both ways at once."""
+    """Spread the angle at the start along a chain, both ways at once, as `spread` returns it."""
     columns, is_toward_root = len(start), np.arange(tree.size - 1)[:, None] < start
     factor = np.ones((tree.size - 1, 2 * columns))
     np.copyto(factor[:, :columns], sides.to_root[:0:-1], where=is_toward_root[::-1])

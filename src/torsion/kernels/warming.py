@@ -27,7 +27,7 @@ class Warming:
     by_magnifier: bool = False  # it is the magnifier that is linear between the points
 
     def loss_factor(self, temperature: FloatArray) -> FloatArray:
-        """At temperatures (degC)."""
+        """Return the loss factor at temperatures (degC)."""
         values = _linear(self.lost, temperature)
         return 1.0 / values if self.by_magnifier else values
 
@@ -36,8 +36,8 @@ class Warming:
         k = stiffness.real * _linear(self.factor, temperature)
         if not self.lost:
             return np.asarray(stiffness * _linear(self.factor, temperature))
-        rest = stiffness.imag - stiffness.real * self.loss_factor(np.array(self.now))
-        return np.asarray(k * (1.0 + 1j * self.loss_factor(temperature)) + 1j * rest)
+        viscous_part = stiffness.imag - stiffness.real * self.loss_factor(np.array(self.now))
+        return np.asarray(k * (1.0 + 1j * self.loss_factor(temperature)) + 1j * viscous_part)
 
 
 def _linear(rows: tuple[tuple[float, float], ...], x: FloatArray) -> FloatArray:
@@ -56,8 +56,8 @@ def equilibria(warming: Warming, power: Power, cases: int) -> tuple[IntArray, Fl
     def excess(case: IntArray, temperature: FloatArray) -> FloatArray:
         return np.asarray(warming.now + warming.rise * power(case, temperature) - temperature)
 
-    case, place = (index.ravel() for index in np.indices((cases, SCANNED)))
-    above = (excess(case, grid[place]) > 0.0).reshape(cases, SCANNED)
+    case, position = (index.ravel() for index in np.indices((cases, SCANNED)))
+    above = (excess(case, grid[position]) > 0.0).reshape(cases, SCANNED)
     cold = np.flatnonzero(~above[:, 0])  # nothing is made: it stays as cold as it is
     above[cold, 0] = True
     row, left = np.nonzero(above[:, 1:] != above[:, :-1])

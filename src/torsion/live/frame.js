@@ -22,7 +22,6 @@ addEventListener("message", async ({ source, data }) => {
   STORE = store;
   ARRAYS.splice(0, ARRAYS.length, ...arrays);
   PLOTS.length = 0;
-  document.getElementById("dark").textContent = `@supports (color: light-dark(red, red)) {\n${data.dark}\n}`;
   document.getElementById("all").innerHTML = data.main;
   answering();
   restored(before);

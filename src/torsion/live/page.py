@@ -25,7 +25,7 @@ def page() -> str:
 
 
 def _filled(name: str, **texts: str) -> str:
-    """The text of a file with `@KEY@` replaced; nothing is replaced in what was put there."""
+    """Return the text of a file with `@KEY@` replaced; nothing is replaced in what was put there."""
     first, *parts = _text(name).split("@")
     return first + "".join(
         texts.get(part, f"@{part}@" if position % 2 == 0 else part)

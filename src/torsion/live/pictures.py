@@ -39,7 +39,7 @@ Fragment = dict[str, str]
 
 
 def left_out(study: Study) -> tuple[str, ...]:
-    """What of a study its pictures do without, in words."""
+    """Return what the pictures of a study omit, in words."""
     names = [
         ANALYSES[name].title if name in ANALYSES else name
         for name in LEFT_OUT
@@ -58,7 +58,7 @@ def _is_wanted(study: Study, name: str) -> bool:
 
 
 def modes_of(study: Study) -> Fragment:
-    """The natural frequencies and the Campbell diagram of a study, solved alone; in words why there are none."""
+    """Return the natural frequencies and the Campbell diagram of a study, solved alone; or why there are none."""
     try:
         return _modes(run(replace(study, cases={}), only=("critical",)))
     except (InputError, SolveError):  # where the whole has no answer either, that is reported
@@ -68,7 +68,7 @@ def modes_of(study: Study) -> Fragment:
 def whole_of(
     study: Study, moved: Iterable[str], progress: Progress
 ) -> tuple[Fragment, Fragment | None]:
-    """First page and response; and the frequencies again where barred ranges belong into the Campbell diagram.
+    """Return first page and response; and the frequencies again if barred ranges belong into the Campbell diagram.
 
     moved: figures that are not those of the file.
     """
@@ -109,7 +109,7 @@ def _modes(findings: Findings) -> Fragment:
 
 
 def _criticals(findings: Findings) -> Iterator[Block]:
-    """The Campbell diagram; nothing where no order excites."""
+    """Yield the Campbell diagram; nothing where no order excites."""
     if "critical_speeds" in findings.results:
         yield from (
             block

@@ -46,7 +46,7 @@ class Server(ThreadingHTTPServer):
         self.page = page()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A connection that breaks off is no fault."""
+        """Report an error unless the connection broke off, which is no fault."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
 
@@ -87,7 +87,7 @@ class Handler(BaseHTTPRequestHandler):
         )
 
     def do_POST(self) -> None:
-        """What a page requests: `/next`, news when there are any, or `/set`, sliders at other positions."""
+        """Answer a request of the page: `/next`, news when there are any, or `/set`, sliders at other positions."""
         try:
             answer = self._requested()
         except Refusal as refusal:
@@ -112,7 +112,7 @@ class Handler(BaseHTTPRequestHandler):
         raise Refusal(404)
 
     def _is_own(self) -> None:
-        """Raises Refusal of a request that was not made by the page itself, or by whoever typed its address."""
+        """Raise Refusal of a request that was not made by the page itself, or by whoever typed its address."""
         port = self.server.server_port
         hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
         origin, site = (
@@ -170,7 +170,7 @@ class Handler(BaseHTTPRequestHandler):
 
 
 def _positions(values: dict[str, Any]) -> dict[str, float]:
-    """Those of sliders; raises Refusal of anything else."""
+    """Return the positions of sliders; raise Refusal of anything else."""
     if not all(
         isinstance(position, int | float) and abs(position) < MOST for position in values.values()
     ):  # nor NaN

@@ -59,7 +59,7 @@ class Session:
         return self._request(dict(positions))
 
     def news(self, seen: int, wait: float = WAIT) -> dict[str, Any]:
-        """What has changed since a page has seen that many changes, as soon as there is anything."""
+        """Return what has changed since a page has seen that many changes, as soon as there is anything."""
         with self._lock:
             if seen > self._count:  # of another run
                 seen = 0
@@ -98,7 +98,7 @@ class Session:
             self._pipe.send(self._latest)
 
     def _start_worker(self) -> None:
-        """A process that solves, and the latest request for it; the first takes a second or two, others start warm."""
+        """Start a process that solves, with the latest request; the first takes a second or two, others start warm."""
         near, far = self._context.Pipe()
         process: BaseProcess = self._context.Process(target=work, args=(far,), daemon=True)  # type: ignore[attr-defined]
         process.start()
@@ -147,7 +147,7 @@ class Session:
         return str(self._news.get("faults", (0, {"text": ""}))[1]["text"])
 
     def _restart(self) -> None:
-        """Another solver in place of one that has ended, for the latest request where it was for an earlier one."""
+        """Start another solver in place of one that has ended; repeat the latest request if that came later."""
         with self._lock:
             if self._is_ended or self._process is None:
                 return
@@ -194,7 +194,7 @@ class Session:
 
 
 def warm_context() -> BaseContext:
-    """Processes that begin warm, where the system has them."""
+    """Return a context of processes that begin warm, if the system has them."""
     is_known = "forkserver" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if is_known else "spawn")
     if is_known:

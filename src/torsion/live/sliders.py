@@ -36,7 +36,7 @@ class Slider:
         return None if math.isnan(first.nominal) else first.nominal
 
     def value(self, position: float) -> float:
-        """The value of its figures at a position; raises InputError where it has no such position."""
+        """Return the value of its figures at a position; raises InputError where it has no such position."""
         slack = 1e-6 * self.step  # of decimals
         if not self.low - slack <= position <= self.high + slack:
             message = f"the slider '{self.name}' goes from {self.low:g} to {self.high:g}"
@@ -67,7 +67,7 @@ def _slider(figures: list[Figure]) -> Slider:
 
 
 def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
-    """The study with its sliders at these positions; the others are as in the file. Raises InputError."""
+    """Return the study with its sliders at these positions; the others are as in the file. Raises InputError."""
     figures, values = at_positions(variation, positions)
     return (
         replace(replace(variation, figures=figures).study(values), case=study.case)
@@ -79,7 +79,7 @@ def moved_study(study: Study, variation: Variation, positions: Mapping[str, floa
 def at_positions(
     variation: Variation, positions: Mapping[str, float]
 ) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
-    """The figures whose sliders are moved, and their values."""
+    """Return the figures whose sliders are moved, and their values."""
     sliders, pairs = sliders_of(variation), list[tuple[Figure, float]]()
     for name, position in positions.items():
         if name not in sliders:
@@ -91,7 +91,7 @@ def at_positions(
 
 
 def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Every slider as the page shows it, with the figure of the file in words."""
+    """Return every slider as the page shows it, with the figure of the file in words."""
     sliders = []
     for name, slider in sliders_of(variation).items():
         position = positions.get(name, slider.nominal)
@@ -111,7 +111,7 @@ def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str
 
 
 def _words(slider: Slider, position: float | None, variation: Variation) -> str:
-    """What the file says, or would say with the slider at a position."""
+    """Return what the file states, or would state with the slider at a position."""
     first = slider.figures[0]
     if position is None:
         nominal_node = node_at(variation.source.root, first.paths[0][0]) if first.paths else None

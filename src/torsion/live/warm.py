@@ -9,7 +9,7 @@ from types import TracebackType
 def _unless_ended(
     kind: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
-    """A process whose command ends while it begins finds no more to read, and says nothing."""
+    """Report an error unless the command ended while its process began, which finds no more to read."""
     if kind is not EOFError:
         sys.__excepthook__(kind, error, trace)
 

@@ -32,7 +32,7 @@ Stamp = (
 
 
 def stamp(file: str) -> Stamp:
-    """Of a file as it is now."""
+    """Return the stamp of a file as it is now; None if it is missing."""
     try:
         status = os.stat(file)
     except (OSError, ValueError):
@@ -121,7 +121,7 @@ class Solver:
             gc.freeze()
 
     def send(self, turn: int, **found: Any) -> None:
-        """One message: what was found under its name."""
+        """Send one message: what was found under its name."""
         self.pipe.send((turn, found))
 
     def _pictures(self, request: Request) -> None:
@@ -170,7 +170,7 @@ class _Faulty(Exception):
 
 @contextmanager
 def _words_of_faults() -> "Iterator[None]":
-    """Whatever keeps a picture from being made in words, as the commands say it."""
+    """Turn whatever keeps a picture from being made into words, as the commands say it."""
     try:
         yield
     except Overtaken:

@@ -6,7 +6,10 @@ from torsion.model.lowering import Lowering
 
 
 class Branch(Component, keyword="branch", sort="none"):
-    """A side train; the main train goes on from the point before it."""
+    """A branch is a side train. The main train continues from the point before it."""
+
+    title = "side train of a point"
+    example = "- branch: {train: [coupling: {stiffness: 20 kN*m/rad}, disc: {inertia: 1}]}"
 
     train: Line = required("the components of the branch")
 

@@ -1,6 +1,6 @@
 """What every component is: a frozen declaration of its fields, and how it lowers to primitives."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -25,9 +25,10 @@ class Component(Sized):
 
     keyword: ClassVar[str]  # its kind, the key of its entry in the train
     sort: ClassVar[Literal["point", "link", "line", "none"]]  # line: points and links in a row
-    unbuilt: ClassVar[
-        tuple[str, ...]
-    ] = ()  # keys of the format that are refused because they are not built yet
+    unbuilt: ClassVar[tuple[str, ...]] = ()  # keys of the format that are not built yet
+    title: ClassVar[str]  # of its page in the manual
+    example: ClassVar[str] = ""  # entries of a train
+    groups: ClassVar[tuple[tuple[str, str], ...]] = ()  # of its keys in the manual: heading, keys
 
     name: str | None = given(
         "name by which excitations, links and results call it (default: kind and number)"
@@ -39,11 +40,6 @@ class Component(Sized):
         super().__init_subclass__()
         for name, fact in facts.items():
             setattr(cls, name, fact)
-
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
-        """Names of the points that it brings, by its own name and what the file says of it, faulty or not."""
-        return ()
 
     def lower(self, build: Lowering) -> None:
         """Add this component's stations and primitives where the train has arrived."""

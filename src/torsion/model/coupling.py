@@ -96,7 +96,29 @@ def _text(value: object) -> object:
 
 
 class Coupling(Component, keyword="coupling", sort="link"):
-    """An elastic or rigid coupling, or any other massless spring of the train."""
+    """A coupling is an elastic or rigid connection without length, or any other massless spring of the train."""
+
+    title = "elastic or rigid coupling, spring, clutch, backlash"
+    example = """\
+- coupling: {stiffness: 40 kN*m/rad, psi: 0.9}
+- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}
+- coupling: {stiffness: 70 kN*m/rad, psi: 1.1, max_torque: 15 kN*m, max_torque_rare: 45 kN*m}
+- coupling: {stiffness: 2 MN*m/rad, clearance: {angle: 0.2 deg, viscous: 40}}
+- coupling: {stiffness: 950, hysteresis_torque: 7 N*m, stages: [{from: 12 deg, stiffness: 4000}]}
+- coupling: {stiffness: 80 kN*m/rad, capacity: 400 N*m}"""
+    groups = (
+        ("Stiffness", "stiffness flexibility table prony fractional temperature"),
+        ("Inertia and damping", "inertia viscous loss_factor psi magnifier"),
+        (
+            "Ratings of the manufacturer",
+            (
+                "rated_torque vibratory_torque max_torque max_torque_rare max_torque_range "
+                "heat_limit heat_limit_misfire tolerance"
+            ),
+        ),
+        ("Backlash, friction, stages, clutch", "clearance hysteresis_torque stages capacity"),
+        ("Library", "from size"),
+    )
 
     clashes = (
         *(excludes(law, *DAMPINGS, hint=f"`{law}` gives the damping") for law in TABLES),

@@ -25,7 +25,12 @@ NOMINAL_FREQUENCY = 2.0 * math.pi * 100.0
 
 
 class RingDamper(Component, keyword="damper", sort="point"):
-    """A torsional vibration damper."""
+    """A damper is a housing with a ring, joined by damping and stiffness."""
+
+    title = "viscous, silicone or spring damper"
+    example = """\
+- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}
+- damper: {housing: 1.5, ring: 4, silicone: {viscosity: 0.15 m**2/s, shape: 5 m**3, temperature: 75 degC}}"""
 
     clashes = tuple(
         excludes(law, *others, hint=f"`{law}` gives stiffness and damping")

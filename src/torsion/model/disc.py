@@ -35,7 +35,10 @@ class Rotor(Component, sort="point"):
 
 
 class Disc(Rotor, keyword="disc"):
-    """A disc, flange, wheel or any other lumped inertia."""
+    """A disc is a rigid inertia at one point of the train."""
+
+    title = "flywheel, flange, wheel or other lumped inertia"
+    example = "- disc: {name: flywheel, inertia: 2.075 kg*m**2, source: drawing}"
 
     damping: fields.Damping | None = given(
         "viscous damping to ground of the deviation from the mean motion"

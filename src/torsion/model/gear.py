@@ -1,10 +1,9 @@
 """A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
 
 import math
-from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -59,7 +58,20 @@ class GearBranch(Declared):
 
 
 class Gear(Component, keyword="gear", sort="link"):
-    """A gear stage."""
+    """A gear joins two or more shafts at a ratio."""
+
+    title = "gear stage, planetary stage and differential"
+    example = """\
+- gear: {ratio: 3}
+- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}
+- gear: {teeth: [19, 57], module: 8 mm, helix_angle: 12 deg, pressure_angle: 20 deg}"""
+    groups = (
+        ("Ratio", "ratio teeth planetary sense referred"),
+        ("Inertia and stiffness", "inertia mesh_stiffness"),
+        ("Further wheels", "branches differential"),
+        ("Ratings", "application_factor max_torque"),
+        ("Tooth geometry", "module pitch_diameter helix_angle pressure_angle"),
+    )
 
     clashes = (
         excludes("planetary", "branches", hint="give them a separate gear"),
@@ -123,10 +135,6 @@ class Gear(Component, keyword="gear", sort="link"):
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 message = "a branch with only the teeth of its wheel needs `teeth` of the gear"
                 raise refuse(message, key="branches")
-
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
-        return [f"{name} planets"] * isinstance(body.get("planetary"), dict)
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)

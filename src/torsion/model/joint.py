@@ -17,7 +17,12 @@ from torsion.primitives import Constraint
 
 
 class Joint(Component, keyword="joint", sort="link"):
-    """A universal joint: a cross (Cardan, Hooke) joint, a tripod joint, or any joint of constant velocity."""
+    """A joint joins two shafts at an angle: a cross (Cardan, Hooke), tripod or constant-velocity joint."""
+
+    title = "universal joint, cardan shaft, tripod, constant-velocity joint"
+    example = """\
+- joint: {angle: 5 deg, phase: 90 deg}
+- joint: {kind: tripod, angle: 10 deg, radius: 30 mm, arm: 600 mm}"""
 
     kind: Literal["cross", "tripod", "cv"] = given(
         "cross (order 2), tripod (order 3), or cv: constant velocity", "cross"

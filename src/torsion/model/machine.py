@@ -212,7 +212,13 @@ class Machine(Rotor):
 
 
 class GeneralMachine(Machine, keyword="machine"):
-    """Any other machine that absorbs power: a roll, mill, crusher, winch or test brake; or one that drives."""
+    """A machine absorbs power, or drives. Use it for a driven machine without a kind of its own."""
+
+    title = "roll, mill, crusher, winch, test brake or other load"
+    example = """\
+- machine: {inertia: 2600, torque: 30 kN*m}
+- machine: {name: mill, inertia: 2600, torque: 30 kN*m, load: constant,
+           excitation: [{order: 3, torque: 5 %}]}"""
 
     harmonics_key = "excitation"
     drives: bool = given("true: it drives the train", False)

@@ -16,12 +16,25 @@ class RippleMachine(Machine):
 
 
 class Motor(RippleMachine, keyword="motor", drives_train=True):
-    """An electric motor, or another machine that drives."""
+    """A motor drives the train, with ripple torques at orders of its shaft."""
+
+    title = "electric motor or other driver"
+    example = """\
+- motor: {inertia: 8.5}
+- motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}"""
 
 
 class Turbine(RippleMachine, keyword="turbine", drives_train=True):
-    """A turbine; it drives."""
+    """A turbine drives the train."""
+
+    title = "turbine"
+    example = "- turbine: {inertia: 1800 kg*m**2, source: drawing}"
 
 
 class Generator(RippleMachine, keyword="generator", usual_load="constant"):
-    """A generator, alternator or exciter; it absorbs power, by default at a constant torque."""
+    """A generator absorbs power. By default its torque is constant over the speed."""
+
+    title = "generator, alternator or exciter"
+    example = """\
+- generator: {inertia: 95, power: 1200 kW}
+- generator: {inertia: 95, power: 1200 kW, load: constant-power, ripple: [{order: 2, torque: 1 %}]}"""

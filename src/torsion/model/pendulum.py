@@ -24,11 +24,14 @@ Length = Annotated[float, Quantity("m", above=0, usual="length of a pendulum")]
 
 
 class Pendulum(Component, keyword="pendulum", sort="point"):
-    """A centrifugal pendulum absorber: bobs on a carrier that turns with the train.
+    """A centrifugal pendulum absorber has bobs on a carrier that turns with the train.
 
     Give `length`, or the `order` of its own shaft to which it is tuned: order^2 = arm/length. Bobs are points, or
     bifilar, which turn as the carrier does; a bob that turns about its pivot has another law.
     """
+
+    title = "centrifugal pendulum absorber"
+    example = "- pendulum: {mass: 1.2 kg, number: 4, arm: 80 mm, order: 3, inertia: 0.02}"
 
     clashes = (exclusive("length", "order", hint="order^2 = arm/length", needed=True),)
 

@@ -79,15 +79,36 @@ class BladedMachine(Machine, usual_load="quadratic"):
 
 
 class Pump(BladedMachine, keyword="pump"):
-    """A rotodynamic pump with the water in its impeller; it absorbs power, by default with the square of the speed."""
+    """A pump absorbs power. By default its torque grows with the square of the speed."""
+
+    title = "rotodynamic pump with blade orders and entrained water"
+    example = """\
+- pump: {inertia: 3, power: 400 kW}
+- pump: {inertia: 3, entrained: 20 %, power: 400 kW, load: {exponent: 2, at_rest: 20 %}, blades: 6,
+         excitation: [{blade_order: 1, torque: 2 %}]}"""
 
 
 class Fan(BladedMachine, keyword="fan"):
-    """A fan or blower; it absorbs power, by default with the square of the speed."""
+    """A fan absorbs power. By default its torque grows with the square of the speed."""
+
+    title = "fan or blower with blade orders"
+    example = "- fan: {inertia: 45 kg*m**2, power: 200 kW, speed: 1470 rpm}"
 
 
 class Propeller(BladedMachine, keyword="propeller"):
-    """A propeller; it absorbs power."""
+    """A propeller absorbs power. Its data include entrained water, damping and blade orders."""
+
+    title = "ship propeller with entrained water, damping, blade orders and ice"
+    example = """\
+- propeller: {inertia: 42}
+- propeller: {inertia: 42, entrained: 25 %, blades: 4, damping: {model: archer, factor: 30},
+              excitation: [{blade_order: 1, torque: 6 %}, {blade_order: 2, torque: 2 %}]}"""
+    groups = (
+        ("Inertia and damping", "inertia held tolerance entrained damping"),
+        ("Power and load", "power torque speed load drive"),
+        ("Geometry", "blades diameter pitch pitch_ratio hub_ratio area_ratio ducted"),
+        ("Excitation", "excitation"),
+    )
 
     inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
     tolerance: fields.Tolerance | None = given(

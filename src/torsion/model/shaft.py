@@ -71,7 +71,18 @@ class MeshedSection(Declared):
 
 
 class Shaft(Component, keyword="shaft", sort="link"):
-    """A uniform or conical shaft, solid or hollow, or one of any cross-section."""
+    """A shaft is uniform or conical, solid or hollow, or has any cross-section from a mesh."""
+
+    title = "uniform, conical or stepped shaft"
+    example = """\
+- shaft: {length: 4.5 m, diameter: 150 mm}
+- shaft: {length: 4.5 m, diameter: [150 mm, 140 mm], bore: 40 mm, role: propeller, features: shrink fit}"""
+    groups = (
+        ("Dimensions", "length diameter bore section sections"),
+        ("Material and model", "material loss_factor segments"),
+        ("Details and strength", "role features step notches hub endurance"),
+        ("Bending", "support"),
+    )
 
     model_config = ConfigDict(json_schema_extra=_length_or_sections)
 

@@ -309,7 +309,7 @@ def texts(title: str, short: str = "") -> Column:
 
 
 def on_terminal(blocks: Iterable[Block]) -> list[Block]:
-    """The same blocks, sentences among them on the terminal too."""
+    """Return the same blocks, sentences among them on the terminal too."""
     return [
         replace(block, brief=True) if isinstance(block, Paragraph | Points) else block
         for block in blocks

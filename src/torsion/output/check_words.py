@@ -14,7 +14,6 @@ from torsion.output.figures.figure import Grade, Use
 from torsion.output.numbers import NONE, counted, given, given_rpm, number, order, symbols
 from torsion.output.reported_values import reference
 from torsion.results import listed
-from torsion.rules.reached_speeds import BEGINS, reach_words
 from torsion.rules.verdict_line import KINDS, WORDS, Basis, Check, Checks, Verdict
 
 SIGNS: Mapping[Verdict, str] = {
@@ -94,8 +93,8 @@ def against(check: Check) -> str:
     words = value(check) + in_unit * bool(np.isfinite(check.value))
     if np.isnan(check.limit):
         return f"{words}, no limit"
-    kind, more = ("required", " or more") if check.at_least else ("permissible", "")
-    return f"{words}, {kind} {given(check.limit)}{in_unit}{more}"
+    kind, addition = ("required", " or more") if check.at_least else ("permissible", "")
+    return f"{words}, {kind} {given(check.limit)}{in_unit}{addition}"
 
 
 def basis(check: Check) -> str:
@@ -120,13 +119,12 @@ def percent(used: float) -> str:
 
 def unreached(findings: Findings) -> str:
     """Return the speeds that rules demand and that were not judged, as a sentence; empty where there are none."""
-    rated, demanded = findings.study.operation.rated, dict[str, dict[str, None]]()
+    demanded = dict[str, dict[str, None]]()
     for check in findings.need(Checks).lines:
-        if check.reach is not None and rated is not None and check.verdict == "not judged":
+        if check.reach is not None and check.verdict == "not judged":
             ends = (check.reach.first, check.reach.last, check.reach.demanded)
             first, last, end = map(given_rpm, ends)
-            is_below = reach_words(check.reach, rated.speed).startswith(BEGINS)
-            words = f"below {first}" if is_below else f"{last} to {end}"
+            words = f"below {first}" if check.reach.lacks_begin else f"{last} to {end}"
             demanded.setdefault(words, {})[check.rule] = None
     ranges = (f"{ends} rpm, required by {listed(rules)}" for ends, rules in demanded.items())
     return f"Not checked: {'; '.join(ranges)}. Extend operation.speeds." if demanded else ""
@@ -137,11 +135,13 @@ def unit(check: Check) -> str:
     return "" if check.unit in ("", "1") else symbols(check.unit)
 
 
-def contributing(findings: Findings, of: Fraction | None) -> str:
+def contributing(findings: Findings, excited: Fraction | None) -> str:
     """Return an order by what excites it, where that is known."""
     response = findings.get(Response)
-    lines = () if response is None or of is None else response.lines
-    return next((line.named(reference(findings)) for line in lines if line.order == of), order(of))
+    lines = () if response is None or excited is None else response.lines
+    return next(
+        (line.named(reference(findings)) for line in lines if line.order == excited), order(excited)
+    )
 
 
 def use(check: Check) -> Use:
@@ -154,7 +154,7 @@ def use(check: Check) -> Use:
     if check.fails:
         grade: Grade = "over" if math.isfinite(check.value) else "no answer"
         return Use(grade, words, rank(check), SIGNS["fail"])
-    return Use(next(grade for most, grade in GRADES if (used or 0.0) < most), words, rank(check))
+    return Use(next(grade for upper, grade in GRADES if (used or 0.0) < upper), words, rank(check))
 
 
 def use_of_part(checks: Iterable[Check]) -> Use:
@@ -162,11 +162,11 @@ def use_of_part(checks: Iterable[Check]) -> Use:
     ranked = sorted((check for check in checks if check.has_limit), key=rank)
     strain = next((check for check in ranked if check.unit in (STRESS, TORQUE)), None)
     graded = NOT_JUDGED if strain is None else use(strain)
-    other = use_of_joint(check for check in ranked if check.unit not in (STRESS, TORQUE))
-    if other is None:
+    failing = use_of_joint(check for check in ranked if check.unit not in (STRESS, TORQUE))
+    if failing is None:
         return graded
-    words = "\n".join(filter(None, (graded.words, other.words)))
-    return Use(graded.grade, words, min(graded.rank, other.rank), other.mark)
+    words = "\n".join(filter(None, (graded.words, failing.words)))
+    return Use(graded.grade, words, min(graded.rank, failing.rank), failing.mark)
 
 
 def use_of_joint(checks: Iterable[Check]) -> Use | None:

@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.span_torque import SpanTorque
+from torsion.analyses.response.amplitudes import Response, SpanTorque
 from torsion.output.plain import plain
 from torsion.output.results_json import listed
 from torsion.output.selection import Selection
@@ -21,9 +20,8 @@ TRAIN_AXES = {"station", "span"}
 def dictionary(result: Any) -> dict[str, Any]:
     """Return a result as results.json has it; of a list of records the columns. Raises TypeError without its train."""
     system: Any = getattr(result, "system", None)
-    if system is None and any(
-        TRAIN_AXES & {*quantity.axes} for quantity in quantities(type(result))
-    ):
+    axes = {axis for quantity in quantities(type(result)) for axis in quantity.axes}
+    if system is None and TRAIN_AXES & axes:
         name = type(result).__name__
         raise TypeError(
             f"{name} does not hold the train: use `findings.to_dict()`, which has all results"
@@ -41,55 +39,50 @@ def data_frame(result: Any) -> "pandas.DataFrame":
         import pandas
     except ImportError:
         raise ImportError("to_dataframe needs pandas: pip install pandas") from None
+
     if isinstance(result, Response | SpanTorque):
+        columns, orders = _over_speed_and_order(result)
+        per_revolution = [float("nan") if order is None else float(order) for order in orders]
         index = pandas.MultiIndex.from_product(
-            [result.speed * RPM, _orders(result)], names=["speed_rpm", "order"]
+            [result.speed * RPM, per_revolution], names=["speed_rpm", "order"]
         )
-        columns = _over_speed_and_order(result)
-        return pandas.DataFrame(
-            {key: np.ravel(values) for key, values in columns.items()}, index=index
-        )
+        return pandas.DataFrame({key: np.ravel(values) for key, values in columns.items()}, index)
+
     if isinstance(result, Checks):
-        records = dictionary(result)
-        plain_keys = [
-            key
-            for key, column in records.items()
-            if not any(isinstance(cell, list | dict) for cell in column)
-        ]
-        columns = {key: records[key] for key in plain_keys}
-        return pandas.DataFrame(
-            columns, index=pandas.RangeIndex(1, 1 + len(result.lines), name="check")
-        )
-    axis = next((quantity.axes[0] for quantity in quantities(type(result)) if quantity.axes), None)
-    if axis is None:
-        raise TypeError(f"{type(result).__name__} has no rows: use `to_dict()`")
-    columns = {
-        quantity.key: getattr(result, quantity.name)
-        for quantity in quantities(type(result))
-        if quantity.axes == (axis,)
-    }
+        axis = "check"
+        columns = {
+            key: cells
+            for key, cells in dictionary(result).items()
+            if not any(isinstance(cell, list | dict) for cell in cells)
+        }
+    else:
+        arrays = [quantity for quantity in quantities(type(result)) if quantity.axes]
+        if not arrays:
+            raise TypeError(f"{type(result).__name__} has no rows: use `to_dict()`")
+        (axis, *_) = arrays[0].axes
+        columns = {
+            quantity.key: getattr(result, quantity.name)
+            for quantity in arrays
+            if quantity.axes == (axis,)
+        }
     frame = pandas.DataFrame(columns)
-    if axis == "mode":
+    if axis in ("check", "mode"):
         return frame.set_index(pandas.RangeIndex(1, 1 + len(frame), name=axis))
     return frame.set_index(frame.columns[0])
 
 
-def _orders(result: Response | SpanTorque) -> list[float]:
-    """Orders per revolution of the reference; NaN of a fixed frequency."""
-    orders = (
-        result.orders if isinstance(result, SpanTorque) else [line.order for line in result.lines]
-    )
-    return [float("nan") if order is None else float(order) for order in orders]
+def _over_speed_and_order(result: Response | SpanTorque) -> tuple[dict[str, Any], list[Any]]:
+    """Return values (speeds, orders) by their keys, of a response in every component too, and the orders.
 
-
-def _over_speed_and_order(result: Response | SpanTorque) -> dict[str, Any]:
-    """Return (speeds, orders) of every key over both, and of a response the torque in every component."""
+    Orders are per revolution of the reference, None for a fixed frequency.
+    """
     if isinstance(result, SpanTorque):
-        return {"torque_Nm": result.torque}
+        return {"torque_Nm": result.torque}, list(result.orders)
     columns = {
         quantity.key: getattr(result, quantity.name)
         for quantity in quantities(Response)
         if quantity.axes == ("speed", "line")
     }
-    names = [element.name for element in Selection(result.system).elements]
-    return columns | {f"torque_Nm of {name}": result[name].torque for name in names}
+    for element in Selection(result.system).elements:
+        columns[f"torque_Nm of {element.name}"] = result[element.name].torque
+    return columns, [line.order for line in result.lines]

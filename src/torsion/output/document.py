@@ -133,7 +133,7 @@ def _ending(findings: Findings) -> Ending:
 
 
 def _cover(findings: Findings, today: date | None, title: str) -> Cover:
-    """The cover of a report; without a date it bears none."""
+    """Return the cover of a report; without a date it bears none."""
     study, front, sha = findings.study, findings.study.document, checksum(findings.study) or ""
     stated = {} if front is None else front.model_dump(exclude_none=True)
     label = [words + stated[key] for key, words in LABEL.items() if key in stated]
@@ -162,7 +162,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
 
 
 def numbered(blocks: Sequence[Block]) -> Iterator[Numbered]:
-    """The blocks in their order, with their numbers; tables and figures without a caption have none."""
+    """Yield the blocks in their order, with their numbers; tables and figures without a caption have none."""
     chapter, count = 0, Counter[str]()
     for block in blocks:
         kind = type(block).__name__

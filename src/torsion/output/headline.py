@@ -193,7 +193,7 @@ def _joined(
     for name, case in cases.items():
         if text := words_of(case):
             names.setdefault(text, []).append(name)
-    sentences = [f"{_named(those)}: {text}" if those[0] else text for text, those in names.items()]
+    sentences = [f"{_named(group)}: {text}" if group[0] else text for text, group in names.items()]
     if sentences:
         *before, last = sentences
         yield title, "; ".join([*(text.removesuffix(".") for text in before), last])
@@ -339,8 +339,8 @@ def other_restrictions(findings: Findings) -> tuple[str, ...]:
             "–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1])))))
             for group in groups
         ]
-        more = ""
+        omitted = ""
         if len(ranges) > MOST_LISTED:
-            more = f" (the first {MOST_LISTED} of {len(ranges)} ranges)"
-        sentences.append(f"At {', '.join(ranges[:MOST_LISTED])} rpm{more} {UNDAMPED}")
+            omitted = f" (the first {MOST_LISTED} of {len(ranges)} ranges)"
+        sentences.append(f"At {', '.join(ranges[:MOST_LISTED])} rpm{omitted} {UNDAMPED}")
     return (*sentences, *filter(None, [check_words.unreached(findings)]))

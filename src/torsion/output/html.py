@@ -1,8 +1,7 @@
 """The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import cache
 from hashlib import sha256
 
@@ -11,7 +10,6 @@ from markupsafe import Markup, escape
 
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
-from torsion.output.drawing.dark import rules
 from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
@@ -23,22 +21,9 @@ from torsion.output.table_text import figures
 LONG_WORD = 20  # characters
 
 
-@dataclass(frozen=True)
-class Drawings:
-    """The drawings of a page by the names of their figures, and what they need beside them."""
-
-    by_figure: Mapping[str, Markup]
-    numbers: Markup  # JSON for the script of the page
-    on_dark: Markup  # rules of style on a dark screen
-
-    def __call__(self, figure: Figure) -> Markup:
-        """Return the drawing of a figure, as the templates show it."""
-        return self.by_figure[figure.name]
-
-
 def html(document: Document) -> str:
     """Return the page of a report."""
-    drawn, page_script = _draw(document.body), Markup(script())
+    (drawn, numbers), page_script = _draw(document.body), Markup(script())
     blocks = [(item, item.block) for item in document.body]
     return (
         environment()
@@ -52,31 +37,32 @@ def html(document: Document) -> str:
             ],
             style=Markup(style()),
             script=page_script,
-            on_dark=drawn.on_dark,
             digest=b64encode(sha256(f"\n{page_script}\n".encode()).digest()).decode(),
-            numbers=drawn.numbers,
+            numbers=numbers,
             has_first_page=document.has_first_page,
         )
     )
 
 
 def fragment(body: Sequence[Numbered]) -> dict[str, str]:
-    """Return blocks without cover and contents for a page that exists already: `main`, its `numbers`, `dark`."""
-    drawn, template = _draw(body, level=1), environment().get_template("report_main.html")
+    """Return blocks without cover and contents for a page that exists already: `main` and its `numbers`."""
+    (drawn, numbers), template = _draw(body, 1), environment().get_template("report_main.html")
     main = template.render(drawn=drawn, body=body, chapters=(), has_first_page=False)
-    return {"main": main, "numbers": str(drawn.numbers), "dark": str(drawn.on_dark)}
+    return {"main": main, "numbers": str(numbers)}
 
 
-def _draw(body: Sequence[Numbered], level: int = 9) -> Drawings:
-    """Draw every figure, with its numbers for the script; level: of zlib, 1 if speed matters more than length."""
+def _draw(body: Sequence[Numbered], level: int = 9) -> tuple[Callable[[Figure], Markup], Markup]:
+    """Draw every figure; return the drawing of each, as the templates call it, and JSON of all their numbers.
+
+    level: of zlib, 1 if speed matters more than length.
+    """
     page, drawings = Page(), dict[str, Markup]()
     for figure in (item.block for item in body):
         if isinstance(figure, Figure):
             text, frames = framed(figure)
             data = page.figure(figure, frames)
             drawings[figure.name] = Markup(f'{text}<script type="application/json">{data}</script>')
-    on_dark = Markup(rules(drawings.values()))
-    return Drawings(drawings, Markup(page.numbers(level)), on_dark)
+    return lambda figure: drawings[figure.name], Markup(page.numbers(level))
 
 
 @cache

@@ -1,15 +1,15 @@
-"""What is too long for a page: the page has its beginning, its end and its largest figures, a file beside it all."""
+"""What is too long for a page: the page has its beginning, its end and what fails, a file beside it all."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 
 from torsion.output.blocks import Block, Paragraph, Table, Value, Verbatim
-from torsion.output.table_text import file_name, plain_figure, table_text
+from torsion.output.table_text import file_name, table_text
 
 MOST_ROWS = 200  # of a table that is printed whole
-# Rows printed of a longer table: its first, its last, those with the largest values of a column, and what fails.
-FIRST, LAST, LARGEST = 20, 5, 3
+FIRST, LAST = 20, 5  # rows printed of a longer one, and those that do not pass
+FAILED = ("fail", "not kept", "not judged")
 MOST_LINES, MOST_SIGNS = 2_000, 200_000  # of a text that is printed
 GAP = "⋮"  # in a row, in place of omitted rows
 Texts = Mapping[str, Callable[[], str]]  # what makes the text of a file, by its name
@@ -31,11 +31,9 @@ def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
 
 def _shorten_table(table: Table, name: str) -> Table:
     """Return the rows that are printed, with a gap in place of omitted rows, and a caption that says so."""
-    failed = [
-        row for row, mark in enumerate(table.marks) if mark in ("fail", "not kept", "not judged")
-    ]
-    kept = {*range(FIRST), *failed[:MOST_ROWS], *range(len(table.values) - LAST, len(table.values))}
-    kept.update(_largest_rows(table))
+    failed = [row for row, mark in enumerate(table.marks) if mark in FAILED]
+    count = len(table.values)
+    kept = {*range(FIRST), *failed[:MOST_ROWS], *range(count - LAST, count)}
     values: list[tuple[Value, ...]] = []
     marks: list[str] = []
     for row, cells in enumerate(table.values):
@@ -46,33 +44,10 @@ def _shorten_table(table: Table, name: str) -> Table:
             values.append((GAP,) * len(table.columns))
             marks += [""] if table.marks else []
 
-    omitted, failures = len(table.values) - len(kept), len(set(failed) - kept)
     which = f"the first {MOST_ROWS}" if len(failed) > MOST_ROWS else f"all {len(failed)}"
-    caption = (
-        f"{table.caption}; the first {FIRST} rows, the last {LAST}{f', {which} that do not pass' if failed else ''} and "
-        f"those with the {LARGEST} largest figures of a column, {omitted:,} more rows in {name}"
-        f"{f', {failures:,} of them not passed' if failures else ''}"
-    )
+    rows = f"the first {FIRST} rows, the last {LAST}"
+    rows += f" and {which} that do not pass" if failed else ""
+    caption = f"{table.caption}; {rows}, {count - len(kept):,} more rows in {name}"
+    if failures := len(set(failed) - kept):
+        caption += f", {failures:,} of them not passed"
     return replace(table, values=tuple(values), marks=tuple(marks), caption=caption)
-
-
-def _largest_rows(table: Table) -> Iterator[int]:
-    """Yield the rows with the largest values of each column of figures, unless all of them are the same."""
-    for position, column in enumerate(table.columns):
-        if column.align == "right":
-            sizes = [_magnitude(row[position]) for row in table.values]
-            first, *_, last = top = sorted(range(len(sizes)), key=lambda row: -sizes[row])[
-                : LARGEST + 1
-            ]
-            if sizes[first] > sizes[last]:
-                yield from (row for row in top[:LARGEST] if sizes[row] > 0)
-
-
-def _magnitude(value: Value) -> float:
-    """Return the magnitude of a figure; -1 of what is none."""
-    if isinstance(value, str):
-        try:
-            return abs(float(plain_figure(value.replace("∞", "inf"))))
-        except ValueError:
-            return -1.0
-    return -1.0 if value is None else abs(value)

@@ -18,37 +18,37 @@ if TYPE_CHECKING:
 
 
 def of_torsion(findings: Findings, figure: Figure) -> Figure:
-    """The figure with every critical speed of the train, in the speed range or not."""
-    known = findings.get(CriticalSpeeds)
-    found = () if known is None else known.crossings
-    orders = {one.order: order(one.order) for one in found}
-    return _with(figure, "critical speed", found, orders, rated_rpm(findings))
+    """Return the figure with every critical speed of the train, in the speed range or not."""
+    result = findings.get(CriticalSpeeds)
+    crossings = () if result is None else result.crossings
+    orders = {crossing.order: order(crossing.order) for crossing in crossings}
+    return _with(figure, "critical speed", crossings, orders, rated_rpm(findings))
 
 
 def of_bending(shaft: "ShaftFound", figure: Figure) -> Figure:
-    """The figure with every critical speed of the bending of its shaft."""
-    orders = {one.order: str(one.order) for one in shaft.critical}
+    """Return the figure with every critical speed of the bending of its shaft."""
+    orders = {crossing.order: str(crossing.order) for crossing in shaft.critical}
     return _with(figure, f"critical speed of bending of {shaft.name}", shaft.critical, orders, None)
 
 
 def _with(
     figure: Figure,
     of: str,
-    found: "Sequence[CriticalSpeed | Critical]",
+    crossings: "Sequence[CriticalSpeed | Critical]",
     orders: Mapping[Any, str],
     rated: float | None,
 ) -> Figure:
-    if not found:
+    if not crossings:
         return figure
-    place = {one: k for k, one in enumerate(orders)}
+    row_of = {order_value: k for k, order_value in enumerate(orders)}
     return replace(
         figure,
         criticals=Criticals(
             of,
-            np.array([one.speed * RPM for one in found]),
-            np.array([one.frequency for one in found]),
-            np.array([one.mode for one in found]),
-            np.array([place[one.order] for one in found]),
+            np.array([crossing.speed * RPM for crossing in crossings]),
+            np.array([crossing.frequency for crossing in crossings]),
+            np.array([crossing.mode for crossing in crossings]),
+            np.array([row_of[crossing.order] for crossing in crossings]),
             tuple(f"order {words}" for words in orders.values()),
             rated,
         ),

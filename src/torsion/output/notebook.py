@@ -26,8 +26,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
 from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.reported_values import amplitude, harmonic_name
-from torsion.output.scene import span_rows, station_rows
-from torsion.output.selection import NO_VALUE, Selection, elements, highest, largest, torques
+from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
 from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study
@@ -39,7 +38,7 @@ FEW = 6  # frequencies in a line
 
 
 def bundle(shown: Any) -> dict[str, str]:
-    """Of a study, its train or system, Findings, Modes or Response: one line, and a fragment without scripts."""
+    """Return one line and a fragment without scripts for a study, its train or system, Findings, Modes or Response."""
     content: dict[type, Callable[[Any], Iterator[Block]]] = {
         Study: _study,
         Train: _train,
@@ -98,7 +97,7 @@ def _frequencies(modes: Modes) -> str:
 
 
 def _findings(findings: Findings) -> Iterator[Block]:
-    """The first chapter of the report, and its first figure."""
+    """Yield the first chapter of the report, and its first figure."""
     first = [*verdict.chapter(findings)] if findings.get(Checks) is not None else []
     yield KeyValues((("Scene", findings.study.name),))
     further = [block for block in first if isinstance(block, Figure)][1:]
@@ -114,11 +113,11 @@ def _plant(findings: Findings) -> Iterator[Figure]:
 
 
 def _study(study: Study) -> Iterator[Block]:
-    """The sketch of the train and its mass-elastic tables, nothing solved."""
-    findings = Findings(study, {"system": assembled(study), "checks": Checks(())}, Plan((), (), {}))
+    """Yield the sketch of the train and its mass-elastic tables, nothing solved."""
+    findings = _alone(None, assembled(study), study)
     yield KeyValues((("Study", study.name),))
     yield from _plant(findings)
-    yield from (block for block in mass_elastic.chapter(findings) if isinstance(block, Table))
+    yield from _mass_elastic(findings)
 
 
 def _train(train: Train) -> Iterator[Block]:
@@ -127,55 +126,45 @@ def _train(train: Train) -> Iterator[Block]:
 
 
 def _system(system: System) -> Iterator[Block]:
-    """The first stations and spans."""
-    chosen = Selection(system)
-    stations, spans = station_rows(chosen), span_rows(chosen)
-    inertias = [(row.name, row.inertia, row.speed_ratio) for row in stations[:MOST_ROWS]]
-    yield table(
-        "< Station | Inertia [kg m²] | Speed ratio", inertias, _first("Stations", len(stations))
-    )
-    stiffnesses = [
-        (row.name, row.stiffness, row.viscous, row.loss_factor) for row in spans[:MOST_ROWS]
-    ]
-    titles = "< Span | Stiffness [N m/rad] | Damping [N m s/rad] | Loss factor"
-    yield table(titles, stiffnesses, _first("Spans", len(spans)))
+    """Yield the mass-elastic tables, of long ones the first rows."""
+    yield from _mass_elastic(_alone(system, system))
 
 
-def _first(caption: str, count: int) -> str:
-    return caption if count <= MOST_ROWS else f"{caption}; the first {MOST_ROWS} of {count}"
+def _mass_elastic(findings: Findings) -> Iterator[Table]:
+    """Yield the mass-elastic tables of a train, of long ones the first rows."""
+    for block in mass_elastic.chapter(findings):
+        if isinstance(block, Table):
+            yield _first(block, MOST_ROWS)
+
+
+def _first(shown: Table, most: int) -> Table:
+    """Return the first rows of a table, with a caption that says so if there are more."""
+    if len(shown.values) <= most:
+        return shown
+    caption = f"{shown.caption}; the first {most} of {len(shown.values)}"
+    return replace(shown, values=shown.values[:most], caption=caption)
 
 
 def _modes(modes: Modes) -> Iterator[Block]:
-    """The frequencies with their bounds, and the first mode over the train."""
+    """Yield the frequencies with their bounds, and the first mode over the train."""
     if modes.frequency.size:
-        frequencies = natural_frequencies.frequencies(modes)
-        remainder = (
-            f"; the first {MOST_MODES} of {len(frequencies.rows)}"
-            if len(frequencies.rows) > MOST_MODES
-            else ""
-        )
-        yield replace(
-            frequencies,
-            values=frequencies.values[:MOST_MODES],
-            caption=frequencies.caption + remainder,
-        )
-        yield from natural_frequencies.plots(_alone(modes), modes, (0,))
+        yield _first(natural_frequencies.frequencies(modes), MOST_MODES)
+        yield from natural_frequencies.plots(_alone(modes, modes.system), modes, (0,))
     else:
         yield Paragraph("no elastic modes")
 
 
 def _response(response: Response) -> Iterator[Block]:
-    """The largest harmonic component of every element, and the element that carries most over the speed."""
-    findings = _alone(response)
-    loaded = [
-        e
-        for e in elements(response.system)
-        if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)
-    ]
-    if not loaded:
+    """Yield the largest harmonic component of every element, and the curve of the one that carries most."""
+    findings = _alone(response, response.system)
+    sizes = {
+        element: amplitude(findings, element.spans)
+        for element in elements(response.system)
+        if np.any(np.abs(response.torque[:, :, list(element.spans)]) > 0)
+    }
+    if not sizes:
         yield Paragraph("nothing excites")
         return
-    sizes = {element: amplitude(findings, element.spans) for element in loaded}
     unit = torques(sizes.values())
     rows = []
     for element, size in sizes.items():
@@ -188,16 +177,11 @@ def _response(response: Response) -> Iterator[Block]:
             rows.append((element.name, torque, rpm(float(response.speed[speed])), name))
     titles = f"< Element | Torque amplitude [{unit.unit}] | At speed [rpm] | Order"
     yield table(titles, rows, "Largest torque amplitude of any one harmonic component")
-    yield forced_response.curves(
-        findings, max(loaded, key=lambda one: highest(sizes[one]) * one.ratio)
-    )
+    strongest = max(sizes, key=lambda element: highest(sizes[element]) * element.ratio)
+    yield forced_response.curves(findings, strongest)
 
 
-def _alone(result: Modes | Response) -> Findings:
-    """A result by itself, with the train that it is of."""
-    system = result.system
-    return Findings(
-        Study("", system.train),
-        {"system": system, "result": result, "checks": Checks(())},
-        Plan((), (), {}),
-    )
+def _alone(result: Any, system: System, study: Study | None = None) -> Findings:
+    """Return findings of one result, with the train that it is of."""
+    results = {"system": system, "result": result, "checks": Checks(())}
+    return Findings(study or Study("", system.train), results, Plan((), (), {}))

@@ -30,7 +30,7 @@ RPM = 60.0 / (2.0 * math.pi)
 
 
 def number(value: float | None, digits: int = DIGITS) -> str:
-    """A value to so many significant digits: 0.012346, 1234.6, 1.2346·10⁷; '–' where there is none, '∞' if infinite."""
+    """Return a value to so many significant digits: 0.012346, 1234.6, 1.2346·10⁷; '–' for none, '∞' if infinite."""
     if value is None or math.isnan(value):
         return NONE
     if math.isinf(value):
@@ -47,7 +47,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
 
 
 def symbols(text: str) -> str:
-    """Words of a rule, or of the plan, with the signs of the report: τ_C, N/mm², 1.9·10⁶.
+    """Return words of a rule, or of the plan, with the signs of the report: τ_C, N/mm², 1.9·10⁶.
 
     >>> symbols("sigma_B 600 N/mm2, 1.9e+06 N m")
     'σ_B 600 N/mm², 1.9·10⁶ N m'
@@ -58,7 +58,7 @@ def symbols(text: str) -> str:
 
 
 def unit_words(unit: str) -> str:
-    """A unit of the file as the report writes it.
+    """Return a unit of the file as the report writes it.
 
     >>> unit_words("kN*m/rad"), unit_words("kg*m**2")
     ('kN m/rad', 'kg m²')
@@ -71,7 +71,7 @@ def _power(exponent: int) -> str:
 
 
 def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
-    """The values with the same number of significant digits: as many as keep different ones from reading alike."""
+    """Return the values with the same number of significant digits: as many as keep different ones from reading alike."""
     for precision in range(digits, MOST_DIGITS):
         texts = [number(value, precision) for value in values]
         if len(set(texts)) == len(set(values)):
@@ -80,12 +80,12 @@ def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
 
 
 def counted(count: int, noun: str) -> str:
-    """A number with its noun: '1 line', '4 lines', '1,000 lines'."""
+    """Return a number with its noun: '1 line', '4 lines', '1,000 lines'."""
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 def settled(value: float, largest: float) -> float:
-    """The value, or 0 where it is less than ROUNDING of the largest of its kind and so may be rounding.
+    """Return the value, or 0 if it is less than ROUNDING of the largest of its kind and so may be rounding.
 
     >>> settled(9e-19, 1.0), settled(9e-19, 1e-9), settled(-3.0, 5.0)
     (0.0, 9e-19, -3.0)
@@ -94,18 +94,18 @@ def settled(value: float, largest: float) -> float:
 
 
 def given(value: float | None, digits: int = DIGITS) -> str:
-    """A figure of the input: as `number`, without the zeros that nobody wrote."""
+    """Return a figure of the input: as `number`, without the zeros that nobody wrote."""
     mantissa, dot, power = number(value, digits).partition("·")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + dot + power
 
 
 def exact(value: Fraction | None) -> str:
-    """An order or a ratio: '2', '1/2', '21/8'; '–' for none."""
+    """Return an order or a ratio: '2', '1/2', '21/8'; '–' for none."""
     return NONE if value is None else str(value)
 
 
 def order(value: Fraction | None) -> str:
-    """An order as people read it: '2', '0.5', or the fraction with its value where the decimals do not end."""
+    """Return an order as people read it: '2', '0.5', or the fraction with its value where the decimals do not end."""
     if value is None:
         return NONE
     if value.denominator == 1:
@@ -115,22 +115,22 @@ def order(value: Fraction | None) -> str:
 
 
 def rpm(speed: float | None, digits: int = DIGITS) -> str:
-    """A speed in rad/s as revolutions per minute."""
+    """Return a speed in rad/s as revolutions per minute."""
     return NONE if speed is None else number(speed * RPM, digits)
 
 
 def given_rpm(speed: float) -> str:
-    """A speed of the input, in rad/s, as revolutions per minute."""
+    """Return a speed of the input, in rad/s, as revolutions per minute."""
     return given(speed * RPM, 6)
 
 
 def degrees(angle: float, digits: int = DIGITS) -> str:
-    """An angle in rad as degrees."""
+    """Return an angle in rad as degrees."""
     return given(math.degrees(angle), digits)
 
 
 def cell(value: Any) -> str:
-    """A single value: words with the units of the report, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none.
+    """Return a single value: words with the units of the report, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none.
 
     >>> cell("1 kg*m**2 to 2 kg*m**2, 7 values"), cell("*.inertia")
     ('1 kg m² to 2 kg m², 7 values', '*.inertia')
@@ -150,7 +150,7 @@ def cell(value: Any) -> str:
 
 
 def below_right(angle: float, digits: int = DIGITS) -> int:
-    """So many significant digits, or as many as keep an angle in rad below 90 deg from reading 90 deg."""
+    """Return so many significant digits, or as many as keep an angle in rad below 90 deg from reading 90 deg."""
     value = math.degrees(angle)
     while value < 90.0 <= float(f"{value:.{digits - 1}e}"):
         digits += 1
@@ -165,7 +165,7 @@ class Scale:
     factor: float
 
     def text(self, value: float | None, digits: int = DIGITS) -> str:
-        """An SI value in this unit."""
+        """Return an SI value in this unit."""
         return number(None if value is None else value * self.factor, digits)
 
 
@@ -173,7 +173,7 @@ SI = Scale("", 1.0)  # of values that stand as they are
 
 
 def scale(unit: str, values: Iterable[float]) -> Scale:
-    """The prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
+    """Return the prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
     sizes = [abs(v) for v in values if math.isfinite(v)]
     for factor, prefix in PREFIXES:
         if any(size >= factor for size in sizes):

@@ -10,8 +10,8 @@ SCRIPTS = tuple(
 
 
 def style() -> str:
-    """Return the style of the page on a screen and on paper."""
-    return template_text("report.css")
+    """Return the style of the page on a screen and on paper, and of its drawings on a dark screen."""
+    return f"{template_text('report.css')}\n{template_text('report_dark.css')}"
 
 
 def script() -> str:

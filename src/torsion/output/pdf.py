@@ -36,7 +36,7 @@ WIDE = 8  # columns from which a table is set smaller
 
 
 def pdf(document: Document) -> bytes:
-    """The file; the figures are drawn beside its source for the time of its setting."""
+    """Return the file; the figures are drawn beside its source for the time of its setting."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             return _set(source(document, Path(folder)), Path(folder))
@@ -46,7 +46,7 @@ def pdf(document: Document) -> bytes:
 
 
 def _set(source: str, folder: Path) -> bytes:
-    """The PDF of a source; raises RuntimeError where Typst cannot set it."""
+    """Return the PDF of a source; raises RuntimeError where Typst cannot set it."""
     import typst
 
     path = folder / "report.typ"
@@ -56,7 +56,7 @@ def _set(source: str, folder: Path) -> bytes:
 
 
 def source(document: Document, folder: Path) -> str:
-    """What Typst sets; the figures and the logo are written into the folder."""
+    """Return the source for Typst; the figures and the logo are written into the folder."""
     style, figures = (
         (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"),
         list[Path](),
@@ -66,12 +66,12 @@ def source(document: Document, folder: Path) -> str:
 
 
 def text(value: str) -> str:
-    """A text of the scene as a Typst expression: a string literal, in which nothing is markup."""
+    """Return a text of the scene as a Typst expression: a string literal, in which nothing is markup."""
     return json.dumps(value, ensure_ascii=False)
 
 
 def words(value: str) -> str:
-    """A text with its subscripts as a Typst expression."""
+    """Return a text with its subscripts as a Typst expression."""
     pieces = SUBSCRIPT.split(value)
     parts = [f"sub({text(p)})" if k % 2 else f"text({text(p)})" for k, p in enumerate(pieces) if p]
     return " + ".join(parts) or '""'
@@ -97,7 +97,7 @@ def _running_head(document: Document) -> str:
 
 
 def _cover(document: Document, folder: Path) -> str:
-    """The cover, with its logo in a file beside the source."""
+    """Return the cover, with its logo in a file beside the source."""
     cover, logo = document.cover, ""
     if cover.logo:
         kind, _, content = cover.logo.partition(";base64,")
@@ -108,7 +108,7 @@ def _cover(document: Document, folder: Path) -> str:
 
 
 def _basis(document: Document) -> str:
-    """What is stated of the report itself."""
+    """Return what is stated of the report itself."""
     cover = document.cover
     pairs = (*cover.facts_by_length, cover.signatures)
     short, long, signed = (

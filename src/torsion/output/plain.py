@@ -18,7 +18,7 @@ LISTED = {
 
 
 def plain(value: Any, selection: Selection) -> Any:
-    """A result, or any value that one holds: complex numbers as pairs, exact ones as text, no value as None."""
+    """Return a result, or any value that one holds: complex numbers as pairs, exact ones as text, no value as None."""
     if is_declared(value):
         return _result(value, selection)
     if isinstance(value, Fraction):
@@ -42,12 +42,12 @@ def plain(value: Any, selection: Selection) -> Any:
 
 
 def finite(value: float | None) -> float | None:
-    """A number, or None where it is none."""
+    """Return a number, or None where it is none."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
 def numbers(array: np.ndarray) -> np.ndarray:
-    """An array of real numbers: complex ones as pairs, both NaN where one part is not known."""
+    """Return an array of real numbers: complex ones as pairs, both NaN where one part is not known."""
     if array.dtype.kind == "c":
         array = np.where(np.isnan(array), complex(np.nan, np.nan), array)
         return np.stack([array.real, array.imag], axis=-1)
@@ -55,7 +55,7 @@ def numbers(array: np.ndarray) -> np.ndarray:
 
 
 def _result(value: Any, selection: Selection) -> Any:
-    """A result as a dict; arrays over an axis of records are distributed over the records."""
+    """Return a result as a dict; arrays over an axis of records are distributed over the records."""
     declared = quantities(type(value))
     records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
     entries_by_key: dict[str, Any] = {}
@@ -96,12 +96,12 @@ def _result(value: Any, selection: Selection) -> Any:
 
 
 def shown(value: Any, quantity: Quantity, selection: Selection) -> Any:
-    """A quantity of a result as every output shows it: reduced to what is reported, NaN where it is not known."""
+    """Return a quantity as every output shows it: reduced to what is reported, NaN where it is not known."""
     return _reduced(_known(value, quantity), quantity, quantity.axes, selection)
 
 
 def _known(value: Any, quantity: Quantity) -> Any:
-    """The quantity of a result, with NaN where its status says that it is not known."""
+    """Return the quantity of a result, with NaN where its status says that it is not known."""
     held = getattr(value, quantity.name)
     if not quantity.known_by or held is None:
         return held

@@ -41,7 +41,7 @@ class ReportFigure(Figure):
         return self.svg
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
-        """The same, and its caption where text is shown in place of all numbers."""
+        """Return the drawing, and the caption where text is shown in place of all numbers."""
         return {"text/plain": f"{self.name}: {self.caption}", "image/svg+xml": self.svg}
 
 
@@ -67,7 +67,7 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
 
 
 def _by_title(columns: list[tuple[str, FloatArray]]) -> dict[str, FloatArray]:
-    """Columns of the same title get numbers."""
+    """Return columns by their titles; equal titles get numbers."""
     by_title: dict[str, FloatArray] = {}
     for title, values in columns:
         count = sum(

@@ -36,18 +36,18 @@ CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
 def reference(findings: Findings) -> str:
-    """Name of the component whose speed is the speed axis."""
+    """Return name of the component whose speed is the speed axis."""
     return findings.study.operation.at or findings.study.train.parts[0].name
 
 
 def rated(findings: Findings) -> float | None:
-    """Rated speed, rad/s of the reference component."""
+    """Return the rated speed, rad/s of the reference component; None without one."""
     point = findings.study.operation.rated
     return None if point is None else point.speed
 
 
 def operation_words(findings: Findings) -> str:
-    """The range of speeds and the rated point; empty where neither is given."""
+    """Return the range of speeds and the rated point; empty where neither is given."""
     operation, words = findings.study.operation, []
     if operation.speeds is not None:
         words.append(
@@ -61,7 +61,7 @@ def operation_words(findings: Findings) -> str:
 
 
 def steady_at_rated(findings: Findings) -> Steady | None:
-    """The mean torques at the rated speed alone; None where they are not known there."""
+    """Return the mean torques at the rated speed alone; None where they are not known there."""
     point, study = findings.study.operation.rated, findings.study
     if point is None or findings.get(Steady) is None:
         return None
@@ -72,25 +72,25 @@ def steady_at_rated(findings: Findings) -> Steady | None:
 
 
 def mean_torque_at_rated(findings: Findings) -> tuple[FloatArray, FloatArray] | None:
-    """N m at the rated speed: magnitudes of what is applied at the stations (stations,) and of the spans (spans,)."""
-    found = steady_at_rated(findings)
-    return None if found is None else (np.abs(found.applied[:, 0]), np.abs(found.torque[:, 0]))
+    """Return magnitudes (N m) at the rated speed: of torques applied at the stations, and of the torques of the spans."""
+    steady = steady_at_rated(findings)
+    return None if steady is None else (np.abs(steady.applied[:, 0]), np.abs(steady.torque[:, 0]))
 
 
 def rated_rpm(findings: Findings) -> float | None:
-    """Rated speed, rpm."""
+    """Return the rated speed in rpm; None without one."""
     speed = rated(findings)
     return None if speed is None else speed * RPM
 
 
 def barred(findings: Findings) -> tuple[BarredRange, ...]:
-    """The barred ranges that the verdicts stand on, each once, in rising order."""
-    found = {band: None for check in findings.need(Checks).lines for band in check.barred}
-    return tuple(sorted(found, key=lambda band: (band.lower, band.upper)))
+    """Return the barred ranges that the verdicts stand on, each once, in rising order."""
+    bands = {band: None for check in findings.need(Checks).lines for band in check.barred}
+    return tuple(sorted(bands, key=lambda band: (band.lower, band.upper)))
 
 
 def barred_rpm(findings: Findings) -> tuple[Band, ...]:
-    """The barred ranges as bands of rpm, overlapping ones as one."""
+    """Return the barred ranges as bands of rpm, overlapping ones as one."""
     bands: list[Band] = []
     for band in barred(findings):
         low, high = band.lower * RPM, band.upper * RPM
@@ -102,18 +102,18 @@ def barred_rpm(findings: Findings) -> tuple[Band, ...]:
 
 
 def tolerated_rpm(findings: Findings) -> tuple[Band, ...]:
-    """The ranges that cover the barred ranges' critical speeds at every tolerance, rpm, where the file has any."""
-    known = (band for band in barred(findings) if math.isfinite(band.tolerance_lower))
-    return tuple((band.tolerance_lower * RPM, band.tolerance_upper * RPM) for band in known)
+    """Return the ranges that cover the barred ranges' critical speeds at every tolerance, rpm, where the file has any."""
+    tolerated = (band for band in barred(findings) if math.isfinite(band.tolerance_lower))
+    return tuple((band.tolerance_lower * RPM, band.tolerance_upper * RPM) for band in tolerated)
 
 
 def band_words(band: Band) -> str:
-    """A range in rpm, widened to tenths so that nothing of it is lost."""
+    """Return a range in rpm, widened to tenths so that nothing of it is lost."""
     return "{} to {} rpm".format(*widened(band))
 
 
 def widened(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]:
-    """Both ends of a range in rpm, rounded down and up to a tenth, but not beyond two speeds (rpm).
+    """Return both ends of a range in rpm, rounded down and up to a tenth, but not beyond two speeds (rpm).
 
     What the conversion of units adds does not widen it.
     """
@@ -126,7 +126,7 @@ def widened(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]
 
 
 def unreliable(findings: Findings) -> BoolArray:
-    """(speeds,) where any harmonic component of the response is not ok."""
+    """Return (speeds,) where any harmonic component of the response is not ok."""
     response = findings.get(Response)
     if response is None:
         return np.zeros(0, dtype=bool)
@@ -134,7 +134,7 @@ def unreliable(findings: Findings) -> BoolArray:
 
 
 def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """(speeds, lines) N m: largest torque amplitude in the spans; NaN where the line is not ok."""
+    """Return the largest torque amplitude (speeds, lines) N m in the spans; NaN where the line is not ok."""
     response = findings.get(Response)
     if response is None:
         return np.zeros((0, 0))
@@ -159,22 +159,24 @@ def speed_axis(findings: Findings) -> dict[str, Any]:
 
 
 def harmonic_name(response: Response, index: int, word: str = "") -> str:
-    """Of a harmonic component: '2' of an order, behind a word where one is given, or '40 Hz'."""
+    """Return the name of a component: '2' of an order, after a word where one is given, or '40 Hz'."""
     line = response.lines[index]
     return (
         f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
     )
 
 
-def worth_a_figure(findings: Findings, torque: Mapping[Element, float], most: int) -> list[Element]:
-    """The elements with the largest torque (N m) referred to one speed, in their order; rigid ones only for a gear."""
+def worth_a_figure(
+    findings: Findings, torque: Mapping[Element, float], count: int
+) -> list[Element]:
+    """Return the elements with the largest torque (N m) referred to one speed, in their order; rigid ones only for a gear."""
     shown = [e for e in torque if findings.system.flexibility[e.spans[0]] > 0 or e.kind == "gear"]
-    strong = sorted(shown, key=lambda e: -torque[e] * e.ratio)[:most]
+    strong = sorted(shown, key=lambda e: -torque[e] * e.ratio)[:count]
     return [e for e in shown if e in strong]
 
 
 def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """(speeds,) N m: largest half range of all lines together in the spans; NaN where it is not known."""
+    """Return the amplitude (speeds,) N m of all lines together, largest of the spans; NaN where it is not known."""
     if findings.get(Synthesis) is None:
         return np.zeros(0)
     size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
@@ -182,57 +184,59 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
 
 
 def responds(findings: Findings) -> bool:
-    """There is a response over speed, and something excites it."""
+    """Return whether there is a response over speed, and something excites it."""
     return findings.get(Synthesis) is not None and bool(findings.need(Response).lines)
 
 
 def orders_together(findings: Findings) -> str:
-    """Of which harmonic components the synthesis is made, in words."""
+    """Return in words of which harmonic components the synthesis is made."""
     some = findings.get(Response) is not None and findings.need(Response).left_out
     return "the orders requested" if some else "all orders"
 
 
 def rounding(findings: Findings) -> FloatArray:
-    """(spans,) N m: a vibratory torque below it is rounding of the train's largest torque, printed as 0."""
+    """Return (spans,) N m below which a vibratory torque is rounding of the train's largest torque, printed as 0."""
     response, ratio = findings.get(Response), findings.system.span_ratio
     if response is None or not response.lines:
         return np.zeros(len(ratio))
     size = np.zeros(len(ratio))
-    for speed, known in enumerate(response.status == Status.OK):
-        np.maximum(size, np.abs(response.torque[speed, known]).max(axis=0, initial=0.0), out=size)
+    for speed, is_known in enumerate(response.status == Status.OK):
+        np.maximum(
+            size, np.abs(response.torque[speed, is_known]).max(axis=0, initial=0.0), out=size
+        )
     size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
     return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
 
 
 def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
-    """The values of some spans with 0 for what is `nothing` (spans,) in each of them."""
+    """Return the values of some spans with 0 for what is `nothing` (spans,) in each of them."""
     return np.where(values < nothing.min(initial=np.inf), 0.0, values)
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
-    """The unstable ranges of speed, rpm: of the train, then of the tilt of shafts."""
+    """Return the unstable ranges of speed, rpm: of the train, then of the tilt of shafts."""
     stability: Stability | None = findings.results.get(
         "stability"
     )  # its class is not loaded where there is none
-    ranges = [] if stability is None else [*stability.ranges]
-    ranges += (band for _, tilting in tilted(findings) for band in tilting.zones)
-    return tuple((band.first * RPM, band.last * RPM) for band in ranges)
+    ranges: Sequence[Any] = () if stability is None else stability.ranges
+    tilts = (band for _, tilting in tilted(findings) for band in tilting.zones)
+    return tuple((band.first * RPM, band.last * RPM) for band in (*ranges, *tilts))
 
 
 def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":
-    """Every shaft whose tilt was looked at, by its name."""
+    """Return every shaft whose tilt was looked at, by its name."""
     lateral: Lateral | None = findings.results.get("lateral")
     shafts = () if lateral is None else lateral.shafts
     return tuple((shaft.name, shaft.tilting) for shaft in shafts if shaft.tilting is not None)
 
 
 def failed(findings: Findings) -> tuple[Check, ...]:
-    """The checks that failed."""
+    """Return the checks of the run that failed."""
     return tuple(check for check in findings.need(Checks).lines if check.fails)
 
 
 def joint_model(findings: Findings) -> str:
-    """What the joint model says of its own error, in a sentence; empty without joints."""
+    """Return what the joint model says of its own error, in a sentence; empty without joints."""
     error = (
         0.0
         if findings.get(Response) is None
@@ -250,14 +254,14 @@ def joint_model(findings: Findings) -> str:
 
 
 def mode_of(findings: Findings, barred: BarredRange) -> str:
-    """The mode that the order of a barred range excites at its critical speed."""
+    """Return the mode that the order of a barred range excites at its critical speed."""
     if barred.order is None:
         return NONE
     return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
 
 
 def mode_near(findings: Findings, frequency: float) -> str:
-    """The mode whose frequency is nearest, if it is near."""
+    """Return the mode whose frequency is nearest, if it is near."""
     damped, undamped = findings.get(DampedModes), findings.get(Modes)
     source = undamped if damped is None else damped
     if source is None or len(source.frequency) == 0:

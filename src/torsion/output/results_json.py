@@ -44,12 +44,12 @@ BLOCK = 10_000  # numbers turned into text at once
 
 
 def listed(values: Any) -> Any:
-    """The data with nested lists in place of arrays."""
+    """Return the data with nested lists in place of arrays."""
     return replaced(values, lambda _, array: _listed(array))
 
 
 def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str = "") -> Any:
-    """The data with what `change` gives, from the path of its key and itself, in place of every array."""
+    """Return the data with what `change` gives, from the path of its key and itself, in place of every array."""
     if isinstance(values, np.ndarray):
         return change(path, values)
     if isinstance(values, Mapping):
@@ -69,7 +69,7 @@ class Written(str):
 
 
 def pieces(values: Any) -> Iterator[str]:
-    """The data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
+    """Yield the data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
     if isinstance(values, Written):
         yield values
     elif not _has_long(values):
@@ -138,7 +138,7 @@ def write_json(
 
 
 def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
-    """The text of a JSON object, one line for each key, piece by piece."""
+    """Yield the text of a JSON object, one line for each key, piece by piece."""
     for position, (key, value) in enumerate(parts):
         yield f"{',' if position else '{'}\n{json.dumps(key)}: "
         yield from pieces(value)
@@ -240,22 +240,22 @@ CASES = Key(
 
 
 def results(findings: Findings) -> dict[str, Any]:
-    """Everything that was found, in nested lists; what was not requested is null or an empty list."""
+    """Return everything that was found, in nested lists; what was not requested is null or an empty list."""
     return {key: listed(make()) for key, make in _made(findings).items()}
 
 
-def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
-    """The results as JSON text, one line for each top-level key; `only`: of those keys, and the head."""
-    return "".join(lines((key, make()) for key, make in _made(findings, only).items()))
+def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEXT) -> str:
+    """Return the results as JSON text, one line for each top-level key; `only`: of those keys, and the head.
 
-
-def bounded_text(findings: Findings, only: tuple[str, ...] = (), most: int = MOST_TEXT) -> str:
-    """The same text for a stream, which has no file beside it; raises InputError for more than `most` bytes."""
+    It is for a stream, which has no file beside it for long series. Raises InputError for more than `largest` bytes.
+    """
     written, size = list[str](), 0
     for piece in lines((key, make()) for key, make in _made(findings, only).items()):
         size += len(piece)
-        if size > most:
-            message = f"the results are more than {most / 1e6:.6g} MB of JSON, too many for --json"
+        if size > largest:
+            message = (
+                f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
+            )
             hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
             raise InputError([Fault((), message, hint)])
         written.append(piece)
@@ -263,7 +263,7 @@ def bounded_text(findings: Findings, only: tuple[str, ...] = (), most: int = MOS
 
 
 def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[Path]]:
-    """What writes the results and their report into a file, and very long arrays into another beside it."""
+    """Return a writer of the results and their report into a file, and of very long arrays into another beside it."""
     from torsion.output.stored_report import stored
 
     return partial(
@@ -272,7 +272,7 @@ def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[
 
 
 def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
-    """What makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
+    """Return what makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
     chosen = Selection(findings.system)
     names = [name for analysis in ANALYSES.values() for name in analysis.results]
     makers: dict[str, Callable[[], Any]] = {
@@ -293,7 +293,7 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
 
 
 def _of_case(findings: Findings) -> dict[str, Any]:
-    """Every key of a case; of one without an answer its plan alone, which says why."""
+    """Return every key of a case; of one without an answer its plan alone, which says why."""
     if not findings.is_answered:
         no_train: Any = None  # a plan runs over none
         return {"plan": plain(findings.plan, Selection(no_train))}
@@ -301,7 +301,7 @@ def _of_case(findings: Findings) -> dict[str, Any]:
 
 
 def documented() -> tuple[Key, ...]:
-    """Every key of the results, as the manual of results lists them."""
+    """Return every key of the results, as the manual of results lists them."""
     kinds = {
         name: kind
         for analysis in ANALYSES.values()
@@ -317,7 +317,7 @@ def documented() -> tuple[Key, ...]:
 
 
 def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
-    """The keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
+    """Yield the keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
     declared = quantities(kind)
     records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
     shown = {axis for quantity in declared for axis in quantity.printed}

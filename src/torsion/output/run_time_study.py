@@ -76,7 +76,7 @@ def write_study(
 
 
 def blocks(timings: Timings) -> Iterator[Block]:
-    """The whole report but for cover and source."""
+    """Yield the whole report but for cover and source."""
     summary: list[Block] = []
     for quantity in timings.quantities:
         best = fastest(quantity.rows, timings.tolerance)
@@ -110,7 +110,7 @@ def blocks(timings: Timings) -> Iterator[Block]:
 
 
 def methods(quantity: TimedQuantity, tolerance: float) -> Table:
-    """Every method and discretisation with its error and run times, and what makes it worth taking."""
+    """Return every method and discretisation with its error and run times, and what makes it worth taking."""
     best, rivals = fastest(quantity.rows, tolerance), as_fast(quantity.rows, tolerance)
     rows = []
     for row in quantity.rows:
@@ -131,7 +131,7 @@ def methods(quantity: TimedQuantity, tolerance: float) -> Table:
 
 
 def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
-    """Which method to take, in one sentence: 'For 0.1 % up to 120 Hz: lumped, 8 segments, 0.4 ms (error 0.03 %).'"""
+    """Return which method to take: 'For 0.1 % up to 120 Hz: lumped, 8 segments, 0.4 ms (error 0.03 %).'"""
     best = fastest(quantity.rows, tolerance)
     goal = f"{share(tolerance)} up to {given(quantity.highest, DIGITS)} Hz"
     row = best or min(quantity.rows, key=lambda row: row.error)
@@ -142,25 +142,25 @@ def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
 
 
 def share(error: float) -> str:
-    """A relative error: '0.1 %', '2.3·10⁻⁹', 'no value'."""
+    """Return a relative error: '0.1 %', '2.3·10⁻⁹', 'no value'."""
     if math.isinf(error):
         return "no value"
     return f"{given(100.0 * error, DIGITS)} %" if error >= LEAST_SHARE else number(error, 2)
 
 
 def milliseconds(seconds: float) -> str:
-    """A time in ms, with three digits."""
+    """Return a time in ms, with three digits."""
     return number(1e3 * seconds, DIGITS)
 
 
 def cells(row: TimedRow) -> tuple[str, ...]:
-    """Method, discretisation, error, and the medians of the whole, of assembly and of solve in ms."""
+    """Return method, discretisation, error, and the medians of the whole, of assembly and of solve in ms."""
     times = row.total, row.assembly_spread, row.solve_spread
     return (row.curve, row.division, share(row.error), *(milliseconds(t.median) for t in times))
 
 
 def json_text(findings: Findings, timings: Timings) -> str:
-    """The study as JSON text; times in seconds, every run; an error that is infinite is null."""
+    """Return the study as JSON text; times in seconds, every run; an error that is infinite is null."""
     study = findings.study
     values = {
         "format": FORMAT,

@@ -83,7 +83,7 @@ class SpanRow:
 
 
 def scene(study: Study) -> Scene:
-    """The head of the results of a study."""
+    """Return the head of the results of a study."""
     speeds, rated = study.operation.speeds, study.operation.rated
     return Scene(
         name=study.name,
@@ -103,7 +103,7 @@ def scene(study: Study) -> Scene:
 
 
 def pressure_files(study: Study) -> list[str]:
-    """The files of the pressures of engines and compressors, as the scene names them."""
+    """Return the files of the pressures of engines and compressors, as the scene names them."""
     records = (
         record
         for part in study.train.parts
@@ -114,13 +114,13 @@ def pressure_files(study: Study) -> list[str]:
 
 
 def signal_files(study: Study) -> list[str]:
-    """The files of measured signals, as the scene names them."""
+    """Return the files of measured signals, as the scene names them."""
     measured = getattr(study.analyses.get("fit"), "measured", ())
     return list(dict.fromkeys(signal.signal for signal in measured if signal.signal))
 
 
 def checksum(study: Study) -> str | None:
-    """SHA-256 of the input as read, in UTF-8: the scene and its tables one behind the other; None without a text.
+    """Return the SHA-256 of the input as read, in UTF-8: the scene, then its tables; None without a text.
 
     `cat scene.yaml line.csv | sha256sum` gives it.
     """
@@ -129,7 +129,7 @@ def checksum(study: Study) -> str | None:
 
 
 def station_rows(selection: Selection) -> tuple[StationRow, ...]:
-    """Every station, or group of inner stations of a shaft, that is reported."""
+    """Return every station, or group of inner stations of a shaft, that is reported."""
     system, groups = selection.system, selection.groups
     parts = system.train.parts
     inertia = groups.over_stations(system.inertia)
@@ -150,7 +150,7 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
 
 
 def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
-    """Every span, or group of segments of a shaft, that is reported."""
+    """Return every span, or group of segments of a shaft, that is reported."""
     system, groups = selection.system, selection.groups
     parts = system.train.parts
     names, ends, flexibility = (

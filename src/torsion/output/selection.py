@@ -27,17 +27,17 @@ class Element:
     ratio: float  # speed at which its torque is stated / reference speed
 
     def largest(self, values: FloatArray) -> FloatArray:
-        """The largest over the element's spans of values (..., spans)."""
+        """Return the largest over the element's spans of values (..., spans)."""
         return np.asarray(values[..., list(self.spans)].max(axis=-1))
 
 
 def elements(system: System) -> tuple[Element, ...]:
-    """Every element in the order of the train, all sections of a shaft as one with the steps between them."""
+    """Return every element in the order of the train, all sections of a shaft as one with the steps between them."""
     return tuple(_of_whole_shafts(system, pieces(system)))
 
 
 def pieces(system: System) -> list[Element]:
-    """The same with sections and steps each by itself; points that are rigidly joined have none between them."""
+    """Return the same with sections and steps each by itself; points that are rigidly joined have none between them."""
     bars = {bar.part: bar.name for bar in system.train.bars}
     spans_by_element: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
@@ -73,7 +73,7 @@ def _of_whole_shafts(system: System, made: Iterable[Element]) -> Iterator[Elemen
 
 
 def by_part(part: IntArray) -> dict[int, IntArray]:
-    """Positions of the stations or spans (any,) of every component, ascending.
+    """Return positions of the stations or spans (any,) of every component, ascending.
 
     >>> by_part(np.array([2, 0, 2]))
     {0: array([1]), 2: array([0, 2])}
@@ -84,7 +84,7 @@ def by_part(part: IntArray) -> dict[int, IntArray]:
 
 
 def damps(system: System, element: Element) -> bool:
-    """Its internal damping takes energy out of a vibration."""
+    """Return whether its internal damping takes energy out of a vibration."""
     first = element.spans[0]
     if first in system.tables:
         return system.tables[first].damps
@@ -135,13 +135,13 @@ class Selection:
         )
 
     def positions(self, axis: str) -> list[Any]:
-        """What a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
+        """Return what a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
         if axis == "element":
             return [element.name for element in self.elements]
         return self.named_stations if axis == "named station" else self.groups.place(self.end_spans)
 
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
-        """The values with the axes that are printed, in their order; `axes` are those of the values."""
+        """Return the values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
         kept = [
             next(
@@ -157,7 +157,7 @@ class Selection:
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
 
     def _along(self, array: Any, position: int, axes: tuple[str, str], is_total: bool) -> Any:
-        """The values with one axis, of stations or spans, reduced to what is shown of it."""
+        """Return the values with one axis, of stations or spans, reduced to what is shown of it."""
         axis, shown = axes
         if shown == "element":
             largest = [
@@ -180,7 +180,7 @@ class Selection:
 
 
 def largest(values: FloatArray) -> int | None:
-    """Where the largest value stands; None where there is none, or one is not known, which may be the largest."""
+    """Return where the largest value stands; None where there is none, or one is not known, which may be the largest."""
     if not values.size:
         return None
     peak = int(np.argmax(values))  # the first NaN, where there is one
@@ -188,7 +188,7 @@ def largest(values: FloatArray) -> int | None:
 
 
 def highest(values: FloatArray) -> float:
-    """The largest of the values that are known; 0 where there is none."""
+    """Return the largest of the values that are known; 0 where there is none."""
     return float(np.nanmax(np.append(values, 0.0)))
 
 
@@ -199,11 +199,11 @@ def worst(values: FloatArray, speed: FloatArray) -> tuple[float | str, float | N
 
 
 def torques(curves: Iterable[FloatArray]) -> Scale:
-    """The unit that suits the largest torque of some curves."""
+    """Return the unit that suits the largest torque of some curves."""
     return scale("N m", [highest(values) for values in curves])
 
 
 def strongest(values: FloatArray, count: int) -> list[int]:
-    """The columns of (places, curves) with the largest values, in their order; those of nothing are left out."""
+    """Return the columns of (places, curves) with the largest values, in their order; those of nothing are left out."""
     size = np.nanmax(np.where(np.isfinite(values), values, 0.0), axis=0, initial=0.0)
     return sorted(k for k in np.argsort(-size, kind="stable")[:count].tolist() if size[k] > 0)

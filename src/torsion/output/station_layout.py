@@ -28,7 +28,7 @@ class Layout:
 
 
 def label(parts: Sequence[Part], position: int) -> str:
-    """What a picture calls a component: its number in the table of components, and its name where there is room.
+    """Return what a picture calls a component: its number in the table of components, and its name if there is room.
 
     A shaft of sections is named once, at the one in its middle.
     """
@@ -42,7 +42,7 @@ def label(parts: Sequence[Part], position: int) -> str:
 
 
 def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout:
-    """Stations in the order of the train; a branch gets a free row beside the point that carries it.
+    """Place stations in the order of the train; a branch gets a free row beside the point that carries it.
 
     lengths: of parts, in place of those in the sketch.
     """
@@ -69,7 +69,7 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
 
 
 def _widths(system: System) -> dict[int, float]:
-    """By part, of the sections of a shaft: to scale, on the average half a shaft."""
+    """Return widths by part for the sections of a shaft: to scale, on the average half a shaft."""
     train, widths = system.train, dict[int, float]()
     for bars in train.sectioned.values():
         scale = WIDTH["shaft"] / 2.0 * len(bars) / sum(bar.length for bar in bars)
@@ -85,7 +85,7 @@ class _Rows:
         self._end: dict[int, float] = {}
 
     def of(self, branch: Path, start: float, beside: int) -> int:
-        """The row of a branch, which begins at `start` beside a row.
+        """Return the row of a branch, which begins at `start` beside a row.
 
         It is the next one below or above that no branch goes on in and that is empty from there on, or else a new one.
         """
@@ -130,7 +130,7 @@ def _behind(
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Inner stations of a shaft, evenly between its ends; the end whose torque is reported there at the driven end."""
+    """Place inner stations of a shaft evenly between its ends; the end whose torque is reported stands at the driven end."""
     missing = np.flatnonzero(np.isnan(x))
     inside = by_part(system.station_part[missing])
     for bar in system.train.bars:
@@ -144,7 +144,7 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
 
 
 def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Rings, grounds, planets and wheels without a train: beside the station that drives them, or that they drive."""
+    """Place rings, grounds, planets and wheels without a train beside the station that drives them, or that they drive."""
     while (missing := np.isnan(x)).any():
         for span in system.own_spans:
             for near, far in ((span.driving, span.driven), (span.driven, span.driving)):

@@ -16,7 +16,14 @@ from typing import Annotated, Any, TypeVar, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, GetCoreSchemaHandler, TypeAdapter, ValidationError, ValidationInfo
+from pydantic import (
+    ConfigDict,
+    GetCoreSchemaHandler,
+    PlainValidator,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+)
 from pydantic_core import CoreSchema, core_schema
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
@@ -93,19 +100,9 @@ def _unpack_array(kept: object) -> NDArray[Any]:
     raise ValueError("an array has a type, a shape and bytes")
 
 
-class StoredArray:
-    """Annotation of a field with an array: its data are the position in the `Arrays` of the context."""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Return the validator that looks the array up."""
-        return core_schema.with_info_plain_validator_function(_array_at)
-
-
 def _array_at(position: object, info: ValidationInfo) -> NDArray[Any]:
-    arrays = cast(Arrays, info.context)
-    return arrays.at(position)
+    """Return the array at a position of the `Arrays` in the context."""
+    return cast(Arrays, info.context).at(position)
 
 
 class NamedChoice:
@@ -126,9 +123,10 @@ class NamedChoice:
 
 
 BY_NAME = NamedChoice()
-StoredFloats = Annotated[FloatArray, StoredArray()]
-StoredIntegers = Annotated[IntArray, StoredArray()]
-StoredFlags = Annotated[BoolArray, StoredArray()]
+STORED = PlainValidator(_array_at)  # of a field with an array
+StoredFloats = Annotated[FloatArray, STORED]
+StoredIntegers = Annotated[IntArray, STORED]
+StoredFlags = Annotated[BoolArray, STORED]
 
 
 def plain(value: Any, arrays: Arrays, named: Collection[type]) -> Any:
@@ -150,7 +148,7 @@ def plain(value: Any, arrays: Arrays, named: Collection[type]) -> Any:
 
 @cache
 def _stored_fields(kind: Any) -> list[tuple[str, Any]]:
-    """Names and defaults of the fields that are written; MISSING for a field that is always written."""
+    """Return names and defaults of the fields that are written; MISSING for a field that is always written."""
     return [
         (entry.name, _default(entry)) for entry in fields(kind) if entry.metadata.get("kept", True)
     ]

@@ -32,7 +32,7 @@ NAMED = f',\n"{FILES}": '  # before the line with the files of the report
 
 
 def stored(document: Document, before: str = "") -> str:
-    """The report as JSON text on one line; `before`: the SHA-256 of what stands before it in its file."""
+    """Return the report as JSON text on one line; `before`: the SHA-256 of what stands before it in its file."""
     arrays = Arrays()
     written = plain(document, arrays, NAMED_CLASSES)
     content = _text({"document": written, "arrays": arrays.kept})
@@ -51,12 +51,12 @@ def _checksum(text: str) -> str:
 
 
 def file_at(path: Path) -> Path:
-    """The file of results itself, or the results.json of a folder."""
+    """Return the file of results itself, or the results.json of a folder."""
     return path / REPORTS["solve"].files["json"] if path.is_dir() else path
 
 
 def opened(path: Path) -> Document:
-    """The report that a file of results, or the results.json of a folder, holds; raises InputError."""
+    """Return the report that a file of results, or the results.json of a folder, holds; raises InputError."""
     file = file_at(path)
     try:
         text = read_file(file, LARGEST_RESULTS).decode()
@@ -95,7 +95,7 @@ def named(file: Path) -> set[str]:
 
 
 def naming(text: str, names: Iterable[str]) -> str:
-    """The text of a file of results with these names of files, and with its checksum."""
+    """Return the text of a file of results with these names of files, and with its checksum."""
     before, mark, kept_text = text.rpartition(MARK)
     if not mark:
         return text  # a report without results
@@ -106,7 +106,7 @@ def naming(text: str, names: Iterable[str]) -> str:
 
 
 def _before(text: str, kept: object) -> str:
-    """The SHA-256 of what stands before the report, which stands last; '' where nothing does."""
+    """Return the SHA-256 of what stands before the report, which stands last; '' if nothing does."""
     before, mark, kept_text = text.rpartition(MARK)
     return _checksum(before) if mark and kept_text == _text(kept) + END else ""
 
@@ -116,7 +116,7 @@ def _no_number(word: str) -> None:
 
 
 def _restored(file: Path, text: str, kept: object) -> Document:
-    """The report from what stands under its key in the text."""
+    """Return the report from what stands under its key in the text."""
     if not isinstance(kept, dict) or not isinstance(kept.get("format"), int):
         raise _refused(file, f"holds no report (key `{KEY}`), as what `--json` prints does not")
     writer = f"torsion {printable(str(kept.get('program')), 20)}"

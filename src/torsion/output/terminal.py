@@ -1,6 +1,6 @@
 """A report on the terminal: its blocks that have a short form, narrow enough for 80 columns.
 
-Names may be cut or folded, numbers never.
+Names may be folded, numbers never.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ COLOURS = {
     "note": "yellow",
 }
 MOST_ROWS = 12  # of a table
-MOST_TABLES, MOST_SENTENCES = 2, 5  # in the summary
+MOST_TABLES, MOST_LINES, MOST_SENTENCES = 2, 14, 5  # in the summary; lines of all rows of tables
 HEADS = (  # of the box, in the summary
     "Sweep",
     "Design",
@@ -55,15 +55,15 @@ def show(
     for item in (screen if is_verbose else summary)(document, printed.width):
         printed.print(item)
     if document.ending.work:
-        more = "" if is_verbose else "; all tables: -v, or the report"
-        printed.print(Text(document.ending.work + more))
+        hint = "" if is_verbose else "; all tables: -v, or the report"
+        printed.print(Text(document.ending.work + hint))
     if folder is not None:
         printed.print(Text(without_controls(f"Report: {folder / document.report.stem}.html")))
 
 
 def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
     """Return the verdict, its worst rows, and frequencies, each in few lines; the verdict first."""
-    items, sentences, tables = _title(document), list[str](), 0
+    items, sentences, tables, room = _title(document), list[str](), 0, MOST_LINES
     for block in (item.block for item in document.body):
         match block:
             case Box(sign=sign, text=text, kind=kind, lines=lines):
@@ -74,7 +74,9 @@ def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
                 sentences.append(words)
             case Table(rows_in_summary=rows) if rows and block.rows and tables < MOST_TABLES:
                 tables += 1
-                items.append(_grid(block, rows, width, is_cut=True))
+                grid, lines = _grid(block, rows, width, most_lines=room)
+                items.append(grid)
+                room -= lines
     return [*items, *(Text(_in_two_lines(text, width)) for text in sentences[:MOST_SENTENCES])]
 
 
@@ -91,9 +93,9 @@ def screen(document: Document, width: int = WIDTH) -> list[RenderableType]:
                     ends.append(([], []))
                 tables, sentences = ends[-1] if at_end else (first, first)
             case Table(short=title) if title and block.rows:
-                tables += [Text(_plain(title), style="italic"), _grid(block, MOST_ROWS, width)]
-                if (more := len(block.rows) - MOST_ROWS) > 0:
-                    tables.append(Text(f"and {more} more rows in the report", style="italic"))
+                tables += [Text(_plain(title), style="italic"), _grid(block, MOST_ROWS, width)[0]]
+                if (omitted := len(block.rows) - MOST_ROWS) > 0:
+                    tables.append(Text(f"and {omitted} more rows in the report", style="italic"))
                 tables.append(Text())
             case Box(sign=sign, text=text, kind=kind, lines=lines):
                 sentences.append(Text(f"{sign} {text}", style=f"bold {COLOURS[kind]}"))
@@ -114,20 +116,24 @@ def _title(document: Document) -> list[RenderableType]:
 
 
 def _in_two_lines(text: str, width: int) -> str:
-    """Return the words that fit into two lines; '…' stands for the rest."""
-    first, *others = wrap(text, width)
-    if len(others) > 1:
-        others = [f"{wrap(others[0], width - 2)[0]} …"]
-    return "\n".join([first, *others])
+    """Return what fits into two lines; '…' stands for the rest."""
+    lines = wrap(text, width)
+    if len(lines) > 2:
+        rest = " ".join(lines[1:])
+        lines = [lines[0], f"{rest[: width - 1].rstrip()}…"]
+    return "\n".join(lines)
 
 
-def _grid(table: Table, most: int, width: int, *, is_cut: bool = False) -> Grid:
-    """Return the first rows of a table; marks colour the last cell of their row.
+def _grid(
+    table: Table, row_count: int, width: int, *, most_lines: int | None = None
+) -> tuple[Grid, int]:
+    """Return the first rows of a table, and how many lines they have; marks colour the last cell of their row.
 
-    Numbers stay whole. Names are cut or folded to the width, short ones last; a long verdict has two lines.
+    Numbers stay whole. Names are folded to the width, short ones last; if `most_lines` are given, names are cut after
+    two lines, and rows that do not fit are left out.
     """
     kept = [k for k, column in enumerate(table.columns) if column.short]
-    rows, marks = table.rows[:most], table.marks[:most]
+    rows, marks = table.rows[:row_count], table.marks[:row_count]
     widths = {k: max(len(table.columns[k].short), *(len(row[k]) for row in rows)) for k in kept}
     is_name = {k: table.columns[k].align == "left" for k in kept}
     if marks and is_name[kept[-1]]:
@@ -145,13 +151,21 @@ def _grid(table: Table, most: int, width: int, *, is_cut: bool = False) -> Grid:
             column.short,
             justify="left" if column.align == "left" else "right",
             width=widths[k],
-            no_wrap=column.align != "left" or (is_cut and is_name[k]),
-            overflow="ellipsis" if is_cut and is_name[k] else "fold",
+            no_wrap=column.align != "left",
+            overflow="fold",
         )
+    lines = 0
     for row, mark in zip_longest(rows, marks, fillvalue=""):
-        *cells, last = (row[k] for k in kept)
+        texts = {k: row[k] for k in kept}
+        if most_lines is not None:
+            texts |= {k: _in_two_lines(row[k], widths[k]) for k in kept if is_name[k]}
+        height = max(len(wrap(text, widths[k])) for k, text in texts.items())
+        if most_lines is not None and lines + height > most_lines:
+            break
+        lines += height
+        *cells, last = texts.values()
         grid.add_row(*map(Text, cells), Text(last, style=COLOURS.get(mark, "")))
-    return grid
+    return grid, lines
 
 
 def _plain(text: str) -> str:

@@ -51,8 +51,8 @@ def rule(name: str, settings: "Declared | None" = None) -> "Rule[Any]":
     return made
 
 
-def _class(place: str) -> "tuple[type[Rule[Any]], list[str]]":
-    module, kind, *words = place.split(":")
+def _class(target: str) -> "tuple[type[Rule[Any]], list[str]]":
+    module, kind, *words = target.split(":")
     return getattr(import_module(module), kind), words
 
 
@@ -102,8 +102,8 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of the rules that hold wherever there is something for them to judge."""
     kinds = [
-        _class(place)[0]
-        for name, place in STANDING.items()
+        _class(target)[0]
+        for name, target in STANDING.items()
         if evidence.results.get(name) is not None
     ]
     rules = (kind(kind.settings_class()) for kind in kinds)

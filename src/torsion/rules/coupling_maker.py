@@ -16,7 +16,7 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import CouplingRatings, Part
 from torsion.rules.demanded_states import MISFIRE, unjudged
-from torsion.rules.judgement import (
+from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
     Continuous,
@@ -155,9 +155,10 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
         if (heat_limit := _heat_limit(evidence.study, ratings)) is not None:
             name, what, limit_of_heat, words = heat_limit
             power = raised_heat(evidence, spans)
-            smallest = limit_of_heat
-            if not isinstance(limit_of_heat, float):
-                # Of a limit over frequency every share counts as a share of the smallest limit.
+            if isinstance(limit_of_heat, float):
+                smallest = limit_of_heat
+            else:
+                # Every share of a limit over frequency counts as a share of the smallest limit.
                 limit_at = limit_of_heat.at(response.frequency)
                 smallest = float(limit_at.min())
                 power = power * (smallest / limit_at)
@@ -186,12 +187,12 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """(speeds,) W: mean power that spans turn into heat, all lines together."""
+    """Return (speeds,) W: the mean power that spans turn into heat, all lines together."""
     return np.asarray(np.sum(harmonic_heat(response, system, spans), axis=1))
 
 
 def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """(speeds, lines) W: mean power that spans turn into heat.
+    """Return (speeds, lines) W: the mean power that spans turn into heat.
 
     Of each line omega Im K |twist|^2/2 with twist = torque/K and K = k (1 + i eta) + i omega c, of a coupling with
     play, friction or stages as harmonic balance has it; with damping by hysteresis alone it is
@@ -234,12 +235,12 @@ def _heat_limit(
     words = ""
     if misfires(study):
         if (limit := ratings.heat_in_misfire) is not None:
-            most = "" if limit.time is None else f"for {limit.time / 60.0:.4g} min at most"
+            duration = "" if limit.time is None else f"for {limit.time / 60.0:.4g} min at most"
             return (
                 "P_KW misfire",
                 "Heat in misfire",
                 limit.power,
-                "; ".join(filter(None, (most, case))),
+                "; ".join(filter(None, (duration, case))),
             )
         words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation"
     if ratings.heat_over_frequency is not None:

@@ -1,11 +1,10 @@
 """States of the train that a rule demands, as rows NOT JUDGED where neither the file nor a case of it has them."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from torsion.model.engine.record import EngineRecord
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Standing
 from torsion.study import Study
@@ -58,23 +57,26 @@ def misfire_row(
     yield unjudged(rule, MISFIRE, where, "Misfiring of one cylinder", note, standing)
 
 
-def lacking_orders(engine: EngineRecord) -> list[Fraction]:
-    """Return the orders of a crankshaft that its synthesis is to have and the gas of its engine has not, ascending."""
-    last = LAST_ORDER[2 * engine.revolutions]
-    wanted = [
-        Fraction(harmonic, engine.revolutions)
-        for harmonic in range(1, last * engine.revolutions + 1)
-    ]
-    return [order for order in wanted if order not in engine.gas_orders]
+def lacking_orders(strokes: int, excited: Container[Fraction]) -> list[Fraction]:
+    """Return the orders of a crankshaft that UR M53 has in its synthesis and that nothing excites, ascending."""
+    step = Fraction(2, strokes)  # an order a cycle of the engine
+    orders = (step * k for k in range(1, int(LAST_ORDER[strokes] / step) + 1))
+    return [order for order in orders if order not in excited]
+
+
+def orders_words(lacking: list[Fraction], where: str = "") -> str:
+    """Return the orders that do not excite, the first of them, in words."""
+    return f"orders {listed(map(str, lacking), most=MOST_ORDERS)}{where} do not excite"
 
 
 def order_rows(rule: str, study: Study, standing: Standing = "rule text") -> Iterator[Check]:
     """Yield a restriction for each engine whose gas excites by fewer orders than UR M53 has in its synthesis."""
     for part in study.train.parts:
-        if part.engine is None or not (lacking := lacking_orders(part.engine)):
+        if part.engine is None:
             continue
-        words = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} of {part.name} do not excite"
-        yield restriction(rule, "orders", part.name, "Orders of the synthesis", words, standing)
+        if lacking := lacking_orders(2 * part.engine.revolutions, part.engine.gas_orders):
+            words = orders_words(lacking, f" of {part.name}")
+            yield restriction(rule, "orders", part.name, "Orders of the synthesis", words, standing)
 
 
 def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check]:

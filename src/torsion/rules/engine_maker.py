@@ -8,7 +8,7 @@ from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules.demanded_states import order_rows
-from torsion.rules.judgement import Clause, RuleOverSpeed, UseSettings
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA, no_crank, nominal_stress, with_role
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
@@ -41,8 +41,8 @@ class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what the rule does not judge, and why."""
-        other = "the rule limits the torsional stress only"
-        return ((f"{self.name}: damper, front end and bearings of the engine", other),)
+        reason = "the rule limits the torsional stress only"
+        return ((f"{self.name}: damper, front end and bearings of the engine", reason),)
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Return the orders that the synthesis lacks."""

@@ -9,7 +9,7 @@ from torsion.analyses.response.fillet_stresses import has_judged, stated_fillets
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import Clause, RuleOverSpeed, UseSettings
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
@@ -28,7 +28,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
     settings_class = FilletEnduranceSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
             message = f"{self.name} finds no fillet or notch with an `endurance`"

@@ -12,9 +12,9 @@ from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.lowering import Part
-from torsion.rules import judgement
-from torsion.rules.judgement import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
+from torsion.rules import rule_over_speed
 from torsion.rules.reached_speeds import coverage
+from torsion.rules.rule_over_speed import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study
 
@@ -57,7 +57,7 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
     settings_class = GearHammerSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
             message = f"{self.name} finds no gear in the train"
             return [Fault(self.path(study), message, "leave the rule out")]
@@ -77,7 +77,7 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
         """
         response = evidence.need(Response)
         always = np.ones(len(response.speed), dtype=bool)
-        reach = coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
+        reach = coverage(float(response.speed[-1]), rule_over_speed.rated_speed(evidence.study))
         for mesh in meshes(evidence):
             torque, spans = mesh.vibratory, mesh.spans
             share, origin, standing = _share(mesh.part, self.settings)
@@ -104,14 +104,14 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
 
 
 def meshes(evidence: Results) -> Iterator[Mesh]:
-    """Every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
+    """Yield every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
     response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-    torque = judgement.rated_torque(evidence)
+    torque = rule_over_speed.rated_torque(evidence)
     if torque is None:
         raise ValueError("the torque at the rated speed is not known")
-    torque = torque * judgement.share_of_rated(evidence.study.operation)
+    torque = torque * rule_over_speed.share_of_rated(evidence.study.operation)
     for number, part in evidence.study.train.of_kind("gear"):
-        for span in judgement.spans_of(evidence.system, number):
+        for span in rule_over_speed.spans_of(evidence.system, number):
             # A torque of a share below NO_LOAD is nothing but rounding.
             rated = float(torque[span]) if torque[span] > NO_LOAD * np.max(torque) else 0.0
             yield Mesh(
@@ -125,7 +125,7 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
 
 
 def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
-    """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
+    """Return the permissible vibratory share of the rated torque, its origin and its standing."""
     if settings.limit is not None:
         return settings.limit, "setting `limit`", "setting"
     if (factor := part.application_factor) is not None:

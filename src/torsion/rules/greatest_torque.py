@@ -13,8 +13,8 @@ from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
 from torsion.model.lowering import Part
-from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import restricted
+from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
 
 WHOLE_LIFE = 1.0  # Miner's sum at which it is used up

@@ -20,8 +20,8 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.lowering import Part
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import RATED, spans_of
 from torsion.rules.reached_speeds import in_rpm
+from torsion.rules.rule_over_speed import RATED, spans_of
 from torsion.rules.verdict_line import (
     TO_BE_VERIFIED,
     Check,

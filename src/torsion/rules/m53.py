@@ -16,13 +16,12 @@ from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part
-from torsion.results import listed
 from torsion.rules import m53_factors as factors
-from torsion.rules.demanded_states import LAST_ORDER, MOST_ORDERS, misfire_row, unjudged
-from torsion.rules.judgement import Clause, RuleOverSpeed, spans_of
+from torsion.rules.demanded_states import lacking_orders, misfire_row, orders_words, unjudged
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
 from torsion.rules.reached_speeds import START, restricted
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
 from torsion.rules.shaft_limits import (
     MM,
     PA,
@@ -82,20 +81,20 @@ class M53(RuleOverSpeed[M53Settings]):
             spans = spans_of(evidence.system, number)
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place, stress, fatigue in _places(settings, torque, strength):
-                if place in _stated_places(settings) and not any(
-                    _doubts(settings, place, strength)
+            for location, stress, fatigue in _places(settings, torque, strength):
+                if location in _stated_places(settings) and not any(
+                    _doubts(settings, location, strength)
                 ):
                     yield self.compare(
                         response,
-                        (place, part.name, STRESS.format(place)),
+                        (location, part.name, STRESS.format(location)),
                         TO_BE_VERIFIED,
                         stress,
                         fatigue / LEAST_Q,
                         "N/mm2",
                         spans=spans,
                         notes=(f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",),
-                        remarks=tuple(_notes(settings, place)),
+                        remarks=tuple(_notes(settings, location)),
                     )
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
@@ -117,15 +116,15 @@ class M53(RuleOverSpeed[M53Settings]):
         rows, settings = list[tuple[str, str, str, str]](), self.settings
         for number, part, shaft in with_role(study.train, "crank"):
             strength = (study.train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place in _stated_places(settings):
-                if doubts := "; ".join(_doubts(settings, place, strength)):
-                    rows.append((place, part.name, STRESS.format(place), doubts))
+            for location in _stated_places(settings):
+                if doubts := "; ".join(_doubts(settings, location, strength)):
+                    rows.append((location, part.name, STRESS.format(location), doubts))
             if settings.built == "semi-built":
                 what = "Shrink fits of the crankshaft"
                 rows.append(("shrink fits", part.name, what, UNJUDGED_FITS))
             if lacking := _lacking(study, settings, number, part):
-                note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-                rows.append(("orders", part.name, "Orders of the synthesis", note))
+                what = "Orders of the synthesis"
+                rows.append(("orders", part.name, what, orders_words(lacking)))
         return (
             *(unjudged(self.name, *row) for row in rows),
             *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"),
@@ -133,32 +132,32 @@ class M53(RuleOverSpeed[M53Settings]):
 
 
 def _stated_places(settings: M53Settings) -> tuple[str, ...]:
-    """Places that the crankshaft has: a semi-built one has no fillet of the journal."""
+    """Return the places that the crankshaft has: a semi-built one has no fillet of the journal."""
     journal = () if settings.built == "semi-built" else (JOURNAL,)
     return (PIN, *journal, *(() if settings.oil_bore == 0.0 else (BORE,)))
 
 
-def _doubts(settings: M53Settings, place: str, strength: float) -> Iterator[str]:
-    """Why the rule has no value for a place, in words; strength: N/mm2."""
+def _doubts(settings: M53Settings, location: str, strength: float) -> Iterator[str]:
+    """Yield why the rule has no value for a place, in words; strength: N/mm2."""
     if settings.manufacture == "cast":
         yield "the rule has no factor K for a cast crankshaft without approved cold rolling"
     if strength < LEAST_STRENGTH * (1 - ROUNDING):
         yield f"tensile strength {strength:.4g} N/mm2, below {LEAST_STRENGTH:g} (ours)"
-    if place == BORE and settings.oil_bore is None:
+    if location == BORE and settings.oil_bore is None:
         yield "`oil_bore` is not stated: write its diameter, or `oil_bore: none`"
-    if place == BORE and settings.drilling == "other":
+    if location == BORE and settings.drilling == "other":
         yield "the factors hold for a radial oil bore"
-    if place == BORE and settings.built == "semi-built":
+    if location == BORE and settings.built == "semi-built":
         yield "the factors hold for a solid crankshaft"
-    for name in RATIOS[place]:
-        ratio, (least, most) = settings.throw.ratios[name], RANGES[name]
-        if not least - ROUNDING <= ratio <= most + ROUNDING:
-            words = f"at most {most:g}" if least == -math.inf else f"{least:g} to {most:g}"
+    for name in RATIOS[location]:
+        ratio, (lowest, highest) = settings.throw.ratios[name], RANGES[name]
+        if not lowest - ROUNDING <= ratio <= highest + ROUNDING:
+            words = f"at most {highest:g}" if lowest == -math.inf else f"{lowest:g} to {highest:g}"
             yield f"outside the range of the factors: {name} {ratio:.4g}, {words}"
 
 
-def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[str]:
-    """Conditions of a pass that the file does not answer, in words; outer: diameter of the crank in the train, mm."""
+def _restrictions(settings: M53Settings, location: str, outer: float) -> Iterator[str]:
+    """Yield conditions of a pass that the file does not answer, in words; outer: diameter of the crank in the train, mm."""
     throw = settings.throw
     if settings.built is None:
         yield "crankshaft in one piece (`built` is not stated)"
@@ -168,7 +167,7 @@ def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[s
     smaller = min(throw.pin, throw.journal)
     if outer < smaller * (1 - SAME_SIZE):
         yield f"pin and journals as large as the rule has them: the crank of the train has {outer:.4g} mm"
-    if place != BORE:
+    if location != BORE:
         yield "fillets smooth; surface treatment only with approval"
         return
     yield "outlet and oil bore smooth down to 1.5 times its diameter; surface treatment only with approval"
@@ -180,12 +179,12 @@ def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[s
         yield "journal oil bores with separate evidence: the journal is smaller than the pin"
 
 
-def _notes(settings: M53Settings, place: str) -> Iterator[str]:
+def _notes(settings: M53Settings, location: str) -> Iterator[str]:
     """Yield what the stress of a place counts in, in words, and nominal stresses that the file states as 0."""
-    for key in NOMINAL[place]:
+    for key in NOMINAL[location]:
         if getattr(settings, key) == 0.0:
             yield f"`{key}` stated as 0 MPa"
-    if place != BORE:
+    if location != BORE:
         stress, source = settings.added_bending
         yield f"additional bending {stress:g} N/mm2 ({source})"
         if settings.throw.ratios["s"] < factors.LEAST_OVERLAP:
@@ -193,21 +192,19 @@ def _notes(settings: M53Settings, place: str) -> Iterator[str]:
 
 
 def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> list[Fraction]:
-    """Orders of a crankshaft that the rule wants in the synthesis, and that nothing excites.
+    """Return orders of a crankshaft that the rule requires in the synthesis, and that nothing excites.
 
     Of an engine only its gas counts: moving masses have nearly every order, and loads may have the missing ones.
     """
     if settings.strokes is None:
         return []
-    step = Fraction(2, settings.strokes)  # an order a cycle of the engine
-    orders = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
     engines = (other.engine for other in study.train.parts if other.engine is not None)
     engine = next((record for record in engines if crank in record.cranks), None)
     if engine is None:
         excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
     else:
         excited = set() if engine.gas is None else set(engine.gas_orders)
-    return [order for order in orders if order not in excited]
+    return lacking_orders(settings.strokes, excited)
 
 
 def _places(

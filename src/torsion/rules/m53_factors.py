@@ -70,7 +70,7 @@ RANGES = {  # in which the factors were measured
 
 
 def alpha_b(throw: Throw) -> float:
-    """Of bending in the fillet of the pin."""
+    """Return the stress concentration factor of bending in the fillet of the pin."""
     _, w, b, r, _, _, d_h, d_g = throw.ratios.values()
     overlap = (
         (-4.1883, 29.2004, -77.5925, 91.9454, -40.0416),
@@ -87,7 +87,7 @@ def alpha_b(throw: Throw) -> float:
 
 
 def beta_b(throw: Throw) -> float:
-    """Of bending in the fillet of the journal."""
+    """Return the stress concentration factor of bending in the fillet of the journal."""
     _, w, b, _, r, _, d_h, d_g = throw.ratios.values()
     overlap = (-1.7625, 2.9821, -1.5270), (5.1169, -5.8089, 3.1391), (-2.1567, 2.3297, -1.2952)
     of_web = 2.2422 * w**0.7548 * (0.5616 + 0.1197 * b + 0.1176 * b**2)
@@ -99,7 +99,7 @@ def beta_b(throw: Throw) -> float:
 
 
 def beta_q(throw: Throw) -> float:
-    """Of shear in the fillet of the journal.
+    """Return the stress concentration factor of shear in the fillet of the journal.
 
     The rule does not name its overlap below -0.5. The polynomial is negative there from -0.6, which would take stress
     away: s at -0.5 is larger, the safe side.
@@ -114,7 +114,7 @@ def beta_q(throw: Throw) -> float:
 
 
 def alpha_t(throw: Throw, *, journal: bool = False) -> float:
-    """Of torsion in the fillet of the pin, or in that of the journal.
+    """Return the stress concentration factor of torsion in the fillet of the pin, or in that of the journal.
 
     That of the journal has its fillet over its own diameter; where both are those of the pin it is alpha_T.
     """
@@ -125,38 +125,38 @@ def alpha_t(throw: Throw, *, journal: bool = False) -> float:
 
 
 def gamma_b(throw: Throw) -> float:
-    """Of bending at the outlet of the oil bore."""
+    """Return the stress concentration factor of bending at the outlet of the oil bore."""
     d = throw.ratios["d of the oil bore"]
     return 3.0 - 5.88 * d + 34.6 * d**2
 
 
 def gamma_t(throw: Throw) -> float:
-    """Of torsion at the outlet of the oil bore."""
+    """Return the stress concentration factor of torsion at the outlet of the oil bore."""
     d = throw.ratios["d of the oil bore"]
     return 4.0 - 6.0 * d + 30.0 * d**2
 
 
 def _overlap(rows: tuple[tuple[float, ...], ...], s: float, w: float) -> float:
-    """Sum of polynomials of w, lowest power first, each times the next power of 1 - s."""
+    """Return the sum of polynomials of w, lowest power first, each times the next power of 1 - s."""
     return float(
         sum((1.0 - s) ** k * sum(c * w**j for j, c in enumerate(row)) for k, row in enumerate(rows))
     )
 
 
 def fatigue_strength(strength: float, diameter: float, radius: float, factor: float) -> float:
-    """sigma_DW of a fillet or an oil bore of that radius, at least 2 mm of it; factor: K of the manufacture."""
+    """Return sigma_DW of a fillet or an oil bore of that radius, at least 2 mm of it; factor: K of the manufacture."""
     of_radius = 196.0 / strength * max(radius, LEAST_RADIUS) ** -0.5
     size = 0.264 + 1.073 * diameter**-0.2 + (785.0 - strength) / 4900.0 + of_radius
     return float(factor * (0.42 * strength + 39.3) * size)
 
 
 def of_fillet(bending: float, torsion: ArrayLike) -> FloatArray:
-    """Equivalent alternating stress of a fillet, from the local ones, the additional bending included."""
+    """Return the equivalent alternating stress of a fillet, from the local ones, the additional bending included."""
     return np.asarray(np.sqrt(bending**2 + 3.0 * np.square(np.asarray(torsion, dtype=float))))
 
 
 def of_bore(bending: float, torsion: ArrayLike) -> FloatArray:
-    """Equivalent alternating stress at the outlet of an oil bore; without bending the limit, |torsion|.
+    """Return the equivalent alternating stress at the outlet of an oil bore; without bending the limit, |torsion|.
 
     sigma/3 (1 + 2 sqrt(1 + 9/4 (tau/sigma)^2)), written so that nothing is divided by a bending of 0.
     """

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given, refuse
-from torsion.rules.judgement import Continuous, UseSettings
 from torsion.rules.m53_factors import Throw
+from torsion.rules.rule_over_speed import Continuous, UseSettings
 from torsion.rules.shaft_limits import MM, PA
 from torsion.study import Study
 
@@ -137,7 +137,7 @@ class M53Settings(UseSettings):
 
     @property
     def factor(self) -> float:
-        """K of the manufacture."""
+        """The factor K of the manufacture, 0.93 where none is stated."""
         return self.manufacture if isinstance(self.manufacture, float) else CAST
 
     @property
@@ -170,8 +170,8 @@ class M53Settings(UseSettings):
             hint = "1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with cold rolling"
             raise refuse(f"the text has no factor K of {self.factor:g}", hint, "manufacture")
         for key in ("pin", "journal"):
-            whole, bore = getattr(self, key), getattr(self, f"{key}_bore")
-            if whole is not None and bore >= whole:
+            outer, bore = getattr(self, key), getattr(self, f"{key}_bore")
+            if outer is not None and bore >= outer:
                 message = f"`{key}_bore` is not smaller than `{key}`"
                 raise refuse(message, "both are diameters", f"{key}_bore")
 

@@ -9,9 +9,8 @@ import numpy as np
 from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.model.lowering import ShaftRecord
-from torsion.rules import judgement, m68_shafts
+from torsion.rules import m68_shafts, rule_over_speed
 from torsion.rules.demanded_states import misfire_row, order_rows, unjudged, zero_pitch_rows
-from torsion.rules.judgement import rated_speed
 from torsion.rules.m68_shafts import (
     LAST_CONTINUOUS,
     LEAST_STRENGTH,
@@ -20,6 +19,7 @@ from torsion.rules.m68_shafts import (
     ClassedShaft,
     M68Settings,
 )
+from torsion.rules.rule_over_speed import rated_speed
 from torsion.rules.shaft_limits import ROUNDING, LimitedShaft, unknown_strengths
 from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Verdict, verdict_of
@@ -57,16 +57,16 @@ class M68(ShaftStress):
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what was not judged, and why."""
-        rows, others = [], []
+        rows, names = [], []
         for part in study.train.parts:
             if part.shaft is not None and part.shaft.role is None:
                 rows.append((f"{self.name} for {part.name}", "the shaft has no `role`"))
             elif part.shaft is not None and part.shaft.role not in self.has_limits_of:
-                others.append(part.name)
+                names.append(part.name)
         if not study.has_mean_torque and _is_generator_set(study):
             rows.append((f"{self.name}: least diameters", NO_POWER))
-        if others:
-            limited = f"limits of {', '.join(self.has_limits_of)} are known: {', '.join(others)}"
+        if names:
+            limited = f"limits of {', '.join(self.has_limits_of)} are known: {', '.join(names)}"
             rows.append((f"{self.name}: shafts of another role", limited))
         return tuple(rows)
 
@@ -113,42 +113,42 @@ class M68(ShaftStress):
         """Return settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
         faults, hint = [], f"there is {', '.join(shafts)}"
         wholes = {part.whole for part in study.train.parts if part.name in shafts}
+        path: Path = (*where, self.name)
         for position, name in enumerate(self.settings.alloy):
             if name not in shafts and name not in wholes:
-                path, message = ("alloy", position), f"no shaft with a role is called '{name}'"
-                faults.append(Fault((*where, self.name, *path), message, hint))
+                message = f"no shaft with a role is called '{name}'"
+                faults.append(Fault((*path, "alloy", position), message, hint))
         for name in self.settings.slots:
             if name not in shafts or "slot" not in shafts[name].features:
                 message = f"no shaft with a role and the feature `slot` is called '{name}'"
-                path = (*where, self.name, "slots", name)
-                faults.append(Fault(path, message, hint, at_key=True))
+                faults.append(Fault((*path, "slots", name), message, hint, at_key=True))
         return faults
 
     def _diameter(self, evidence: Results, shaft: ClassedShaft) -> Check | None:
         """Return the less favourable end against its least diameter, for the rated mean torque; None if unknown."""
-        torque, study = judgement.full_torque(evidence), evidence.study
+        torque, study = rule_over_speed.full_torque(evidence), evidence.study
         if torque is None:
             return None
         drive = self.settings.drive
         factor = m68_shafts.drive_factor(shaft.role, smooth=drive != "other")
         engines = [part.engine for part in study.train.parts if part.engine is not None]
         firing = [sum(share for _, share in engine.drives) for engine in engines if engine.drives]
-        mean = float(np.max(torque[judgement.spans_of(evidence.system, shaft.part)]))
+        mean = float(np.max(torque[rule_over_speed.spans_of(evidence.system, shaft.part)]))
         load = mean / min([*firing, 1.0]) * KW_PER_RPM  # rated power is that of all cylinders
         ends = [
             (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
             for outer, bore in shaft.ends
         ]
-        diameter, least = max(ends, key=lambda end: end[1] / end[0])
+        diameter, minimum = max(ends, key=lambda end: end[1] / end[0])
         return Check(
             self.name,
             "minimum diameter",
             shaft.name,
             DIAMETER,
             diameter,
-            least,
+            minimum,
             "mm",
-            verdict_of(diameter >= least, TO_BE_VERIFIED),
+            verdict_of(diameter >= minimum, TO_BE_VERIFIED),
             TO_BE_VERIFIED,
             rated_speed(study),
             note=f"F {factor:g} (drive: {drive}), k {shaft.k:g}, {load:.5g} kW per rpm",
@@ -160,8 +160,8 @@ class M68(ShaftStress):
     ) -> Iterator[Check]:
         """Yield the row about a strength below that which the rule demands near the limit of passing a barred range."""
         passing = [check for check in checks if check.where == shaft.name and check.barred]
-        least = LEAST_STRENGTH_IN_BARRED_RANGE
-        if not passing or (shaft.stated or 0.0) >= least * (1 - ROUNDING):
+        minimum = LEAST_STRENGTH_IN_BARRED_RANGE
+        if not passing or (shaft.stated or 0.0) >= minimum * (1 - ROUNDING):
             return
         near = self.settings.near_transient
         use = max(math.inf if check.utilisation is None else check.utilisation for check in passing)
@@ -174,18 +174,18 @@ class M68(ShaftStress):
             )
         verdict: Verdict = "fail" if is_near and shaft.stated is not None else "not judged"
         what = "Tensile strength where a barred range is passed"
-        row = _strength(self.name, shaft, what, least, verdict)
+        row = _strength(self.name, shaft, what, minimum, verdict)
         yield replace(row, speed=passing[0].speed, note=words)
 
 
 def _is_generator_set(study: Study) -> bool:
-    """The train has no propulsion, whose misfire and least diameters the rule demands."""
+    """Return whether the train has no propulsion, whose misfire and least diameters the rule demands."""
     roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
     return "generator" in roles and "propeller" not in roles
 
 
-def _strength(rule: str, shaft: ClassedShaft, what: str, least: float, verdict: Verdict) -> Check:
+def _strength(rule: str, shaft: ClassedShaft, what: str, minimum: float, verdict: Verdict) -> Check:
     """Return the row of a stated tensile strength against the least one."""
     stated = math.nan if shaft.stated is None else shaft.stated
     about = rule, "material", shaft.name, what
-    return Check(*about, stated, least, "N/mm2", verdict, "rule text", at_least=True)
+    return Check(*about, stated, minimum, "N/mm2", verdict, "rule text", at_least=True)

@@ -99,17 +99,17 @@ DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified
 
 
 def used_strength(strength: float, role: Role, *, alloy: bool) -> float:
-    """The tensile strength that may be used (rule text)."""
+    """Return the tensile strength that may be used (rule text)."""
     return min(strength, ALLOY_STRENGTH_CAP if alloy and role != "propeller" else STRENGTH_CAP)
 
 
 def size_factor(diameter: float) -> float:
-    """C_D = 0.35 + 0.93 d^-0.2 (rule text)."""
+    """Return C_D = 0.35 + 0.93 d^-0.2 (rule text)."""
     return float(0.35 + 0.93 * diameter**-0.2)
 
 
 def tau_c(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
-    """Stress amplitude permissible in continuous use (rule text); NaN above 1.05 of the rated speed."""
+    """Return the stress amplitude permissible in continuous use (rule text); NaN above 1.05 of the rated speed."""
     ratio = np.asarray(speed_ratio, dtype=float)
     shape = np.where(ratio < FLAT_FROM, 3.0 - 2.0 * ratio**2, 1.38)
     limit = (strength + 160.0) / 18.0 * c_k * size_factor(diameter) * shape
@@ -117,33 +117,33 @@ def tau_c(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) 
 
 
 def tau_t(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) -> FloatArray:
-    """Stress amplitude permissible while a barred range is passed, 1.7 tau_C/sqrt(C_K) (rule text); NaN above 0.8."""
+    """Return the stress amplitude permissible in passing, 1.7 tau_C/sqrt(C_K) (rule text); NaN above 0.8."""
     ratio = np.asarray(speed_ratio, dtype=float)
     limit = 1.7 * tau_c(strength, diameter, c_k, ratio) / np.sqrt(c_k)
     return np.asarray(np.where(ratio <= BARRED_BELOW * (1 + ROUNDING), limit, np.nan))
 
 
 def slot_concentration(diameter: float, bore: float, length: float, width: float) -> float:
-    """Stress concentration factor of a longitudinal slot (to be verified)."""
+    """Return the stress concentration factor of a longitudinal slot (to be verified)."""
     e, hollow = width / diameter, bore / diameter
     a = 2.3 - 3.0 * e + 15.0 * e**2 + 10.0 * e**2 * hollow**2
     return float(a + 0.8 * (length - width) / diameter / np.sqrt((1.0 - hollow) * e))
 
 
 def slot_c_k(concentration: float) -> float:
-    """C_K = 1.45/scf of a longitudinal slot (to be verified); at most 1.45/2.15 by the formula above."""
+    """Return C_K = 1.45/scf of a longitudinal slot (to be verified); at most 1.45/2.15 by the formula above."""
     return 1.45 / concentration
 
 
 def drive_factor(role: Role, *, smooth: bool) -> float:
-    """F of the least diameter (to be verified)."""
+    """Return F of the least diameter (to be verified)."""
     return SMOOTH_DRIVE_FACTOR if smooth and role == "intermediate" else DRIVE_FACTOR
 
 
 def least_diameter(
     power_per_speed: float, strength: float, factor: float, k: float, bore_share: float = 0.0
 ) -> float:
-    """Least diameter, mm (to be verified), from kW per rpm, F and k; a bore up to 0.4 of it does not count."""
+    """Return the least diameter, mm (to be verified), from kW per rpm, F and k; a bore up to 0.4 of it does not count."""
     hollow = 1.0 - bore_share**4 if bore_share > 0.4 else 1.0
     return float(
         factor * k * (power_per_speed / hollow * 560.0 / (strength + 160.0)) ** (1.0 / 3.0)
@@ -241,62 +241,68 @@ def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft
 
 def _classed(study: Study, settings: M68Settings, number: int, record: ShaftRecord) -> ClassedShaft:
     part, material = study.train.parts[number], study.train.materials[record.material]
-    name, features = part.name, record.features
     # A tube shaft is ruled with the propeller shafts (cap of sigma_B, F).
-    role: Role = "propeller" if "tube shaft" in features else cast(Role, record.role)
+    is_tube = "tube shaft" in record.features
+    role: Role = "propeller" if is_tube else cast(Role, record.role)
     sizes = ((outer * MM, bore * MM) for outer, bore in diameters(study.train, number))
     ends = cast(Ends, tuple(sizes))
-    diameter, smallest = (choose(outer for outer, _ in ends) for choose in (max, min))
-    details = _details(record, role, name, ends, settings)
-    feature, governing = _governing(details)
+    details = _details(record, role, part.name, ends, settings)
+    governing = _governing(details)[1]
 
     stated = None if material.tensile_strength is None else material.tensile_strength * PA
-    is_alloy = not {name, part.whole}.isdisjoint(settings.alloy)
+    is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
     steel = LEAST_STRENGTH if stated is None else stated
     strength = used_strength(steel, role, alloy=is_alloy)
-    origin = " (none stated: the least of shaft steel assumed, to be verified)"
-    if stated is not None:
-        origin = f" (of {stated:.4g})" if strength < stated else ""
-    doubt = "" if governing.c_k_mark == "rule text" else ", to be verified"
-    condition = f": {governing.condition}" if governing.condition else ""
-    factors = (
-        f"C_K {governing.c_k:.4g} ({feature}{condition}{doubt}), C_D {size_factor(diameter):.4g}"
-    )
-    notes = [f"{factors}, sigma_B {strength:.4g} N/mm2{origin}"]
-    if diameter != smallest:
-        notes.append("conical: W_p of the smaller end of every piece, C_D of the maximum diameter")
-
-    unknown, broken = _conditions(record, name, ends, settings)
+    open_conditions, broken = _conditions(record, part.name, ends, settings)
     if stated is not None and stated < LEAST_STRENGTH * (1 - ROUNDING):
         weak = f"tensile strength {stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds"
         broken.insert(0, weak)
-    most = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
-    if stated is not None and stated > most * (1 + ROUNDING):
-        kind = "alloy" if is_alloy else "carbon"
-        unknown.append(
-            f"special approval of '{name}': {kind} steel of {stated:.4g} N/mm2, above {most:g}"
-        )
+    strongest = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
+    if stated is not None and stated > strongest * (1 + ROUNDING):
+        kind = f"{'alloy' if is_alloy else 'carbon'} steel of {stated:.4g} N/mm2"
+        open_conditions.append(f"special approval of '{part.name}': {kind}, above {strongest:g}")
     is_open = settings.conditions is None  # no document answers them
+    seat = (SEAT.format(part.name),) if "shrink fit" in record.features else ()
 
-    made_of: tuple[Any, ...] = strength, diameter, governing.c_k
+    made_of: tuple[Any, ...] = strength, max(outer for outer, _ in ends), governing.c_k
     continuous = partial(tau_c, *made_of)
     pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
     return ClassedShaft(
         number,
-        name,
+        part.name,
         LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of))),
         governing.c_k_mark if stated is not None else "to be verified",
-        tuple(notes),
+        _notes(details, ends, strength, stated),
         keyways=tuple(feature for feature, detail in details if detail.has_keyway),
-        restrictions=tuple(unknown) if is_open else (),
+        restrictions=tuple(open_conditions) if is_open else (),
         doubts=tuple(broken),
-        near_limit=(SEAT.format(name),) if "shrink fit" in features and is_open else (),
+        near_limit=seat if is_open else (),
         role=role,
         strength=strength,
         stated=stated,
         details=details,
         ends=ends,
     )
+
+
+def _notes(
+    details: tuple[tuple[str, Detail], ...], ends: Ends, strength: float, stated: float | None
+) -> tuple[str, ...]:
+    """Return in words which factors were used for a shaft."""
+    feature, governing = _governing(details)
+    doubt = "" if governing.c_k_mark == "rule text" else ", to be verified"
+    condition = f": {governing.condition}" if governing.condition else ""
+    origin = " (none stated: the least of shaft steel assumed, to be verified)"
+    if stated is not None:
+        origin = f" (of {stated:.4g})" if strength < stated else ""
+    (first, _), (last, _) = ends
+    factors = (
+        f"C_K {governing.c_k:.4g} ({feature}{condition}{doubt})",
+        f"C_D {size_factor(max(first, last)):.4g}",
+        f"sigma_B {strength:.4g} N/mm2{origin}",
+    )
+    cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
+    return (", ".join(factors), *([cone] if first != last else []))
 
 
 def _governing(details: tuple[tuple[str, Detail], ...]) -> tuple[str, Detail]:
@@ -308,11 +314,11 @@ def _conditions(
 ) -> tuple[list[str], list[str]]:
     """Return conditions of a shaft's factors that the file does not answer, and those that it breaks, in words."""
     smallest, largest = (choose(outer for outer, _ in ends) for choose in (min, max))
-    unknown, broken = list[str](), list(_without_factor(shaft, name, smallest))
+    open_conditions, broken = list[str](), list(_without_factor(shaft, name, smallest))
     if "radial hole" in shaft.features:
-        unknown.append(f"radial hole of '{name}' at most 0.3 of the diameter")
+        open_conditions.append(f"radial hole of '{name}' at most 0.3 of the diameter")
     if "slot" not in shaft.features:
-        return unknown, broken
+        return open_conditions, broken
 
     slot, bore = settings.slots.get(name), max(inner / outer for outer, inner in ends)
     length = None if slot is None else slot.length * MM / smallest
@@ -352,12 +358,12 @@ def _conditions(
             f"{number} slots in one section, more than 3",
         ),
     )
-    for value, is_met, asked, breach in conditions:
+    for value, is_met, required_words, breach in conditions:
         if value is None:
-            unknown.append(f"slot of '{name}': {asked}")
+            open_conditions.append(f"slot of '{name}': {required_words}")
         elif not is_met:
             broken.append(f"slot of '{name}': {breach}")
-    return unknown, broken
+    return open_conditions, broken
 
 
 def _without_factor(shaft: ShaftRecord, name: str, diameter: float) -> Iterator[str]:

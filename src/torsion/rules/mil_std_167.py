@@ -13,12 +13,12 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import ROLES
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.judgement import Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.reached_speeds import START, in_rpm
+from torsion.rules.rule_over_speed import Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA, nominal_stress, unknown_strengths, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
@@ -44,7 +44,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
     has_limits_outside_use = True
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         faults = self.vibration_faults(study)
         if not any(with_role(study.train, *ROLES)) and not any(study.train.of_kind("gear")):
             hint = f"role: {', '.join(ROLES[:-1])} or {ROLES[-1]}"
@@ -53,20 +53,20 @@ class MilStd167(RuleOverSpeed[MilSettings]):
         return faults + unknown_strengths(study, self, *ROLES)
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What was not judged, and why."""
+        """Return what was not judged, and why."""
         judged = {number for number, _, _ in with_role(study.train, *ROLES)}
-        found = [
+        rows = [
             (f"{self.name} for {part.name}", "the shaft has no `role`, or its section is a mesh")
             for number, part in enumerate(study.train.parts)
             if part.shaft is not None and number not in judged
         ]
         return (
-            *found,
+            *rows,
             (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"),
         )
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Gears of unknown torque."""
+        """Return a row for each gear of unknown torque."""
         return tuple(unknown_gears(self.name, study, TO_BE_VERIFIED))
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
@@ -98,7 +98,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
                     notes=(words, f"sigma_B {strength:.4g} N/mm2{assumed}"),
                     within=judged,
                 )
-        if judgement.rated_torque(evidence) is None:
+        if rule_over_speed.rated_torque(evidence) is None:
             return
         for mesh in meshes(evidence):
             text = f"the smaller of {MESH_OF_MEAN:g} of the mean torque and {MESH_OF_RATED:g} x {mesh.rated:.5g} N m"

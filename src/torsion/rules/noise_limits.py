@@ -13,11 +13,18 @@ from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.analyses.response.synthesis import half_range
-from torsion.errors import Fault, nearest
+from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.rules.judgement import Clause, Continuous, RuleOverSpeed, UseSettings, exact_share
+from torsion.rules.rule_over_speed import (
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    UseSettings,
+    exact_share,
+)
 from torsion.study import Study
+from torsion.train import name_fault
 
 RPM = 30.0 / math.pi
 
@@ -47,30 +54,24 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
     settings_class = NoiseSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
-        path, at, settings = (*self.path(study), self.name), self.settings.at, self.settings
+        """Return what the file lacks for this rule."""
+        path, component, settings = (*self.path(study), self.name), self.settings.at, self.settings
         faults = self.vibration_faults(study)
         example = f"- {self.name}: {{at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm}}"
         if settings.acceleration is None and settings.fluctuation is None:
             message = f"{self.name} has no limit: `acceleration` and `fluctuation` are missing"
             faults.append(Fault(path[:-1], message, example))
-        if at is None:
+        if component is None:
             message = f"`at` of {self.name} is missing: the component that is judged"
             return [*faults, Fault(path[:-1], message, example)]
-        parts = {part.name: part for part in study.train.parts}
-        if at not in parts:
-            near = nearest(at, parts)
-            hint = f"did you mean '{near}'?" if near else f"there is {', '.join(parts)}"
-            return [*faults, Fault((*path, "at"), f"no component is called '{at}'", hint)]
-        if not parts[at].stations:
-            points = ", ".join(name for name, part in parts.items() if part.is_point)
-            message = f"'{at}' has no one speed"
-            return [*faults, Fault((*path, "at"), message, f"points: {points}")]
-        ratio = study.train.stations[parts[at].stations[0]].ratio
+        known = {part.name: (part.kind, bool(part.stations)) for part in study.train.parts}
+        if (fault := name_fault(component, (*path, "at"), known)) is not None:
+            return [*faults, fault]
+        ratio = study.train.stations[study.train.part(component).stations[0]].ratio
         orders = excited_orders(study.train)
         if settings.order is not None and settings.order * ratio not in orders:
             excited = ", ".join(str(order / ratio) for order in orders)
-            message = f"nothing excites the train by order {settings.order} of '{at}'"
+            message = f"nothing excites the train by order {settings.order} of '{component}'"
             hint = f"of its own speed there is {excited}"
             faults.append(Fault((*path, "order"), message, hint))
         return faults

@@ -14,14 +14,16 @@ Judge = Callable[[Results], tuple[Check, ...]]  # by all rules of the study
 
 def worst_of_solutions(evidence: Results, judge: Judge) -> tuple[Check, ...]:
     """The checks of the largest solution, each replaced by that of another solution where it is worse."""
-    found = judge(evidence)
+    checks = judge(evidence)
     response = evidence.get(Response)
     if response is None or not response.others:
-        return found
-    cases = {LARGEST: found}
-    for number, other in enumerate(response.others, 2):
-        beside = evidence.having(response=other, synthesis=synthesis(other))
-        cases[f"at solution {number} of the vibratory torque, the largest first"] = judge(beside)
+        return checks
+    cases = {LARGEST: checks}
+    for number, solution in enumerate(response.others, 2):
+        with_solution = evidence.having(response=solution, synthesis=synthesis(solution))
+        cases[f"at solution {number} of the vibratory torque, the largest first"] = judge(
+            with_solution
+        )
     return tuple(
         check
         if words == LARGEST

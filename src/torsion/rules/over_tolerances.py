@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def tolerances_of(evidence: Results) -> "Tolerances | None":
-    """Bands over the tolerances; None where the file has none, or a variant of it is solved."""
+    """Return bands over the tolerances; None where the file has none, or a variant of it is solved."""
     if not evidence.study.has_tolerances:
         return None
     from torsion.analyses.modes.tolerances import Tolerances
@@ -30,35 +30,39 @@ def tolerances_of(evidence: Results) -> "Tolerances | None":
 def over_tolerances(
     evidence: Results, barred: BarredRange, rated: float, tachometer: float
 ) -> BarredRange:
-    """With the range that covers its critical speed at every tolerance, where an order meets a mode within it."""
-    found, critical = tolerances_of(evidence), evidence.get(CriticalSpeeds)
-    if found is None or critical is None or not found.critical_lower.size:
+    """Return a range with one that covers its critical speed at every tolerance, if an order meets a mode within it."""
+    tolerances, critical = tolerances_of(evidence), evidence.get(CriticalSpeeds)
+    if tolerances is None or critical is None or not tolerances.critical_lower.size:
         return barred
-    met = [
-        (abs(one.speed - barred.critical), place)
-        for place, one in enumerate(critical.crossings)
-        if one.order == barred.order and barred.lower <= one.speed <= barred.upper
+    distances = [
+        (abs(crossing.speed - barred.critical), index)
+        for index, crossing in enumerate(critical.crossings)
+        if crossing.order == barred.order and barred.lower <= crossing.speed <= barred.upper
     ]
-    if not met:
+    if not distances:
         return barred
-    place = min(met)[1]
-    share = barred.critical / critical.crossings[place].speed
-    low = barred_range(share * float(found.critical_lower[place]), rated)[0] * (1.0 - tachometer)
-    high = barred_range(share * float(found.critical_upper[place]), rated)[1] * (1.0 + tachometer)
+    nearest = min(distances)[1]
+    share = barred.critical / critical.crossings[nearest].speed
+    lower, upper = (
+        share * float(speeds[nearest])
+        for speeds in (tolerances.critical_lower, tolerances.critical_upper)
+    )
+    low = barred_range(lower, rated)[0] * (1.0 - tachometer)
+    high = barred_range(upper, rated)[1] * (1.0 + tachometer)
     return replace(
         barred, tolerance_lower=min(low, barred.lower), tolerance_upper=max(high, barred.upper)
     )
 
 
 def margin_words(evidence: Results, lowest: float, highest: float) -> list[str]:
-    """How far every mode stays from lowest to highest (Hz) at the worst end of its band, as words of a check."""
-    found = tolerances_of(evidence)
-    if found is None or not found.lower.size:
+    """Return how far every mode stays from lowest to highest (Hz) at the worst end of its band, as words of a check."""
+    bands = tolerances_of(evidence)
+    if bands is None or not bands.lower.size:
         return []
-    apart = np.maximum((lowest - found.upper) / lowest, (found.lower - highest) / highest)
-    worst = int(np.argmin(apart))
-    band = f"{found.lower[worst]:.5g} to {found.upper[worst]:.5g} Hz"
-    least = max(float(apart[worst]), 0.0)
+    margin = np.maximum((lowest - bands.upper) / lowest, (bands.lower - highest) / highest)
+    mode = int(np.argmin(margin))
+    band = f"{bands.lower[mode]:.5g} to {bands.upper[mode]:.5g} Hz"
+    percent = 100.0 * max(float(margin[mode]), 0.0)
     return [
-        f"within the tolerances mode {worst + 1} lies at {band}, {100 * least:.3g} % away at the worst end"
+        f"within the tolerances mode {mode + 1} lies at {band}, {percent:.3g} % away at the worst end"
     ]

@@ -13,7 +13,6 @@ from torsion.rules.demanded_states import unjudged
 from torsion.rules.verdict_line import Check, Reach
 from torsion.study import Range, SpeedRange, Study
 
-BEGINS = "judged from"  # the first speed of a judgement that lacks lower ones
 BARRED_BELOW = 0.8  # speed ratio below which barred ranges lie: who begins there, or above, looked at none of them
 START = 0.2  # speed ratio: a judgement from there on has the start of the train (ours, the texts begin at 0): by the
 # propeller law excitations are 4 % of the rated ones there, and UR M68 permits twice the stress
@@ -163,12 +162,11 @@ def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:
     )
 
 
-def reach_words(reach: Reach | None, rated: float) -> str:
+def reach_words(reach: Reach, rated: float) -> str:
     """Return which speeds were judged, where the rule demands more; empty where it does not."""
-    if reach is None:
-        return ""
-    if reach.demanded < reach.first:
-        return f"{BEGINS} {in_rpm(reach.first)} only, {reach.first / rated:.3g} of the rated speed"
+    if reach.lacks_begin:
+        share = f"{reach.first / rated:.3g} of the rated speed"
+        return f"judged from {in_rpm(reach.first)} only, {share}"
     return coverage(reach.last, rated, reach.demanded / rated)
 
 

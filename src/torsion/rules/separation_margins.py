@@ -7,7 +7,7 @@ multiples of the speed above the first, up to 10.
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
 
@@ -17,13 +17,15 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.response.harmonic_components import Line, in_runs, lines
 from torsion.analyses.undamped_modes import Modes, ModesSettings, modes_up_to
+from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
 from torsion.model.lowering import Part
-from torsion.rules.judgement import Continuous, UseSettings
+from torsion.rules.demanded_states import unjudged
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
+from torsion.rules.rule_over_speed import Continuous, UseSettings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, rank, verdict_of
 from torsion.study import Study
 from torsion.train import Train
@@ -42,16 +44,14 @@ class Margins:
 
     edition: str
     multiples: int  # of every shaft's speed that count whether the file excites them or not
-    first: float = (
-        0.10  # of the shaft speeds themselves, of meshes, of blades and of the line frequency
-    )
-    other: float = 0.10  # of every other order
+    first: float = 0.10  # of shaft speeds themselves, meshes, blades and the line frequency
+    further: float = 0.10  # of every other order
 
 
 STANDARDS: Mapping[str, Margins] = {
     "api-610": Margins("API 610 (pumps)", 2),
     "api-617": Margins("API 617 (axial and centrifugal compressors)", 2),
-    "api-618": Margins("API 618 (reciprocating compressors)", 10, other=0.05),
+    "api-618": Margins("API 618 (reciprocating compressors)", 10, further=0.05),
     "api-684": Margins("API 684 (rotor dynamics tutorial)", 2),
 }
 
@@ -117,21 +117,15 @@ class SeparationMargins(Rule[MarginSettings]):
         self.edition = self.standard.edition
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
-        following = next(
-            (
-                one
-                for one in study.train.springs
-                if one.table is not None and one.table.over != "frequency"
-            ),
-            None,
-        )
-        if following is not None and following.table is not None:
-            message = f"{self.name} judges one natural frequency a mode, and '{following.name}' leaves a mode many"
-            hint = "give the coupling a `stiffness`, the softest and the stiffest as two `cases`"
-            return [
-                Fault((*study.train.parts[following.part].path, following.table.key), message, hint)
-            ]
+        """Return what the file lacks for this rule."""
+        for spring in study.train.springs:
+            if spring.table is not None and spring.table.over != "frequency":
+                message = f"{self.name} judges one natural frequency a mode, and '{spring.name}' leaves a mode many"
+                hint = (
+                    "give the coupling a `stiffness`, the softest and the stiffest as two `cases`"
+                )
+                path = study.train.parts[spring.part].path
+                return [Fault((*path, spring.table.key), message, hint)]
         if self.settings.continuous is not None or study.operation.speeds is not None:
             return []
         hint = f"speeds: {{from: 300 rpm, to: 1800 rpm}}, or `continuous` of `{self.name}`"
@@ -139,18 +133,19 @@ class SeparationMargins(Rule[MarginSettings]):
         return [Fault(("operation", "speeds"), message, hint)]
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What it does not judge, and why."""
-        other = "judged where the file excites the train by their orders, and not otherwise"
+        """Return what the rule does not judge, and why."""
+        if_excited = "judged where the file excites the train by their orders, and not otherwise"
         stress = "it is the rules' about stress"
         return (
-            (f"{self.name}: vane passing, harmonics of converters", other),
+            (f"{self.name}: vane passing, harmonics of converters", if_excited),
             (f"{self.name}: stress analysis of what is not apart", stress),
         )
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the worst mode of every order and fixed frequency."""
+        study, use = evidence.study, self.settings.continuous
         excitations = tuple(list_excitations(evidence, self.settings, self.standard))
-        requested = evidence.study.analyses.get("modes")
+        requested = study.analyses.get("modes")
         count = (requested if isinstance(requested, ModesSettings) else ModesSettings()).count
         highest = max((excitation.reach for excitation in excitations), default=0.0)
         frequency, known_to = modes_up_to(evidence.need(Modes), count, highest)
@@ -162,12 +157,7 @@ class SeparationMargins(Rule[MarginSettings]):
             words = margin_words(evidence, excitation.lowest, excitation.highest)
             check = self._judge(excitation, frequency, known_to, words)
             worst[check.what] = max(worst.get(check.what, check), check, key=rank)
-        study, use = evidence.study, self.settings.continuous
-        checks = [
-            *worst.values(),
-            *self._missing_line(study.train),
-            *self._uncounted(study.train),
-        ]
+        checks = (*worst.values(), *self._unstated(study.train))
         return distinct(
             row
             for check in checks
@@ -177,7 +167,7 @@ class SeparationMargins(Rule[MarginSettings]):
     def _judge(
         self,
         excitation: Excitation,
-        frequency: np.ndarray,
+        frequency: FloatArray,
         known_to: float,
         within_tolerances: list[str],
     ) -> Check:
@@ -190,96 +180,79 @@ class SeparationMargins(Rule[MarginSettings]):
 
         nearest = float(frequency[worst])
         words = [f"mode {worst + 1}, {nearest:.5g} Hz"]
-        speed = None if excitation.order is None else RADIANS * nearest / float(excitation.order)
-        if speed is not None:
+        speed = None
+        if excitation.order is not None:
+            speed = RADIANS * nearest / float(excitation.order)
             words[0] += f", critical speed {in_rpm(speed)}"
         else:
-            words.append(_in_hertz(excitation))
+            ends = f"{excitation.lowest:.5g}", f"{excitation.highest:.5g}"
+            words.append(" to ".join(dict.fromkeys(ends)) + " Hz")
         words += within_tolerances
         if near.size:
-            words.append(
-                f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}"
-            )
+            modes = ", ".join(str(mode + 1) for mode in near.tolist())
+            words.append(f"modes {modes}: {STRESS_ANALYSIS}")
         is_known = known_to >= excitation.reach * (1.0 - ROUNDING)
         if not is_known:
             words.append(
                 f"modes are known up to {known_to:.5g} Hz and are needed up to {excitation.reach:.5g} Hz"
             )
-
-        verdict = (
-            verdict_of(not near.size, TO_BE_VERIFIED) if is_known or near.size else "not judged"
+        verdict = verdict_of(not near.size, TO_BE_VERIFIED)
+        return replace(
+            self._row(WHERE, excitation.name, "; ".join(words)),
+            value=float(margin[worst]),
+            limit=excitation.margin,
+            verdict=verdict if is_known or near.size else "not judged",
+            speed=speed,
+            order=excitation.order,
         )
-        return Check(
+
+    def _row(self, where: str, excitation: str, note: str) -> Check:
+        """Return a row about an excitation that is not judged."""
+        row = unjudged(
             self.name,
             CLAUSE,
-            WHERE,
-            f"Separation from {excitation.name}",
-            float(margin[worst]),
-            excitation.margin,
-            "1",
-            verdict,
+            where,
+            f"Separation from {excitation}",
+            note,
             TO_BE_VERIFIED,
-            speed,
-            excitation.order,
-            "; ".join(words),
-            at_least=True,
+            "1",
         )
+        return replace(row, at_least=True)
 
-    def _missing_line(self, train: Train) -> Iterator[Check]:
-        """Yield a row that is not judged where an electric machine turns and the file says nothing of its grid."""
-        machines = [part.name for part in train.parts if _is_electric(part)]
-        if machines and self.settings.line_frequency is None:
-            note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
-            yield Check(
-                self.name,
-                CLAUSE,
-                WHERE,
-                "Separation from 1 x line frequency",
-                math.nan,
-                self.standard.first,
-                "1",
-                "not judged",
-                TO_BE_VERIFIED,
-                note=note,
-                at_least=True,
-            )
+    def _unstated(self, train: Train) -> Iterator[Check]:
+        """Yield what the file does not state: a row NOT JUDGED without the grid of a machine, restrictions without counts.
 
-    def _uncounted(self, train: Train) -> Iterator[Check]:
-        """Yield a restriction for each gear without its teeth, and for each machine without its blades."""
-        meshes = [
-            mesh.name
-            for mesh in train.constraints
-            if _is_mesh(train, mesh.part) and not mesh.meshings
-        ]
-        bladed = [
+        Counts are the teeth of a gear and the blades of a machine.
+        """
+        machines = [
             part.name
             for part in train.parts
-            if part.impeller is not None and not part.impeller.blades
+            if part.kind in MACHINES or (part.shaft is not None and part.shaft.role == "generator")
         ]
-        counts = [(name, "gear mesh", "teeth") for name in meshes]
-        counts += [(name, "blade passing", "blades") for name in bladed]
+        if machines and self.settings.line_frequency is None:
+            note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
+            row = self._row(WHERE, "1 x line frequency", note)
+            yield replace(row, limit=self.standard.first)
+        counts = [
+            (mesh.name, "gear mesh", "teeth")
+            for mesh in train.constraints
+            if train.parts[mesh.part].kind == "gear" and not mesh.meshings
+        ]
+        counts += (
+            (part.name, "blade passing", "blades")
+            for part in train.parts
+            if part.impeller is not None and not part.impeller.blades
+        )
         for name, passing, key in counts:
             words = f"{passing} frequency of '{name}' not judged: its `{key}` are not given"
-            yield Check(
-                self.name,
-                CLAUSE,
-                name,
-                f"Separation from {passing}",
-                math.nan,
-                math.nan,
-                "1",
-                "restricted",
-                TO_BE_VERIFIED,
-                note=words,
-                restrictions=(words,),
-                at_least=True,
-            )
+            row = self._row(name, passing, words)
+            yield replace(row, verdict="restricted", restrictions=(words,))
 
 
 def list_excitations(
     evidence: Results, settings: MarginSettings, standard: Margins
 ) -> Iterator[Excitation]:
-    """Every order once, ascending, then every fixed frequency; the largest margin counts."""
+    """Yield every order once, ascending, then every fixed frequency; the largest margin counts."""
     use = settings.continuous or evidence.study.operation.speeds
     if use is None:
         raise ValueError("a rule about an operating range needs one")
@@ -294,7 +267,7 @@ def list_excitations(
         orders[order] = first_name, max(largest, margin)
     for line in acting:
         if line.order is not None:
-            orders.setdefault(line.order, (_own_words(line, train), standard.other))
+            orders.setdefault(line.order, (_own_words(line, train), standard.further))
     for order, (name, margin) in sorted(orders.items()):
         hertz = float(order) / RADIANS
         yield Excitation(name, margin, use.first * hertz, use.last * hertz, order)
@@ -311,18 +284,17 @@ def list_excitations(
 
 
 def _of_shafts(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
-    """Multiples of the speed of every shaft, excited or not: order of the reference, name, margin."""
+    """Yield multiples of the speed of every shaft, excited or not: order of the reference, name, margin."""
     ratios = sorted({abs(station.ratio) for station in train.stations if not station.is_ground})
-    for multiple in range(
-        1, standard.multiples + 1
-    ):  # what is once one shaft's speed is named by that shaft
-        margin = standard.first if multiple == 1 else standard.other
+    # What is once one shaft's speed is named by that shaft.
+    for multiple in range(1, standard.multiples + 1):
+        margin = standard.first if multiple == 1 else standard.further
         for ratio in ratios:
             yield multiple * ratio, f"{multiple} x {_name_shaft(train, ratio)} speed", margin
 
 
 def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
-    """Gear meshes and blades of which the file knows the number, likewise."""
+    """Yield gear meshes and blades whose number the file states, likewise."""
     for mesh in train.constraints:
         if mesh.meshings:
             order = mesh.meshings * abs(train.stations[mesh.driving].ratio)
@@ -337,7 +309,7 @@ def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Frac
 
 
 def _name_shaft(train: Train, ratio: Fraction) -> str:
-    """The component that names all that turns at a ratio to the reference: a machine before a disc, a gear last."""
+    """Return the component that names all that turns at a ratio to the reference: a machine before a disc, a gear last."""
 
     def rank(part: Part) -> tuple[bool, bool, bool]:
         return part.kind == "gear", not part.is_point, part.kind == "disc"
@@ -349,22 +321,7 @@ def _name_shaft(train: Train, ratio: Fraction) -> str:
 
 
 def _own_words(line: Line, train: Train) -> str:
-    """An order of the file by the shaft whose own order is whole, or else the first: '7 x motor speed'."""
-    own = next((order for order in line.own_orders if order.denominator == 1), line.own_orders[0])
-    return f"{own} x {_name_shaft(train, abs(line.order / own)) if line.order else ''} speed"
-
-
-def _is_electric(part: Part) -> bool:
-    return part.kind in MACHINES or (part.shaft is not None and part.shaft.role == "generator")
-
-
-def _is_mesh(train: Train, part: int) -> bool:
-    return train.parts[part].kind == "gear"
-
-
-def _in_hertz(excitation: Excitation) -> str:
-    """The fixed frequency, or its band."""
-    ends = dict.fromkeys(
-        f"{frequency:.5g}" for frequency in (excitation.lowest, excitation.highest)
-    )
-    return " to ".join(ends) + " Hz"
+    """Return an order of the file by the shaft whose own order is whole, or else the first: '7 x motor speed'."""
+    orders = line.own_orders
+    order = next((order for order in orders if order.denominator == 1), orders[0])
+    return f"{order} x {_name_shaft(train, abs(line.order / order)) if line.order else ''} speed"

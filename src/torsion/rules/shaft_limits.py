@@ -16,8 +16,8 @@ from torsion.errors import Fault
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part, ShaftRecord
 from torsion.model.material import STEEL, Material
-from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Rule
 from torsion.study import Study
 from torsion.train import Train
@@ -60,7 +60,7 @@ class LimitCurve:
         return (*passing, *(piece.last for piece in self.pieces), 1.0)
 
     def _holds(self, ratio: FloatArray) -> Iterator[tuple[Piece, BoolArray]]:
-        """Every piece with (speeds,) where it holds."""
+        """Yield every piece with (speeds,) where it holds."""
         left = np.ones(ratio.shape, dtype=bool)
         for piece in self.pieces:
             rounding = -ROUNDING if piece.is_open else ROUNDING
@@ -69,21 +69,21 @@ class LimitCurve:
             yield piece, holds
 
     def ranges(self, ratio: FloatArray) -> dict[str, BoolArray]:
-        """By clause (speeds,) where it holds."""
+        """Return by clause (speeds,) where it holds."""
         by_clause = dict[str, BoolArray]()
         for piece, holds in self._holds(ratio):
             by_clause[piece.clause] = holds | by_clause.get(piece.clause, False)
         return by_clause
 
     def continuous(self, ratio: FloatArray) -> FloatArray:
-        """(speeds,) in continuous use; NaN above the last piece."""
+        """Return (speeds,) the limit of continuous use; NaN above the last piece."""
         limit = np.full(ratio.shape, np.nan)
         for piece, holds in self._holds(ratio):
             limit[holds] = piece.limit(ratio[holds])
         return limit
 
     def while_passing(self, ratio: FloatArray) -> FloatArray:
-        """(speeds,) while a barred range is passed; NaN where none may be."""
+        """Return (speeds,) the limit while a barred range is passed; NaN where none may be."""
         if self.passing is None:
             return np.full(ratio.shape, np.nan)
         return np.where(
@@ -107,18 +107,18 @@ class LimitedShaft:
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
-    """Where a barred range is accepted in normal firing: below 0.8 of the rated speed (M68, KR; rule text)."""
+    """Return where a barred range is accepted in normal firing: below 0.8 of the rated speed (M68, KR; rule text)."""
     return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
 
 
 def barred_range(critical: float, rated: float) -> tuple[float, float]:
-    """Least barred range about a critical speed (M68, KR; rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
+    """Return the least barred range (M68, KR; rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
     width = 18.0 - critical / rated
     return 16.0 * critical / width, width * critical / 16.0
 
 
 def with_role(train: Train, *roles: str) -> Iterator[tuple[int, Part, ShaftRecord]]:
-    """Shafts with one of the roles and a known stress: round shafts, and crank spans whose journal is given."""
+    """Yield shafts with one of the roles and a known stress: round shafts, and crank spans whose journal is given."""
     meshed = {bar.part for bar in train.bars if bar.section is not None}
     for number, part in enumerate(train.parts):
         if part.shaft is not None and part.shaft.role in roles and number not in meshed:
@@ -148,7 +148,7 @@ def unknown_strengths(
 
 
 def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float, float]]:
-    """m, (outer, bore) at the driving and at the driven end of a shaft, of a crank span twice those of its journal."""
+    """Return in m (outer, bore) at the driving and the driven end of a shaft, of a crank span twice those of its journal."""
     for bar in train.bars:
         if bar.part == part:
             return (bar.outer[0], bar.bore[0]), (bar.outer[1], bar.bore[1])
@@ -159,7 +159,7 @@ def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float
 
 
 def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
-    """Spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
+    """Return the spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans, (driving, driven) = spans_of(system, part), diameters(system.train, part)
     # Between two ends of a span the modulus is never below the smaller one.
     outer, bore = np.linspace(driving, driven, len(spans) + 1).T
@@ -168,6 +168,6 @@ def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
 
 
 def nominal_stress(system: System, part: int, torque: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Spans of a shaft, and (speeds,) N/mm2 the greatest torque / W_p in them; torque: (speeds, spans) N m."""
+    """Return the spans of a shaft, and (speeds,) N/mm2 the greatest torque / W_p in them; torque: (speeds, spans) N m."""
     spans, modulus = stress_modulus(system, part)
     return spans, np.asarray(np.max(torque[:, spans] / modulus * PA, axis=1))

@@ -14,8 +14,18 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import Fault
 from torsion.findings import Results
-from torsion.rules import barred_time, judgement, of_study
-from torsion.rules.judgement import (
+from torsion.rules import barred_time, of_study, rule_over_speed
+from torsion.rules.m68_shafts import M68Settings
+from torsion.rules.over_tolerances import over_tolerances
+from torsion.rules.reached_speeds import (
+    BARRED_BELOW,
+    START,
+    distinct,
+    in_rpm,
+    restricted,
+    with_reach,
+)
+from torsion.rules.rule_over_speed import (
     MOSTLY,
     RATED,
     Clause,
@@ -27,16 +37,6 @@ from torsion.rules.judgement import (
     rated_speed,
     spans_of,
     worst_of,
-)
-from torsion.rules.m68_shafts import M68Settings
-from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import (
-    BARRED_BELOW,
-    START,
-    distinct,
-    in_rpm,
-    restricted,
-    with_reach,
 )
 from torsion.rules.shaft_limits import (
     NEAR_LIMIT,
@@ -87,7 +87,7 @@ class Stressed:
 
     @property
     def is_ruled(self) -> BoolArray:
-        """(speeds,) there is a limit."""
+        """(speeds,) true where the rule has a limit."""
         return np.isfinite(self.curve.limit)
 
 
@@ -122,7 +122,7 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
             curve, is_ruled, barred = stressed.curve, stressed.is_ruled, stressed.barred
             curves += [(curve, is_ruled), (curve, is_ruled & ~barred.passed)]
             ends += [end for band in barred.permitted for end in (band.lower, band.upper)]
-        speeds = np.union1d(judgement.between(curves), ends)
+        speeds = np.union1d(rule_over_speed.between(curves), ends)
         return np.union1d(speeds, super().speeds_between(evidence))
 
     def stressed(self, evidence: Results) -> Iterator[Stressed]:
@@ -158,17 +158,6 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
         no keyway allows; the greatest stress above the last limit is stated.
         """
         shaft, curve, barred = stressed.shaft, stressed.curve, stressed.barred
-
-        def judged(
-            clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str
-        ) -> Iterator[Check]:
-            name, against = (clause, shaft.name, what), replace(curve, limit=limit)
-            options = within, "N/mm2", notes, stressed.spans
-            check = judge_clause(
-                self.name, Clause(*name, shaft.standing, against, *options), evidence
-            )
-            return iter(() if check is None else (check,))
-
         refusal = ""
         if barred.refused:
             critical = " and ".join(in_rpm(band.critical) for band in barred.refused)
@@ -178,37 +167,65 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
             )
         outside = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
         notes = MOSTLY, refusal, outside, *shaft.notes
-        for clause, within in stressed.ruled.items():
-            yield from judged(clause, STRESS, curve.limit, within & ~barred.passed, *notes)
+        for clause, ruled in stressed.ruled.items():
+            name, within = (clause, STRESS), ruled & ~barred.passed
+            yield from self._judge_at(evidence, stressed, name, curve.limit, within, notes)
+        if shaft.curve.passing is not None:
+            yield from self._passing(evidence, stressed, shaft.curve.passing.clause)
+        yield from self._above(evidence, stressed)
 
-        if (passing := shaft.curve.passing) is not None:
-            keyways = [
-                f"{feature}: keyways are not for use with a barred range"
-                for feature in shaft.keyways
-            ]
-            meter = self.settings.tachometer
-            times = barred_time.barred_times(evidence, barred.permitted)
-            notes = (
-                *keyways,
-                f"barred range {_words(barred.permitted)}, to be passed rapidly",
-                f"tachometer tolerance {100 * meter:.3g} % {'added' if meter else 'assumed'}",
-                MOSTLY,
-                barred_time.words(times),
-            )
-            for check in judged(passing.clause, PASSING, stressed.tau_t, barred.passed, *notes):
-                rated = rated_speed(evidence.study)
-                ordered = (_with_order(evidence, band, stressed.spans) for band in barred.permitted)
-                ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
-                met: Verdict = "restricted" if check.verdict == "pass" else check.verdict
-                yield replace(check, verdict="fail" if keyways else met, barred=ranges, times=times)
+    def _judge_at(
+        self,
+        evidence: Results,
+        stressed: Stressed,
+        name: tuple[str, str],
+        limit: FloatArray,
+        within: BoolArray,
+        notes: tuple[str, ...],
+    ) -> Iterator[Check]:
+        """Yield the check of a stress at the worst of some speeds, if there are any; name: clause and what is compared."""
+        (clause, what), shaft = name, stressed.shaft
+        curve = replace(stressed.curve, limit=limit)
+        about = clause, shaft.name, what, shaft.standing, curve, within
+        row = Clause(*about, "N/mm2", notes, stressed.spans)
+        if (check := judge_clause(self.name, row, evidence)) is not None:
+            yield check
 
-        last = shaft.curve.last * rated_speed(evidence.study)
-        share = f"{shaft.curve.last:g} of the rated speed"
+    def _passing(self, evidence: Results, stressed: Stressed, clause: str) -> Iterator[Check]:
+        """Yield the check of the stress while the barred ranges are passed, with these ranges; nothing without them."""
+        permitted, meter = stressed.barred.permitted, self.settings.tachometer
+        keyways = tuple(
+            f"{feature}: keyways are not for use with a barred range"
+            for feature in stressed.shaft.keyways
+        )
+        times = barred_time.barred_times(evidence, permitted)
+        notes = (
+            *keyways,
+            f"barred range {_words(permitted)}, to be passed rapidly",
+            f"tachometer tolerance {100 * meter:.3g} % {'added' if meter else 'assumed'}",
+            MOSTLY,
+            barred_time.words(times),
+        )
+        name, within = (clause, PASSING), stressed.barred.passed
+        for check in self._judge_at(evidence, stressed, name, stressed.tau_t, within, notes):
+            rated = rated_speed(evidence.study)
+            ordered = (_with_order(evidence, band, stressed.spans) for band in permitted)
+            ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
+            met: Verdict = "restricted" if check.verdict == "pass" else check.verdict
+            yield replace(check, verdict="fail" if keyways else met, barred=ranges, times=times)
+
+    def _above(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
+        """Yield the stress above the last limit: a restriction, or NOT JUDGED if the file has continuous use there."""
+        curve = stressed.shaft.curve
+        last = curve.last * rated_speed(evidence.study)
+        share = f"{curve.last:g} of the rated speed"
         without = (
             f"no continuous operation above {in_rpm(last)}, {share}: the rule has no limit there"
         )
-        clause, unlimited = shaft.curve.pieces[-1].clause, np.ones(len(curve.speed))
-        for check in judged(clause, ABOVE, unlimited, ~stressed.is_ruled, without):
+        name, unlimited = (curve.pieces[-1].clause, ABOVE), np.ones(len(stressed.curve.speed))
+        for check in self._judge_at(
+            evidence, stressed, name, unlimited, ~stressed.is_ruled, (without,)
+        ):
             bare = replace(check, limit=math.nan, standing=self.mark)
             if _highest_use(evidence.study) > last * (1 + ROUNDING):
                 yield replace(bare, verdict="not judged")
@@ -256,7 +273,7 @@ def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
 def _with_order(evidence: Results, barred: BarredRange, spans: IntArray) -> BarredRange:
     """Return a range with the order that has the greatest torque in the shaft at the critical speed."""
     row = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
-    main = judgement.main_component(evidence, row, spans)
+    main = rule_over_speed.main_component(evidence, row, spans)
     return replace(barred, order=None if main is None else main.order)
 
 
@@ -265,7 +282,7 @@ def _words(ranges: tuple[BarredRange, ...]) -> str:
 
 
 def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> Barring:
-    """The ranges for stress over speed against its limit; rated in rad/s.
+    """Return the barred ranges for stress over speed against its limit; rated in rad/s.
 
     A run of speeds above it has its critical speed at its worst, wherever that lies; the range about it is refused
     where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
@@ -306,7 +323,7 @@ def _merged(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
 
 
 def _crossing(curve: Curve, above: int, beyond: int) -> float:
-    """Speed between two neighbours at which the stress meets its limit, by a straight line.
+    """Return the speed between two neighbours at which the stress meets its limit, by a straight line.
 
     The flank of a resonance is hollow, so the line errs toward the wider range. The far neighbour where a value is not
     finite.

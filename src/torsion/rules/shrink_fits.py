@@ -12,10 +12,10 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import Clause, RuleOverSpeed
 from torsion.rules.reached_speeds import restricted
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 from torsion.train import Train
@@ -41,7 +41,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
     settings_class = ShrinkFitSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not any(fits(study.train)):
             hint = (
                 "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
@@ -57,7 +57,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         )
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Shrunk hubs of which the file does not say what they carry."""
+        """Return a row for each shrunk hub without `pressure` or `friction`."""
         note = "its `pressure` and `friction` are not given"
         return tuple(
             unjudged(self.name, "slip", bar.name, IN_FIT.format(hub.end), note, TO_BE_VERIFIED)
@@ -72,7 +72,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         response, peak = evidence.need(Response), evidence.need(Synthesis).peak
         safety = self.settings.safety or USUAL_SAFETY
         for bar, hub, capacity in fits(evidence.study.train):
-            spans = judgement.spans_of(evidence.system, bar.part)
+            spans = rule_over_speed.spans_of(evidence.system, bar.part)
             torque, length = np.max(peak[:, spans], axis=1), 1e3 * hub.length
             reach = length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
             yield self.compare(
@@ -90,7 +90,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
 
 
 def fits(train: Train) -> Iterator[tuple[Bar, Hub, float]]:
-    """Every shrunk hub whose pressure is given, and the torque (N m) at which all of its fit slips."""
+    """Yield every shrunk hub whose pressure is given, and the torque (N m) at which all of its fit slips."""
     for bar in train.bars:
         record = train.parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
@@ -99,7 +99,7 @@ def fits(train: Train) -> Iterator[tuple[Bar, Hub, float]]:
 
 
 def slip_torque(diameter: float, length: float, pressure: float, friction: float) -> float:
-    """N m at which a fit slips: friction * pressure all over its cylinder, times its radius (m, m, Pa, 1).
+    """Return the torque (N m) at which a fit slips: friction * pressure over its cylinder, times its radius (m, m, Pa, 1).
 
     A torque below it slips as far into the seat of a rigid hub as friction takes to balance it: that share of its
     length; less far where the part that still sticks takes a share.

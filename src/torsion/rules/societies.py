@@ -20,13 +20,13 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import Part, ShaftRecord
 from torsion.results import listed
-from torsion.rules import judgement, society_limits
+from torsion.rules import rule_over_speed, society_limits
 from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.judgement import Clause, rated_speed
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.reached_speeds import coverage
+from torsion.rules.rule_over_speed import Clause, rated_speed
 from torsion.rules.shaft_limits import (
     MM,
     PA,
@@ -105,8 +105,8 @@ class SocietyRule(M68):
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return the text of the society that limits line shafts, or that of crankshafts and generator shafts."""
-        others = {part.name for _, part, _ in with_role(study.train, *OTHER_ROLES)}
-        is_other = check.where in others or check.clause == MAJOR
+        names = {part.name for _, part, _ in with_role(study.train, *OTHER_ROLES)}
+        is_other = check.where in names or check.clause == MAJOR
         return (is_other and self.society.crank_edition) or self.society.edition
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
@@ -141,7 +141,7 @@ class SocietyRule(M68):
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the vibratory torque of gears, where the society limits it."""
         share = self.society.mesh
-        if share is None or judgement.rated_torque(evidence) is None:
+        if share is None or rule_over_speed.rated_torque(evidence) is None:
             return
         response = evidence.need(Response)
         reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))

@@ -31,8 +31,8 @@ class Row:
     root: float = 0.0
     slope: float = 0.0
 
-    def at(self, ratio: FloatArray) -> FloatArray:
-        """(speeds,)."""
+    def evaluate(self, ratio: FloatArray) -> FloatArray:
+        """Return (speeds,) the row at speed ratios."""
         rise = (self.root + self.slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
         return np.asarray(self.constant + self.square * ratio**2 + rise)
 
@@ -120,17 +120,17 @@ SOCIETIES: Mapping[str, Society] = {
 
 
 def strength_factor(strength: float | None, *, alloy: bool) -> float:
-    """f_m of tau_1 and tau_3 for a tensile strength above 440 N/mm2 (KR), 1 where none is known.
+    """Return f_m of tau_1 and tau_3 for a tensile strength above 440 N/mm2 (KR), 1 where none is known.
 
     >>> round(strength_factor(600.0, alloy=True), 10)
     1.2424242424
     """
-    known = min(strength or 0.0, ALLOY_CAP if alloy else CARBON_CAP)
-    return 1.0 + 2.0 / 3.0 * (max(known, STEEL_STRENGTH) / STEEL_STRENGTH - 1.0)
+    counted = min(strength or 0.0, ALLOY_CAP if alloy else CARBON_CAP)
+    return 1.0 + 2.0 / 3.0 * (max(counted, STEEL_STRENGTH) / STEEL_STRENGTH - 1.0)
 
 
 def yield_factor(limit: float | None) -> float:
-    """f_m of tau_2 for a yield strength above 225 N/mm2 (KR), 1 where none is known.
+    """Return f_m of tau_2 for a yield strength above 225 N/mm2 (KR), 1 where none is known.
 
     >>> round(yield_factor(350.0), 10)
     1.5555555556
@@ -141,7 +141,7 @@ def yield_factor(limit: float | None) -> float:
 def crank_curve(
     table: CrankTable, letters: Letters, diameter: float, strength: float = 1.0, yields: float = 1.0
 ) -> LimitCurve:
-    """Of the crankshaft of a main engine; strength, yields: the factors f_m.
+    """Return the limits of the crankshaft of a main engine; strength, yields: the factors f_m.
 
     >>> curve = crank_curve(KR_IN_LINE, NUMBERED, 200.0)
     >>> [round(float(value), 4) for value in curve.continuous(np.array([0.8, 1.0, 1.05]))]
@@ -149,7 +149,7 @@ def crank_curve(
     """
 
     def limit(row: Row, per_mm: Row, factor: float, ratio: FloatArray) -> FloatArray:
-        return np.asarray(factor * (row.at(ratio) + diameter * per_mm.at(ratio)))
+        return np.asarray(factor * (row.evaluate(ratio) + diameter * per_mm.evaluate(ratio)))
 
     below = partial(limit, table.below, table.below_per_mm)
     above = partial(limit, table.above, table.above_per_mm, strength)
@@ -161,7 +161,7 @@ def crank_curve(
 
 
 def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
-    """Of a shaft of a generator set, whose range of use nothing is barred in; factor: f_m.
+    """Return the limits of a shaft of a generator set, whose range of use nothing is barred in; factor: f_m.
 
     >>> set_curve((31.0, 118.0), 1.0).continuous(np.array([0.5, 0.9, 1.1, 1.2]))
     array([118.,  31.,  31.,  nan])

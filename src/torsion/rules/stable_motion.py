@@ -3,22 +3,24 @@
 What was not looked at of the operation is not passed.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
-from torsion.analyses.lateral.tilt_stability import Tilting
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.stability.mean_speed import SLOW
 from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.drive_law import DriveLaw
 from torsion.rules.barred_time import barred_times, unstable_words
-from torsion.rules.judgement import within
 from torsion.rules.reached_speeds import distinct, with_reach
+from torsion.rules.rule_over_speed import within
 from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings
 from torsion.study import Operation, Study
 
@@ -37,18 +39,19 @@ class StableMotion(Rule[RuleSettings]):
     """The rule on whatever stability was computed."""
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Of the whole train."""
-        found = evidence.need(Stability)
-        line = stability_check(found, evidence.study.operation)
+        """Return the checks on the torsion of the whole train."""
+        stability = evidence.need(Stability)
+        line = stability_check(stability, evidence.study.operation)
         times = barred_times(
-            evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges)
+            evidence,
+            tuple(BarredRange(band.first, band.last, band.at, WHOLE) for band in stability.ranges),
         )
-        stated, laws = mean_speed_words(found, evidence.study), drive_laws(evidence.study)
+        stated, laws = mean_speed_words(stability, evidence.study), drive_laws(evidence.study)
         words = line.note, unstable_words(times), slope_words(evidence.study), stated
         note = "; ".join(word for word in words if word)
         lines = [replace(line, note=note, times=times)]
         if laws and not any(law.is_controlled for law in laws):
-            lines.append(mean_speed_check(found, evidence.study))
+            lines.append(mean_speed_check(stability, evidence.study))
         return distinct(row for check in lines for row in with_reach(check, evidence.study))
 
 
@@ -58,17 +61,17 @@ def drive_laws(study: Study) -> list[DriveLaw]:
     return [machine.drive for machine in machines if machine.drive is not None]
 
 
-def mean_speed_check(found: Stability, study: Study) -> Check:
+def mean_speed_check(stability: Stability, study: Study) -> Check:
     """The largest drift of the mean speed against 0, where the law of the drive is stated.
 
     Where a steep slope or a long lag leaves no slow exponent, every exponent is in the row on stability.
     """
-    inside = within(study.operation.speeds, found.speed) & np.isfinite(found.growth)
-    drifts = np.full(len(found.speed), np.nan) if found.drift is None else found.drift
+    inside = within(study.operation.speeds, stability.speed) & np.isfinite(stability.growth)
+    drifts = np.full(len(stability.speed), np.nan) if stability.drift is None else stability.drift
     rates = np.where(inside & np.isfinite(drifts), drifts, -np.inf)
-    first, last, is_whole = _operated(found.speed, study.operation)
-    drifting = [drift for drift in found.drifts if drift.first <= last and drift.last >= first]
-    growth, speed, notes = float(rates.max()), float(found.speed[rates.argmax()]), list[str]()
+    first, last, is_whole = _operated(stability.speed, study.operation)
+    drifting = [drift for drift in stability.drifts if drift.first <= last and drift.last >= first]
+    growth, speed, notes = float(rates.max()), float(stability.speed[rates.argmax()]), list[str]()
     for drift in drifting:
         growth, speed = max(growth, drift.growth), min(max(drift.at, first), last)
         notes.append(
@@ -78,7 +81,7 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
         notes.append(PART)
     # A drift slower than that is within the error of the growth rates.
     kept = is_whole and not drifting and bool(inside.any()) and growth <= SLOW
-    if _is_doubtful(found, first, last):
+    if _is_doubtful(stability, first, last):
         notes.append(NOT_DISTINGUISHED)
     elif growth == -np.inf and inside.any():
         notes.append("the mean speed has no slow exponent of its own at any speed")
@@ -87,7 +90,7 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
     )
     if growth == -np.inf:
         line = replace(line, value=np.nan, speed=None)
-    return _unless_doubtful(line, found, first, last)
+    return _unless_doubtful(line, stability, first, last)
 
 
 def slope_words(study: Study) -> str:
@@ -99,11 +102,11 @@ def slope_words(study: Study) -> str:
     return "; ".join(f"{row}: it acts on the mean speed only" for row in rows)
 
 
-def mean_speed_words(found: Stability, study: Study) -> str:
+def mean_speed_words(stability: Stability, study: Study) -> str:
     """What is said of a drift of the mean speed; empty where there is none."""
-    if not found.drifts:
+    if not stability.drifts:
         return ""
-    drift, laws = found.drifts[0], drive_laws(study)
+    drift, laws = stability.drifts[0], drive_laws(study)
     rpm = [f"{speed * _RPM:.4g}" for speed in (drift.at, drift.first, drift.last)]
     doubles = f"doubles in {np.log(2.0) / drift.growth:.2g} s"
     stated = f"Mean speed drifts: {drift.growth:.3g} 1/s at {rpm[0]} rpm ({doubles})"
@@ -126,54 +129,46 @@ def mean_speed_words(found: Stability, study: Study) -> str:
     return f"{words}. A {further} of {drift.slope:.3g} N m s/rad at '{drift.machine}' removes it{slip}.{state}"
 
 
-def stability_check(found: Stability, operation: Operation) -> Check:
+def stability_check(stability: Stability, operation: Operation) -> Check:
     """The largest growth rate within the operation's speeds (else those requested) against 0.
 
     It fails also where a speed has no periodic motion to be stable about, or part of the operation was not looked at.
     """
-    first, last, is_whole = _operated(found.speed, operation)
-    inside = within(operation.speeds, found.speed)
-    rates = np.where(inside & np.isfinite(found.growth), found.growth, -np.inf)
-    at = int(rates.argmax())
-    growth, speed = float(rates[at]), float(found.speed[at])
-    unstable = [one for one in found.ranges if one.meets(first, last)]
-    for one in unstable:
-        if one.growth > growth and (first <= one.at <= last or growth <= 0):
-            growth, speed = one.growth, min(max(one.at, first), last)
-    bare = _bare(found, first, last)
-    if not unstable:
-        growth = min(growth, 0.0)
-        if bare or not inside.any():
-            missing = found.unsolved[(found.unsolved >= first) & (found.unsolved <= last)]
-            growth, speed = np.inf, float(np.append(missing, first)[0])
+    first, last, is_whole = _operated(stability.speed, operation)
+    unstable = [band for band in stability.ranges if band.meets(first, last)]
+    growth, speed = _fastest(stability.speed, stability.growth, unstable, operation)
+    bare = _bare(stability, first, last)
+    if not unstable and (bare or growth == -np.inf):
+        missing = stability.unsolved[(stability.unsolved >= first) & (stability.unsolved <= last)]
+        growth, speed = np.inf, float(np.append(missing, first)[0])
     notes = [
-        *_bare_words(found, bare),
+        *_bare_words(stability, bare),
         *([] if is_whole else ["stability was not requested at all speeds of the operation"]),
-        *([] if found.loses else [NOTHING_DAMPS]),
-        *_nearest(found, first, last),
+        *([] if stability.loses else [NOTHING_DAMPS]),
+        *_nearest(stability, first, last),
     ]
-    if found.doubtful is not None and found.doubtful.size:
+    if stability.doubtful is not None and stability.doubtful.size:
         notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
     line = _check(
         "stability", WHOLE, "Growth of small vibrations", growth, "1/s", speed, notes, kept=kept
     )
-    return _unless_doubtful(line, found, first, last)
+    return _unless_doubtful(line, stability, first, last)
 
 
-def _unless_doubtful(line: Check, found: Stability, first: float, last: float) -> Check:
+def _unless_doubtful(line: Check, stability: Stability, first: float, last: float) -> Check:
     """Return the line, not judged in place of a pass where an exponent is neither a drift nor torsional for sure."""
-    is_open = line.verdict == "pass" and _is_doubtful(found, first, last)
+    is_open = line.verdict == "pass" and _is_doubtful(stability, first, last)
     return replace(line, verdict="not judged") if is_open else line
 
 
-def _is_doubtful(found: Stability, first: float, last: float) -> bool:
+def _is_doubtful(stability: Stability, first: float, last: float) -> bool:
     """Return whether an exponent was not distinguished within speeds (rad/s), or between them and the next speed."""
-    if found.doubtful is None:
+    if stability.doubtful is None:
         return False
-    places = np.flatnonzero(np.isin(found.speed, found.doubtful))
-    below, above = np.maximum(places - 1, 0), np.minimum(places + 1, len(found.speed) - 1)
-    return bool(((found.speed[below] <= last) & (found.speed[above] >= first)).any())
+    places = np.flatnonzero(np.isin(stability.speed, stability.doubtful))
+    below, above = np.maximum(places - 1, 0), np.minimum(places + 1, len(stability.speed) - 1)
+    return bool(((stability.speed[below] <= last) & (stability.speed[above] >= first)).any())
 
 
 def _check(
@@ -205,58 +200,62 @@ def _check(
     )
 
 
-def _bare(found: Stability, first: float, last: float) -> list[SpeedRange]:
+def _bare(stability: Stability, first: float, last: float) -> list[SpeedRange]:
     """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
-    met = [(max(low, first), min(high, last)) for low, high in found.unknown]
+    met = [(max(low, first), min(high, last)) for low, high in stability.unknown]
     return [
-        (a, b) for a, b in met if a < b or ((found.unsolved >= a) & (found.unsolved <= b)).any()
+        (a, b)
+        for a, b in met
+        if a < b or ((stability.unsolved >= a) & (stability.unsolved <= b)).any()
     ]
 
 
-def _bare_words(found: Stability, bare: list[SpeedRange]) -> list[str]:
-    """Where nothing is known."""
+def _bare_words(stability: Stability, bare: list[SpeedRange]) -> list[str]:
+    """The speeds at which nothing is known, in words."""
     if not bare:
         return []
-    if np.isnan(found.growth).all():
-        return [f"no periodic motion was found at any of the {found.growth.size} speeds tried"]
+    if np.isnan(stability.growth).all():
+        return [f"no periodic motion was found at any of the {stability.growth.size} speeds tried"]
     where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
-    more = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
-    return [f"no periodic motion was found, and so nothing is known, from {where} rpm{more}"]
+    further_words = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
+    return [
+        f"no periodic motion was found, and so nothing is known, from {where} rpm{further_words}"
+    ]
 
 
-def _nearest(found: Stability, first: float, last: float) -> list[str]:
+def _nearest(stability: Stability, first: float, last: float) -> list[str]:
     """The distance of the operation from the unstable ranges outside it."""
-    outside = [one for one in found.ranges if not one.meets(first, last)]
-    below = [one.unknown[1] or one.last for one in outside if one.last <= first]
-    above = [one.unknown[0] or one.first for one in outside if one.first >= last]
-    said = []
+    outside = [band for band in stability.ranges if not band.meets(first, last)]
+    below = [band.unknown[1] or band.last for band in outside if band.last <= first]
+    above = [band.unknown[0] or band.first for band in outside if band.first >= last]
+    sentences = []
     if below:
-        said.append(
+        sentences.append(
             f"the next unstable range ends {100.0 * (1.0 - max(below) / first):.3g} % below the lowest speed"
         )
     if above:
-        said.append(
+        sentences.append(
             f"the next unstable range begins {100.0 * (min(above) / last - 1.0):.3g} % above the highest speed"
         )
-    return said
+    return sentences
 
 
 class StableBending(Rule[RuleSettings]):
     """The rule on whatever bending was computed."""
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Of every shaft that bends."""
-        found = bending_checks(evidence.need(Lateral), evidence.study.operation)
-        return distinct(row for line in found for row in with_reach(line, evidence.study))
+        """Return the checks on every shaft that bends."""
+        checks = bending_checks(evidence.need(Lateral), evidence.study.operation)
+        return distinct(row for line in checks for row in with_reach(line, evidence.study))
 
 
-def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:
+def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
     """One for the whirl and one for the tilting of every shaft whose speeds are known."""
     checks = []
-    for shaft in found.shafts:
+    for shaft in bending.shafts:
         if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-            one = _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
-            checks.append(replace(one, parts=shaft.parts))
+            check = _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
+            checks.append(replace(check, parts=shaft.parts))
         if shaft.tilting is not None:
             checks.append(
                 replace(_tilting(shaft.name, shaft.tilting, operation), parts=shaft.parts)
@@ -279,13 +278,13 @@ def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bo
 def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Operation) -> Check:
     """The least logarithmic decrement within the operation against 0; decrement: (speeds, modes)."""
     _, _, is_whole = _operated(speed, operation)
-    known = np.where(
+    decrements = np.where(
         within(operation.speeds, speed)[:, None] & np.isfinite(decrement), decrement, np.inf
     )
-    row = int(known.min(axis=1).argmin())
-    least, what = float(known[row].min()), "Damping of the whirl (logarithmic decrement)"
-    notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
-    value = 0.0 if notes else least
+    row = int(decrements.min(axis=1).argmin())
+    smallest, what = float(decrements[row].min()), "Damping of the whirl (logarithmic decrement)"
+    notes = ["nothing damps it"] if abs(smallest) <= ROUNDING else []
+    value = 0.0 if notes else smallest
     notes += [] if is_whole else [PART]
     return _check(
         "whirl",
@@ -300,20 +299,33 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     )
 
 
-def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
+def _tilting(name: str, tilting: Tilting, operation: Operation) -> Check:
     """The fastest growth of the tilt within the operation against 0."""
-    speed, what = found.speed, f"Growth of the tilt by the couple of {found.joint}"
-    first, last, is_whole = _operated(speed, operation)
-    grows = np.where(within(operation.speeds, speed), found.growth, -np.inf)
-    at = int(np.argmax(grows))
-    growth, where = float(grows[at]), float(speed[at])
-    unstable = [zone for zone in found.zones if zone.meets(first, last)]
-    if not unstable:
-        growth = min(growth, 0.0)
-    elif growth <= 0:  # it lies between the speeds, or its worst beyond the operation
-        worst = max(unstable, key=attrgetter("growth"))
-        growth, where = worst.growth, min(max(worst.at, first), last)
-    notes = [] if found.is_damped else ["its supports do not damp it in both directions"]
+    first, last, is_whole = _operated(tilting.speed, operation)
+    unstable = [zone for zone in tilting.zones if zone.meets(first, last)]
+    growth, speed = _fastest(tilting.speed, tilting.growth, unstable, operation)
+    notes = [] if tilting.is_damped else ["its supports do not damp it in both directions"]
     notes += [] if is_whole else [PART]
-    kept = is_whole and not unstable and bool(np.isfinite(growth))
-    return _check("tilting", name, what, growth, "1/s", where, notes, kept=kept)
+    kept = is_whole and not unstable and bool(np.isfinite([growth, *tilting.growth]).all())
+    what = f"Growth of the tilt by the couple of {tilting.joint}"
+    return _check("tilting", name, what, growth, "1/s", speed, notes, kept=kept)
+
+
+def _fastest(
+    speed: FloatArray,
+    growth: FloatArray,
+    unstable: Sequence[UnstableRange | TiltRange],
+    operation: Operation,
+) -> tuple[float, float]:
+    """The fastest growth within the operation and its speed; at most 0 without an unstable range.
+
+    A range may lie between the speeds, or grow fastest beyond the operation.
+    """
+    first, last, _ = _operated(speed, operation)
+    rates = np.where(within(operation.speeds, speed) & np.isfinite(growth), growth, -np.inf)
+    row = int(rates.argmax())
+    fastest, at_speed = float(rates[row]), float(speed[row])
+    for band in sorted(unstable, key=attrgetter("growth"), reverse=True):
+        if band.growth > fastest and (first <= band.at <= last or fastest <= 0):
+            fastest, at_speed = band.growth, min(max(band.at, first), last)
+    return fastest if unstable else min(fastest, 0.0), at_speed

@@ -62,8 +62,8 @@ def largest_growth(study: Study, system: System, speeds: FloatArray) -> tuple[fl
     """
     growth, at_speed, frequency = -np.inf, float(speeds[0]), 0.0
     for speed in speeds.tolist():
-        known: Steady | None = steady_if_known(study, system, np.array([speed]))
-        modes = damped(system, speed=speed, steady=known, count=None)
+        steady: Steady | None = steady_if_known(study, system, np.array([speed]))
+        modes = damped(system, speed=speed, steady=steady, count=None)
         worst = int(np.argmax(modes.eigenvalue.real)) if modes.eigenvalue.size else -1
         if worst >= 0 and modes.eigenvalue[worst].real > growth:
             growth, at_speed, frequency = (

@@ -58,12 +58,12 @@ class Tube:
 def tubes(train: Train) -> tuple[Tube, ...]:
     """Every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
     joints = {mesh.part: mesh for mesh in train.constraints}
-    found = [
+    rows = [
         _tube(train, joints[mesh.after], mesh)
         for mesh in train.constraints
         if mesh.after is not None
     ]
-    return tuple(tube for tube in found if tube is not None)
+    return tuple(tube for tube in rows if tube is not None)
 
 
 def critical_speed(
@@ -117,8 +117,8 @@ def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
         behind[piece.driving].append(piece)
     reached: dict[int, Spring | Bar | None] = {start: None}
     queue = [start]
-    for here in queue:  # which grows meanwhile: breadth first
-        for piece in behind[here]:
+    for station in queue:  # which grows meanwhile: breadth first
+        for piece in behind[station]:
             if piece.driven not in reached:
                 reached[piece.driven] = piece
                 queue.append(piece.driven)
@@ -179,30 +179,32 @@ class UniversalJoints(Rule[JointRuleSettings]):
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        found = [
+        rows = [
             (f"{RULE}: bending of {tube.name}", tube.lacks)
             for tube in tubes(study.train)
             if tube.lacks
         ]
         if self.settings.speed_angle is None:
-            found.append(
+            rows.append(
                 (
                     f"{RULE}: speed times angle",
                     "`speed_angle` gives no limit; it depends on the joint's size",
                 )
             )
-        return tuple(found)
+        return tuple(rows)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
-        found, speed = evidence.get(Joints), _speed(evidence.study)
-        if found is None or speed is None:
+        joints, speed = evidence.get(Joints), _speed(evidence.study)
+        if joints is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = [row for line in found.lines for row in _of_line(found, line, self.settings, speed)]
-        rows += _between(found, self.settings, speed).values()
+        rows = [
+            row for line in joints.lines for row in _of_line(joints, line, self.settings, speed)
+        ]
+        rows += _between(joints, self.settings, speed).values()
         if self.settings.speed_angle is not None:
             limit: Limit = self.settings.speed_angle, "setting", "setting `speed_angle`"
-            for joint in found.joints:
+            for joint in joints.joints:
                 value = (
                     speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
                 )  # as its maker counts it
@@ -227,17 +229,14 @@ class UniversalJoints(Rule[JointRuleSettings]):
 
 
 def _of_line(
-    found: Joints, line: LineFound, settings: JointRuleSettings, speed: float
+    all_joints: Joints, line: LineFound, settings: JointRuleSettings, speed: float
 ) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
-    joints = [found.joints[k] for k in line.joints]
+    joints = [all_joints.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit, most = (
-        _published(settings, "unevenness"),
-        sorted(joints, key=lambda joint: -joint.unevenness),
-    )
-    parts = tuple(joint.part for joint in most)
+    limit = _published(settings, "unevenness")
+    parts = tuple(joint.part for joint in sorted(joints, key=lambda joint: -joint.unevenness))
     yield _verdict(
         "U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend
     )
@@ -247,16 +246,16 @@ def _of_line(
     )
 
 
-def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
+def _between(joints: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
     checks, limit, what = (
         dict[int, Check](),
         _published(settings, "inertial"),
         "Angular acceleration of the shaft downstream of the joint",
     )
-    for line in found.lines:
+    for line in joints.lines:
         for position in line.joints[:-1]:
-            joint = found.joints[position]
+            joint = joints.joints[position]
             value, driven = _steepest(joint, speed), "driven from its first end"
             about = (joint.part,)
             checks[position] = _verdict(
@@ -284,28 +283,33 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
         if bent is None:
             yield _unjudged_bending(tube, "its bending was not computed")
             return
-        known = [
-            one
-            for shaft in bent.shafts
-            if set(shaft.parts) & set(tube.parts)
-            for one in shaft.critical
-        ]
         first, second = (
-            min((one.speed for one in known if one.order == order), default=math.inf)
+            min(
+                (
+                    critical.speed
+                    for shaft in bent.shafts
+                    if set(shaft.parts) & set(tube.parts)
+                    for critical in shaft.critical
+                    if critical.order == order
+                ),
+                default=math.inf,
+            )
             for order in (1, 2)
         )
         origin = "bending of the shaft on its supports, order 1"
-    own, critical = speed * float(tube.ratio) * RPM, first * RPM
-    twice = "passes it within the speeds" if own >= second * RPM else "stays below it"
+    speed_rpm, critical_rpm = speed * float(tube.ratio) * RPM, first * RPM
+    twice = "passes it within the speeds" if speed_rpm >= second * RPM else "stays below it"
     standing: Standing = TO_BE_VERIFIED if share == SHARE_OF_CRITICAL else "setting"
-    words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({origin})"
-    couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
-    limit = share * critical, standing, words
+    words = f"{share:.3g} x critical bending speed {critical_rpm:.5g} rpm ({origin})"
+    couple = (
+        f"the secondary couple turns at twice the speed, {2.0 * speed_rpm:.5g} rpm, and {twice}"
+    )
+    limit = share * critical_rpm, standing, words
     yield _verdict(
         "n_crit",
         tube.name,
         BENDING,
-        own,
+        speed_rpm,
         "rpm",
         limit,
         speed,
@@ -328,16 +332,16 @@ def _verdict(
     after: str = "",
 ) -> Check:
     """A verdict on some parts whose note is that of the limit, with what stands `before` and `after` it."""
-    most, standing, words = limit
+    maximum, standing, words = limit
     note = "; ".join(text for text in (before, words, after) if text)
-    verdict = verdict_of(value <= most, standing)
+    verdict = verdict_of(value <= maximum, standing)
     return Check(
         RULE,
         clause,
         where,
         what,
         value,
-        most,
+        maximum,
         unit,
         verdict,
         standing,
@@ -359,5 +363,10 @@ def _speed(study: Study) -> float | None:
     if speeds is not None and study.case is not None and study.case.has_own_speeds:
         return speeds.last
     return max(
-        (one for one in (speeds and speeds.last, rated and rated.speed) if one), default=None
+        (
+            limit_speed
+            for limit_speed in (speeds and speeds.last, rated and rated.speed)
+            if limit_speed
+        ),
+        default=None,
     )

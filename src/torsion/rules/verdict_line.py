@@ -61,7 +61,7 @@ TO_BE_VERIFIED: Standing = "to be verified"
 
 
 def verdict_of(kept: bool, standing: Standing) -> Verdict:
-    """Of a value that is known and its limit."""
+    """Return the verdict on a known value; kept: it is within its limit."""
     if kept:
         return "pass"
     return "not kept" if standing == TO_BE_VERIFIED else "fail"
@@ -122,6 +122,11 @@ class Reach:
         "rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack"
     )
 
+    @property
+    def lacks_begin(self) -> bool:
+        """The rule demands speeds below those that were judged."""
+        return self.demanded < self.first
+
 
 class Verified(Declared):
     """The statement of a user that limits were compared with an edition of their rule."""
@@ -175,8 +180,8 @@ class Basis:
     @property
     def words(self) -> str:
         """What the limit is based on, for a reader."""
-        by = ", ".join(filter(None, (self.by, self.on)))
-        return BASIS_WORDS[self.kind].format(by=by)
+        author = ", ".join(filter(None, (self.by, self.on)))
+        return BASIS_WORDS[self.kind].format(by=author)
 
 
 @reported
@@ -255,8 +260,11 @@ class Check:
         """The share of the limit that is used; infinite where no value is known that keeps it."""
         if self.at_least and self.value == 0.0 < self.limit:
             return math.inf
-        used, whole = (self.limit, self.value) if self.at_least else (self.value, self.limit)
-        return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
+        numerator, denominator = self.value, self.limit
+        if self.at_least:
+            numerator, denominator = denominator, numerator
+        is_share = numerator >= 0 and denominator > 0 and self.limit > 0
+        return numerator / denominator if is_share else None
 
 
 def with_basis(check: Check, edition: str, verified: Verified | None = None) -> Check:
@@ -281,7 +289,7 @@ def worst_verdict(checks: "Iterable[Check]") -> Verdict:
 
 
 def rank(check: Check) -> tuple[int, float]:
-    """The greater, the worse: its verdict, and the share of its limit."""
+    """Return the sort key of its verdict and the share of its limit; the greater, the worse."""
     used = check.utilisation
     severity = ("pass", "restricted", "not judged", "not kept", "fail").index(check.verdict)
     return severity, (math.inf if check.fails else -math.inf) if used is None else used
@@ -290,18 +298,18 @@ def rank(check: Check) -> tuple[int, float]:
 def worst_checks(
     cases: Mapping[str, tuple[Check, ...]],
 ) -> dict[tuple[str, ...], tuple[str, Check]]:
-    """The worst of every check over cases, with the name of its case; barred ranges are those of all of them."""
-    found: dict[tuple[str, ...], tuple[str, Check]] = {}
+    """Return the worst of every check over cases, with the name of its case; barred ranges are those of all of them."""
+    worst: dict[tuple[str, ...], tuple[str, Check]] = {}
     barred: dict[tuple[str, ...], dict[BarredRange, None]] = {}
     for words, lines in cases.items():
         for check in lines:
             key = check.rule, check.clause, check.what, check.where
             barred.setdefault(key, {}).update(dict.fromkeys(check.barred))
-            if key not in found or rank(check) > rank(found[key][1]):
-                found[key] = words, check
+            if key not in worst or rank(check) > rank(worst[key][1]):
+                worst[key] = words, check
     return {
         key: (words, replace(check, barred=tuple(barred[key])))
-        for key, (words, check) in found.items()
+        for key, (words, check) in worst.items()
     }
 
 
@@ -313,7 +321,7 @@ class Checks:
 
     @property
     def fails(self) -> bool:
-        """A limit is not kept."""
+        """Whether any check exceeds its limit."""
         return any(check.fails for check in self.lines)
 
     @property
@@ -342,7 +350,7 @@ class Rule(Generic[Settings]):
     scope: float = 1.0  # speed ratio up to which it is to be judged
 
     def __init__(self, settings: Settings, name: str = "") -> None:
-        """name: the name in the file, of a class that serves several rules."""
+        """Keep the settings, and the name in the file of a class that serves several rules."""
         self.settings = settings
         self.name = name or self.name
 

@@ -171,7 +171,7 @@ def _faults_of(
     if not (keys.set or keys.scale or keys.remove or keys.rules is not None or keys.speeds):
         hint = "`set`, `scale`, `remove`, `speeds` or `rules`; the case without changes is called normal"
         yield Fault(path, f"the case '{name}' changes nothing", hint, at_key=True)
-    base, place = keys.based_on, (*path, "based_on")
+    base, fault_path = keys.based_on, (*path, "based_on")
     if base is None:
         return
     base_keys = body.get(base)
@@ -182,12 +182,12 @@ def _faults_of(
             hint = "leave it out: every case is based on it"
         elif near and near != name:
             hint = f"did you mean '{near}'?"
-        yield Fault(place, f"no case is called '{printable(base)}'", hint)
+        yield Fault(fault_path, f"no case is called '{printable(base)}'", hint)
     elif base == name:
-        yield Fault(place, "a case is not based on itself", "leave it out")
+        yield Fault(fault_path, "a case is not based on itself", "leave it out")
     elif isinstance(base_keys, dict) and base_keys.get("based_on") is not None:
         message = f"'{base}' is itself based on '{base_keys['based_on']}'"
-        yield Fault(place, message, "one level: repeat its changes here")
+        yield Fault(fault_path, message, "one level: repeat its changes here")
 
 
 def _case(
@@ -231,40 +231,40 @@ def merge_changes(changes: Iterable[Change]) -> tuple[Change, ...]:
     return tuple(merged.values())
 
 
-def change_overlay(keys: CaseKeys, path: Path, own: Node, overlay: Overlay) -> None:
-    """Put everything into the overlay that the keys of a case state; `own` is their node, at `path`."""
+def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay) -> None:
+    """Put everything into the overlay that the keys of a case state; `case_node` is their node, at `path`."""
     for key in ("set", "scale"):
-        body = own.parts.get(key) or Node({}, 1, 1)
+        body = case_node.parts.get(key) or Node({}, 1, 1)
         for words, node in body.parts.items():
             name, fault = str(words), (*path, key, words)
-            place = body.keys[name]
+            position = body.keys[name]
             if key == "set":
-                overlay.replace(name, node, place, fault)
+                overlay.replace(name, node, position, fault)
                 continue
             factor = Fraction(repr(keys.scale[name]))
             if factor == 1 and not overlay.permits_no_change:
                 message = f"{in_words(node.value)} of `{words}`: nothing changes"
                 overlay.faults.append(Fault(fault, message, "a factor other than 1", at_key=True))
             else:
-                overlay.multiply(name, factor, node, place, fault)
+                overlay.multiply(name, factor, node, position, fault)
     if keys.speeds is not None:
-        places = own.parts["speeds"], own.keys["speeds"]
+        places = case_node.parts["speeds"], case_node.keys["speeds"]
         overlay.replace("operation.speeds", *places, (*path, "speeds"))
     if keys.rules is not None:
-        _rules(overlay, own, (*path, "rules"))
+        _rules(overlay, case_node, (*path, "rules"))
     remove_components(overlay, keys.remove, (*path, "remove"))
 
 
-def _rules(overlay: Overlay, own: Node, fault: Path) -> None:
+def _rules(overlay: Overlay, node: Node, fault: Path) -> None:
     """Put the rules of a case in place of the file's."""
-    stated, rules = node_at(overlay.source.root, ("rules",)), own.parts["rules"]
+    stated, rules = node_at(overlay.source.root, ("rules",)), node.parts["rules"]
     if stated is not None and stated.value == rules.value:
         message = "these are the rules of the file: nothing changes"
         overlay.faults.append(Fault(fault, message, "leave it out", True))
         return
     before = "none" if stated is None else in_words(stated.value)
     overlay.changes.append(Change("rules", before, in_words(rules.value)))
-    overlay.put(("rules",), rules, own.keys["rules"])
+    overlay.put(("rules",), rules, node.keys["rules"])
     # Without rules there is no limit that a design could keep; that of the file has this case among others.
     if not rules.value:
         overlay.remove(("analyses", "design"))
@@ -287,8 +287,8 @@ def _tolerances(case: _Requested, overlay: Overlay) -> None:
             continue
         for path in stiffness_paths(overlay, part):
             stated = node_at(overlay.source.root, path)
-            by = 1 / factor if path[-1] == "flexibility" else factor
-            value = None if stated is None else multiplied(stated.value, by)
+            ratio = 1 / factor if path[-1] == "flexibility" else factor
+            value = None if stated is None else multiplied(stated.value, ratio)
             if stated is not None and value is not None and value != stated.value:
                 steps = path[len(part.path) :]
                 keys = (str(step + 1) if isinstance(step, int) else step for step in steps)
@@ -304,14 +304,14 @@ def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
     for keys in STIFFNESSES:
         if node_at(root, (*part.path, *keys)) is not None:
             yield (*part.path, *keys)
-    for keys, own in LISTED:
+    for keys, entry_path in LISTED:
         rows = node_at(root, (*part.path, *keys))
         for step, _ in entries_of(None if rows is None else rows.value):
-            yield (*part.path, *keys, step, *own)
+            yield (*part.path, *keys, step, *entry_path)
 
 
 def _effect(study: Study) -> Any:
-    """Everything of a study that a result can follow from: without names, notes and sources, and places of the file.
+    """Return everything of a study that a result can follow from: without names, notes and sources, and places of the file.
 
     Ratings have an effect where a rule or a motion over time reads them.
     """

@@ -10,7 +10,7 @@ from torsion.model import KINDS, component
 from torsion.model.component import Component
 from torsion.schema.declaration_reader import declared, entries_of, unknown
 from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import KIND_FOR
+from torsion.schema.other_words import word_for
 
 
 def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
@@ -55,7 +55,7 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
 def _unknown_kind(kind: str, path: Path) -> Fault:
     """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
     fault = unknown(path, "component", kind, list(KINDS))
-    return replace(fault, hint=KIND_FOR.get(kind.casefold(), fault.hint))
+    return replace(fault, hint=word_for("component", kind, fault.hint))
 
 
 def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:

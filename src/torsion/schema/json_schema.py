@@ -16,11 +16,10 @@ from torsion.rules import RULES
 from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.declaration_reader import keys_of, mappings_of
-from torsion.schema.kind_texts import EXAMPLES, SETTINGS
-from torsion.schema.manual import declarations
+from torsion.schema.manual import declarations, first_line
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.setting_examples import SETTINGS
 from torsion.schema.table_rows import MAPPINGS, PAIRS
-from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Operation, ShaftModel
 
@@ -91,7 +90,7 @@ def json_schema() -> Schema:
         "table": TABLE,
         **parts,
     }
-    schema["$defs"] |= _with_patterns(schema)
+    schema["$defs"] |= _with_quantities(schema)
     _add_aliases(schema)
     return schema
 
@@ -127,9 +126,9 @@ def _offer(body: Schema, aliases: Mapping[str, str]) -> None:
         body.setdefault("allOf", []).append({"anyOf": [{"required": [word]} for word in words]})
 
 
-def _with_patterns(body: Any) -> Schema:
+def _with_quantities(body: Any) -> Schema:
     """Refer every text with a unit to the definition of its quantity; these definitions by name."""
-    found: Schema = {}
+    definitions: Schema = {}
     if isinstance(body, dict):
         expected = body.pop("x-unit", None)
         if expected is not None:
@@ -138,12 +137,26 @@ def _with_patterns(body: Any) -> Schema:
             )
             name = name.replace(" ", "-")
             body["$ref"] = f"#/$defs/{name}"
-            found[name] = definition(tuple(expected))
+            definitions[name] = _quantity(expected)
     for part in (
         list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ()
     ):
-        found |= _with_patterns(part)
-    return found
+        definitions |= _with_quantities(part)
+    return definitions
+
+
+def _quantity(expected: list[str]) -> Schema:
+    """The definition of a text with a number and one of these SI units, or another of its dimension."""
+    words = " or ".join(
+        units.speak(unit) + ("" if unit == "1" else f" in {unit}") for unit in expected
+    )
+    examples = [units.example(unit) for unit in expected]
+    return {
+        "type": "string",
+        "description": f"{words}, for example {' or '.join(examples)}",
+        "pattern": r"^\s*[+−-]?\.?[0-9]",
+        "examples": examples,
+    }
 
 
 def _or_null(body: Schema) -> Schema:
@@ -171,14 +184,10 @@ def _add_tables(models: Schema) -> None:
 
 def _kind(kind: str, body: Schema) -> Schema:
     """A kind of component with what it is, and examples of it."""
-    words = (
-        (component(kind).__doc__ or "").strip().partition("\n")[0]
-    )  # no docstring with PYTHONOPTIMIZE=2
-    given = parse_source(EXAMPLES[kind], kind).data
-    return body | {
-        "description": words,
-        "examples": [entry[kind] for entry in given if kind in entry],
-    }
+    declared = component(kind)
+    entries = parse_source(declared.example or "[]", kind).data
+    examples = [entry[kind] for entry in entries if kind in entry]
+    return body | {"description": first_line(declared), "examples": examples}
 
 
 def _rule(name: str, body: Schema) -> Schema:

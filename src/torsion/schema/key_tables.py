@@ -41,11 +41,11 @@ def key_table(declared: type[Declared], keys: Iterable[str] | None = None) -> st
 def tables_with_parts(
     declared: type[Declared],
     common: type[Declared] | None = None,
-    groups: Mapping[str, tuple[str, ...]] | None = None,
+    groups: Iterable[tuple[str, str]] = (),
 ) -> str:
     """Return the tables of a declaration without the keys of `common`, then one for every mapping within it.
 
-    groups: headings of groups of keys, with their keys; other keys follow as "Other keys".
+    groups: headings of groups of keys, with their keys parted by blanks; other keys follow as "Other keys".
     """
     keys = [key for key in keys_of(declared) if common is None or key not in keys_of(common)]
     text = _grouped(declared, keys, groups) if groups else key_table(declared, keys)
@@ -65,11 +65,9 @@ def tables_with_parts(
     )
 
 
-def _grouped(
-    declared: type[Declared], keys: list[str], groups: Mapping[str, tuple[str, ...]]
-) -> str:
+def _grouped(declared: type[Declared], keys: list[str], groups: Iterable[tuple[str, str]]) -> str:
     """Return one table a group, and one of the keys of no group."""
-    grouped = {heading: list(names) for heading, names in groups.items()}
+    grouped = {heading: names.split() for heading, names in groups}
     grouped["Other keys"] = [
         key for key in keys if all(key not in names for names in grouped.values())
     ]

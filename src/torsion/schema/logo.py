@@ -1,16 +1,20 @@
 """The picture on the cover: read, checked, and as a data URI, so that a page holds it."""
 
+import re
 import zlib
 from base64 import b64encode
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, printable
 from torsion.study import Study
 from torsion.user_files import read_file
 
 MOST = 300_000  # bytes: it stands in the page and in results.json
 PLACE = ("document", "logo")
+_URL = re.compile(r"url\(\s*[\"']?([^\"')]*)|@import\s*[\"']([^\"']*)", re.IGNORECASE)
+_INSTRUCTION = re.compile(rb"<\?xml-stylesheet[^>]*href\s*=\s*[\"']([^\"']*)")
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -49,20 +53,15 @@ def _refused(message: str, hint: str) -> InputError:
 
 def _is_png(content: bytes) -> bool:
     """Every chunk has its checksum, and the last one is there."""
-    place, kind = len(PNG), b""
-    while kind != b"IEND":
-        size, kind = (
-            int.from_bytes(content[place : place + 4], "big"),
-            content[place + 4 : place + 8],
-        )
-        data, check = (
-            content[place + 4 : place + 8 + size],
-            content[place + 8 + size : place + 12 + size],
-        )
-        if len(check) != 4 or zlib.crc32(data) != int.from_bytes(check, "big"):
+    chunks = content[len(PNG) :]
+    while len(chunks) >= 12:
+        end = int.from_bytes(chunks[:4], "big") + 8
+        if zlib.crc32(chunks[4:end]).to_bytes(4, "big") != chunks[end : end + 4]:
             return False
-        place += 12 + size
-    return True
+        if chunks[4:8] == b"IEND":
+            return True
+        chunks = chunks[end + 4 :]
+    return False
 
 
 def _is_jpeg(content: bytes) -> bool:
@@ -70,15 +69,38 @@ def _is_jpeg(content: bytes) -> bool:
 
 
 def _is_svg(content: bytes) -> bool:
-    """A document of XML whose root is svg; raises InputError where it needs another file."""
-    from torsion.schema.svg_logo import needs
+    """A drawing without entities of its own; raises InputError where it needs another file or holds a program."""
+    if b"<!ENTITY" in content.replace(b"\0", b""):
+        return False
+    try:
+        root = ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError, LookupError):
+        return False
+    if _local(root.tag) != "svg":
+        return False
+    hint = "a logo is one file: embed its pictures, or save it as PNG"
+    references = [link.decode() for link in _INSTRUCTION.findall(content)]
+    for element in root.iter():
+        if _local(element.tag) in ("script", "foreignobject"):
+            raise _refused(f"the picture holds a `{_local(element.tag)}`", hint)
+        for key, value in element.items():
+            if _local(key).startswith("on"):
+                raise _refused("the picture holds a script", hint)
+            references += [value] * (_local(key) in ("href", "src")) + _urls(value)
+        references += _urls(element.text or "") if _local(element.tag) == "style" else []
+    for reference in references:
+        if not re.match(r"\s*(#|data:|$)", reference, re.IGNORECASE):
+            raise _refused(f"the picture refers to '{printable(reference.strip())}'", hint)
+    return True
 
-    found = needs(content)
-    for line, message in found or ():
-        raise _refused(
-            f"line {line}: {message}", "a logo is one file: embed its pictures, or save it as PNG"
-        )
-    return found is not None
+
+def _local(name: str) -> str:
+    """Return a name without its namespace, in small letters."""
+    return name.rpartition("}")[2].casefold()
+
+
+def _urls(text: str) -> list[str]:
+    return [url or imported for url, imported in _URL.findall(text)]
 
 
 FORMS = (

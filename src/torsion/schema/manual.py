@@ -22,9 +22,9 @@ from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.key_tables import key_table, tables_with_parts
-from torsion.schema.kind_texts import EXAMPLES, GROUPS, SETTINGS
-from torsion.schema.page_titles import KINDS_OF_COMPONENTS, title_and_sentence
+from torsion.schema.page_titles import title_and_sentence
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.setting_examples import SETTINGS
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
 FOLDER = "docs/reference/model-file"
@@ -114,6 +114,11 @@ def declarations() -> dict[str, type[Declared]]:
     }
 
 
+def first_line(declared: type) -> str:
+    """Return the first line of a docstring, with PYTHONOPTIMIZE=2 an empty text."""
+    return (declared.__doc__ or "").strip().partition("\n")[0]
+
+
 def toctree(names: Iterable[str]) -> str:
     """Return the list of pages for the site's navigation."""
     return "```{toctree}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
@@ -152,11 +157,10 @@ def _section(name: str) -> str:
 def _kind(kind: str) -> str:
     """Return the page of a kind of component: sentence, examples, keys, notes."""
     declared = component(kind)
-    sentence = (declared.__doc__ or "").strip().partition("\n")[0]
-    title, sentence = KINDS_OF_COMPONENTS.get(kind, (declared.sort, sentence))
-    keys = tables_with_parts(declared, Component, GROUPS.get(kind))
-    introduction = f"{sentence} {SORTS[declared.sort]}"
-    text = f"# `{kind}`: {title}\n\n{introduction}\n\n```yaml\n{EXAMPLES[kind]}\n```\n\n## Keys\n\n{keys}"
+    introduction = f"{first_line(declared)} {SORTS[declared.sort]}"
+    example = f"```yaml\n{declared.example}\n```"
+    keys = tables_with_parts(declared, Component, declared.groups)
+    text = f"# `{kind}`: {declared.title}\n\n{introduction}\n\n{example}\n\n## Keys\n\n{keys}"
     aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(
         keys_of(declared)
     )
@@ -200,9 +204,7 @@ def _aliases(aliases: Mapping[str, str]) -> str:
 def _kinds() -> str:
     """Return a table of all kinds."""
     rows = ["| kind | component |", "|---|---|"]
-    rows += [
-        f"| [`{kind}`]({kind}.md) | {KINDS_OF_COMPONENTS.get(kind, (kind,))[0]} |" for kind in KINDS
-    ]
+    rows += [f"| [`{kind}`]({kind}.md) | {component(kind).title} |" for kind in KINDS]
     return "\n".join(rows) + "\n"
 
 

@@ -19,11 +19,11 @@ from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.case_states import states_of_cases
-from torsion.schema.component_names import kinds_by_name, repeated_names
+from torsion.schema.component_names import possible_names, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.other_words import ANALYSIS_FOR, of_its_number
+from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
@@ -297,10 +297,7 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
         elif name not in ANALYSES or not ANALYSES[name].settings:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
             fault = unknown(path, "analysis", name, [*ShaftModel.model_fields, *known])
-            meant = ANALYSIS_FOR.get(
-                name.casefold().replace("-", "_").replace(" ", "_"), fault.hint
-            )
-            faults.append(replace(fault, hint=meant))
+            faults.append(replace(fault, hint=word_for("analysis", name, fault.hint)))
         elif isinstance(body, list) and ANALYSES[name].is_listed:
             each = [
                 declared(ANALYSES[name].settings_class(), one, (*path, k), faults)
@@ -412,25 +409,27 @@ def _unknown_names(
     excitations: list[Excitation | None],
     links: list[Link | None],
 ) -> Iterator[Fault]:
-    """Names that no component goes by, of a train that is too faulty to be lowered."""
-    known = kinds_by_name(data.get("train"))
-    if known is None:
+    """Yield the faults of names that no component can go by, of a train that is too faulty to be lowered."""
+    possible = possible_names(data.get("train"))
+    if possible is None:
         return
-    ends = (
-        (place, side, end)
-        for place, link in enumerate(links)
+    named: list[tuple[str, Path]] = [
+        (end, ("links", number, "between", side))
+        for number, link in enumerate(links)
         if link
         for side, end in enumerate(link.between)
-    )
-    named: list[tuple[str, Path]] = [
-        (end, ("links", place, "between", side)) for place, side, end in ends
     ]
     named += [
-        (one.at, ("excitations", place, "at"))
-        for place, one in enumerate(excitations)
-        if one is not None and known.get(one.at.partition(" wheel ")[0], ("", True))[0] != "gear"
+        (excitation.at, ("excitations", number, "at"))
+        for number, excitation in enumerate(excitations)
+        if excitation is not None
     ]
-    found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
-        found.append(name_fault(reference, ("operation", "at"), known, point=False))
-    yield from (fault for fault in found if fault is not None)
+        named.append((reference, ("operation", "at")))
+    known = dict.fromkeys(sorted(possible), ("component", True))
+    for name, path in named:
+        # A point within a component has the name of the component in front of its own.
+        if not any(name.startswith(f"{owner} ") for owner in possible):
+            fault = name_fault(name, path, known)
+            if fault is not None:
+                yield fault

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import Any
 
 from torsion.errors import Fault
@@ -21,7 +21,10 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
     faulty: sections that have faults of their own; what reads one of them is not judged.
     """
     return [
-        fault for check, reads in _CHECKS if not set(reads) & set(faulty) for fault in check(study)
+        fault
+        for check, reads in _CHECKS
+        if not set(reads.split()) & set(faulty)
+        for fault in check(study)
     ]
 
 
@@ -34,55 +37,38 @@ def _model_faults(study: Study) -> Iterator[Fault]:
 
 def _damping_faults(study: Study) -> Iterator[Fault]:
     """Damping by mode beside that of components, or for what is not a sum of modes."""
-    if not study.train.modal_damping:
+    train = study.train
+    if not train.modal_damping:
         return
-    if name := study.train.damping_of_components:
+
+    def refuse(message: str, hint: str = "give the components their damping") -> Fault:
+        return Fault(("damping",), message, hint)
+
+    if name := train.damping_of_components:
         message = (
             f"damping by mode replaces the damping of the components, and '{name}' has damping"
         )
-        yield Fault(("damping",), message, "leave one of them out")
-    if study.model != "lumped" and study.train.has_shafts:
-        yield Fault(
-            ("analyses", "model"),
-            f"damping by mode is not for the model {study.model}",
-            "model: lumped",
-        )
+        yield refuse(message, "leave one of them out")
+    if study.model != "lumped" and train.has_shafts:
+        message = f"damping by mode is not for the model {study.model}"
+        yield Fault(("analyses", "model"), message, "model: lumped")
     for name in ("stability", "check"):
         if name in study.analyses:
-            yield Fault(
-                ("damping",),
-                f"`{name}` does not support damping by mode",
-                "give the components their damping",
-            )
-    if study.train.has_nonlinear_couplings and len(study.train.modal_damping) > 1:
+            yield refuse(f"`{name}` does not support damping by mode")
+    if train.has_nonlinear_couplings and len(train.modal_damping) > 1:
         message = "a clutch, backlash or friction changes the modes, so that a list of ratios by mode has no meaning"
-        yield Fault(
-            ("damping",), message, "one ratio for all, or give the components their damping"
-        )
-    limited = [
-        part.name
-        for part in study.train.parts
-        if part.ratings is not None and part.ratings.limit_heat
-    ]
-    if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
-        message = (
-            f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
-        )
-        yield Fault(
-            ("damping",), message, "give the components their damping, or leave `heat_limit` out"
-        )
-    if any(torque.mesh for torque in study.train.torques):
-        yield Fault(
-            ("damping",),
-            "a mesh that excites does not support damping by mode",
-            "give the components their damping",
-        )
+        yield refuse(message, "one ratio for all, or give the components their damping")
+    if any(rule == "coupling-maker" for rule, _ in study.rules):
+        limited = [part.name for part in train.parts if part.ratings and part.ratings.limit_heat]
+        for name in limited[:1]:
+            message = (
+                f"coupling-maker judges the heat of '{name}', which damping by mode does not say"
+            )
+            yield refuse(message, "give the components their damping, or leave `heat_limit` out")
+    if any(torque.mesh for torque in train.torques):
+        yield refuse("a mesh that excites does not support damping by mode")
     if study.has_joints:
-        yield Fault(
-            ("damping",),
-            "a train with joints does not support damping by mode",
-            "give the components their damping",
-        )
+        yield refuse("a train with joints does not support damping by mode")
 
 
 def _growth_faults(study: Study) -> Iterator[Fault]:
@@ -121,15 +107,11 @@ def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[
         if torque.order is None and torque.frequency is None:
             if not frequencies:
                 hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
-                yield Fault(
-                    torque.path,
-                    "this torque acts at every frequency, and no frequencies are requested",
-                    hint,
-                )
+                message = "this torque acts at every frequency, and no frequencies are requested"
+                yield Fault(torque.path, message, hint)
         elif not speeds:
-            yield Fault(
-                torque.path, "this excitation needs the speeds at which the train runs", _SPEEDS
-            )
+            message = "this excitation needs the speeds at which the train runs"
+            yield Fault(torque.path, message, _SPEEDS)
             speeds = True
 
 
@@ -138,14 +120,12 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
     needs = [torque.path for torque in study.train.torques if torque.of_mean]
     parts, stations = study.train.parts, study.train.stations
     needs += [
-        (*parts[stations[d.station].part].path, "damping")
-        for d in study.train.dampers
-        if d.needs_torque
+        (*parts[stations[damper.station].part].path, "damping")
+        for damper in study.train.dampers
+        if damper.needs_torque
     ]
-    if needs:
-        yield Fault(
-            needs[0], "this needs the mean torque, and the rated power is not given", _RATED
-        )
+    for path in needs[:1]:
+        yield Fault(path, "this needs the mean torque, and the rated power is not given", _RATED)
 
 
 def _of_analysis(
@@ -153,80 +133,97 @@ def _of_analysis(
     applies: Callable[[Study], bool],
     arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,),
 ) -> Check:
-    """What a function of an analysis (module:name) finds where it applies; it is imported then."""
+    """Return the check by a function of an analysis (module:name), which is imported where it applies."""
 
     def check(study: Study) -> Iterable[Fault]:
         if not applies(study):
             return ()
-        module, name = place.split(":")
-        found: Iterable[Fault] = getattr(import_module(f"torsion.{module}"), name)(
-            *arguments(study)
-        )
-        return found
+        faults: Iterable[Fault] = resolve_name(f"torsion.{place}")(*arguments(study))
+        return faults
 
     return check
 
 
-_order_faults = _of_analysis(
-    "analyses.response.over_speed:order_faults", lambda study: "response" in study.analyses
-)
-_power_faults = _of_analysis("analyses.steady:power_faults", lambda study: study.has_mean_torque)
-_drive_faults = _of_analysis(
-    "analyses.law_slopes:drive_faults",
-    lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
-)
-_check_faults = _of_analysis(
-    "analyses.compare.candidates:loop_faults",
-    lambda study: "check" in study.analyses,
-    lambda study: (study, ("analyses", "check")),
-)
-_joint_faults = _of_analysis(
-    "analyses.joints.joint_analysis:settings_faults",
-    lambda study: "joints" in study.analyses,
-    lambda study: (study.train, study.analyses["joints"]),
-)
-_motion_faults = _of_analysis(
-    "analyses.stability.requested_motion:requested_motion_faults",
-    lambda study: (
-        "stability" in study.analyses
-        or study.setting("analyses", "response", "method") == "harmonic-balance"
+def _needs_motion(study: Study) -> bool:
+    method = study.setting("analyses", "response", "method")
+    return "stability" in study.analyses or method == "harmonic-balance"
+
+
+_CHECKS: tuple[tuple[Check, str], ...] = (  # with the sections that each reads
+    (lambda study: fixed_point_faults(study.train), "train links"),
+    (_model_faults, "train links analyses"),
+    (_damping_faults, "train links damping materials analyses rules"),
+    (
+        _of_analysis(
+            "analyses.compare.candidates:loop_faults",
+            lambda study: "check" in study.analyses,
+            lambda study: (study, ("analyses", "check")),
+        ),
+        "train links analyses",
     ),
-)
-_engine_faults = _of_analysis(
-    "analyses.engine.engine_analysis:engine_faults",
-    lambda study: any(part.engine is not None for part in study.train.parts),
-)
-_transient_faults = _of_analysis(
-    "analyses.motion.transient_settings:transient_faults",
-    lambda study: "transient" in study.analyses,
-)
-_fit_faults = _of_analysis(
-    "what_if.fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses
-)
-_lateral_faults = _of_analysis(
-    "analyses.lateral.shaft_bending:lateral_faults",
-    lambda study: "lateral" in study.analyses or study.has_supports,
-    lambda study: (study.train, study.analyses.get("lateral")),
-)
-_table_faults = _of_analysis(
-    "analyses.modes.coupling_tables:table_faults", lambda study: study.train.has_tables
-)
-_CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
-    (lambda study: fixed_point_faults(study.train), ("train", "links")),
-    (_model_faults, ("train", "links", "analyses")),
-    (_damping_faults, ("train", "links", "damping", "materials", "analyses", "rules")),
-    (_check_faults, ("train", "links", "analyses")),
-    (_response_faults, ("train", "operation", "analyses", "rules")),
-    (_order_faults, ("train", "excitations", "analyses")),
-    (_power_faults, ("train", "operation")),
-    (_drive_faults, ("train", "operation", "analyses")),
-    (_joint_faults, ("train", "analyses")),
-    (_motion_faults, ("train", "links", "operation", "analyses")),
-    (_table_faults, ("train", "links", "operation", "analyses", "damping")),
-    (_growth_faults, ("train", "links", "operation", "analyses")),
-    (_engine_faults, ("train", "operation")),
-    (_transient_faults, ("train", "operation", "analyses")),
-    (_fit_faults, ("train", "operation", "analyses", "excitations")),
-    (_lateral_faults, ("train", "materials", "operation", "analyses")),
-    (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
+    (_response_faults, "train operation analyses rules"),
+    (
+        _of_analysis(
+            "analyses.response.over_speed:order_faults",
+            lambda study: "response" in study.analyses,
+        ),
+        "train excitations analyses",
+    ),
+    (
+        _of_analysis("analyses.steady:power_faults", lambda study: study.has_mean_torque),
+        "train operation",
+    ),
+    (
+        _of_analysis(
+            "analyses.law_slopes:drive_faults",
+            lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
+        ),
+        "train operation analyses",
+    ),
+    (
+        _of_analysis(
+            "analyses.joints.joint_analysis:settings_faults",
+            lambda study: "joints" in study.analyses,
+            lambda study: (study.train, study.analyses["joints"]),
+        ),
+        "train analyses",
+    ),
+    (
+        _of_analysis("analyses.stability.requested_motion:requested_motion_faults", _needs_motion),
+        "train links operation analyses",
+    ),
+    (
+        _of_analysis(
+            "analyses.modes.coupling_tables:table_faults", lambda study: study.train.has_tables
+        ),
+        "train links operation analyses damping",
+    ),
+    (_growth_faults, "train links operation analyses"),
+    (
+        _of_analysis(
+            "analyses.engine.engine_analysis:engine_faults",
+            lambda study: any(part.engine is not None for part in study.train.parts),
+        ),
+        "train operation",
+    ),
+    (
+        _of_analysis(
+            "analyses.motion.transient_settings:transient_faults",
+            lambda study: "transient" in study.analyses,
+        ),
+        "train operation analyses",
+    ),
+    (
+        _of_analysis("what_if.fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses),
+        "train operation analyses excitations",
+    ),
+    (
+        _of_analysis(
+            "analyses.lateral.shaft_bending:lateral_faults",
+            lambda study: "lateral" in study.analyses or study.has_supports,
+            lambda study: (study.train, study.analyses.get("lateral")),
+        ),
+        "train materials operation analyses",
+    ),
+    (lacking, "train links materials operation analyses rules excitations"),
 )

@@ -9,7 +9,7 @@ from threading import Lock
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Work, version
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.runner import run
 from torsion.study import Variation
 from torsion.sweeping.sweep_folder import LIBRARIES, digest, digests
@@ -56,7 +56,7 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
     if fault:
         raise InputError([Fault((), fault)], fault)
     work, variation = pickle.loads(given.scene)
-    return replace(work, solve=run, rules=judgement), variation
+    return replace(work, solve=run, rules=rule_over_speed), variation
 
 
 def others(versions: Iterable[tuple[str, str]], found: Mapping[str, str | None]) -> str:

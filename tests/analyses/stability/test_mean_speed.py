@@ -85,7 +85,7 @@ def search(slope: float = 0.0, method: str = "monodromy", **change: object) -> S
     study = torsion.parse(text(**change), "drum.yaml")  # type: ignore[arg-type]
     system = assemble(study.train, "lumped")
     ask = growth_search(study, system, method=method)  # type: ignore[arg-type]
-    ask.at = replace(ask.at, slopes=slope * np.eye(len(system.stations))[0])
+    ask.mechanism = replace(ask.mechanism, slopes=slope * np.eye(len(system.stations))[0])
     return ask
 
 
@@ -101,7 +101,7 @@ def test_exponent_of_the_mean_speed_and_mean_torque_are_those_of_the_written_out
     ask = search(slope, method)
     for _, speed, torque, drift, largest in [row for row in DRIFT["rows"] if row[0] == slope]:
         orbit, found = ask(speed * RPM)
-        assert orbit.found.load[0] == pytest.approx(torque, rel=1e-11)
+        assert orbit.balance.load[0] == pytest.approx(torque, rel=1e-11)
         assert np.fmax(found.drift, found.growth) == pytest.approx(largest, abs=1e-9)
         if slope < 800:
             assert found.drift == pytest.approx(drift, abs=1e-9)
@@ -130,16 +130,18 @@ def test_slope_of_the_torque_lost_gives_the_drift_of_a_slow_train():
         "quasi_static_columns_rpm_dTreq_dOmega_minus_D_over_J_exact_ratio"
     ]:
         orbit, found = ask(speed * RPM)
-        lost, _ = drift_slope(ask.at, speed * RPM, orbit)
+        lost, _ = drift_slope(ask.mechanism, speed * RPM, orbit)
         assert lost == pytest.approx(slope, rel=2e-6, abs=2e-8)
-        assert -lost / ask.at.layout.inertia.sum() == pytest.approx(quotient, rel=2e-6)
-        assert found.drift * ask.at.layout.inertia.sum() / -lost == pytest.approx(ratio, rel=1e-5)
+        assert -lost / ask.mechanism.layout.inertia.sum() == pytest.approx(quotient, rel=2e-6)
+        assert found.drift * ask.mechanism.layout.inertia.sum() / -lost == pytest.approx(
+            ratio, rel=1e-5
+        )
 
 
 def test_slope_that_stops_the_drift_everywhere():
     ask = search()
     orbit, _ = ask(283.4 * RPM)
-    found = missing_slope(ask.at, orbit, (250.0 * RPM, 700.0 * RPM), 0)
+    found = missing_slope(ask.mechanism, orbit, (250.0 * RPM, 700.0 * RPM), 0)
     assert found == pytest.approx(DRIFT["slope_at_motor_that_stops_it_everywhere"], rel=2e-4)
 
 
@@ -180,7 +182,7 @@ def first_order_loss(speed: float) -> float:
 )
 def test_greatest_drift_and_its_speed(slope, worst):
     ask = search(slope, load="constant" if slope else "quadratic")
-    ask.at = replace(ask.at, laws="none")
+    ask.mechanism = replace(ask.mechanism, laws="none")
     found = minimize_scalar(
         lambda rpm: -ask.drift(rpm * RPM),
         bounds=(worst[0] - 5.0, worst[0] + 5.0),
@@ -192,7 +194,7 @@ def test_greatest_drift_and_its_speed(slope, worst):
 
 def test_train_of_the_oracle_is_that_of_the_file():
     """The mode of the oracle is that of a rigid tube."""
-    data, layout, system = DRIFT["data"], search().at.layout, search().at.system
+    data, layout, system = DRIFT["data"], search().mechanism.layout, search().mechanism.system
     total, drum = layout.inertia.sum(), layout.inertia.max()
     stiffness = np.sort(
         1.0
@@ -211,7 +213,7 @@ def test_train_of_the_oracle_is_that_of_the_file():
 )
 def test_slope_of_a_quadratic_load_acts_on_the_drift(laws, key):
     ask = search(load="quadratic")
-    ask.at = replace(ask.at, laws=laws)
+    ask.mechanism = replace(ask.mechanism, laws=laws)
     for speed, drift in DRIFT[key]["rows"]:
         assert ask.drift(speed * RPM) == pytest.approx(drift, abs=1e-9)
 

@@ -96,7 +96,7 @@ def growth_there(study: Study, system: System, speed: float) -> float:
 
 
 def raw_monodromy(ask: Search, speed: float) -> np.ndarray:
-    around = variation(ask.at, ask(speed)[0])
+    around = variation(ask.mechanism, ask(speed)[0])
     steps = steps_for(around.period, ask.shapes.highest)
     return monodromy(around.mass, around.damping, around.stiffness, around.period, steps)
 
@@ -163,7 +163,7 @@ def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_s
     """Its speed u follows J u' = -(c + dD/dW) u, with the torque D of the motion with the loss factors themselves."""
     line, speed, step = long_train(10), 60.0, 0.05
     at = scene(*line)
-    faster, slower = (orbit(at, speed + by).found.load[0] for by in (step, -step))
+    faster, slower = (orbit(at, speed + by).balance.load[0] for by in (step, -step))
     inertia = 2.0 + 0.8 + 0.8 + 0.2
     expected = -(0.6 + (faster - slower) / (2.0 * step)) / inertia
     assert growth_search(*line).drift(speed) == pytest.approx(expected, rel=1e-2)
@@ -172,8 +172,12 @@ def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_s
 def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time(in_time):
     ask = growth_search(*seven_parts(0.3), method="monodromy")
     here, _ = ask(104.0)
-    whole, loading, free = raw_monodromy(ask, 104.0), here.now.loading, ask.at.layout.free
-    motion = motion_of(here.found.harmonic, loading.w0, points_in_time(here.found.count))
+    whole, loading, free = (
+        raw_monodromy(ask, 104.0),
+        here.operation.loading,
+        ask.mechanism.layout.free,
+    )
+    motion = motion_of(here.balance.harmonic, loading.w0, points_in_time(here.balance.count))
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
     away = (
         1e-5
@@ -182,7 +186,7 @@ def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time(in_t
     )
 
     def after_a_period(state: np.ndarray) -> np.ndarray:
-        slope = in_time(ask.at.layout, loading, here.found.load)
+        slope = in_time(ask.mechanism.layout, loading, here.balance.load)
         return solve_ivp(
             slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13
         ).y[:, -1]
@@ -224,14 +228,14 @@ def test_train_that_turns_rigidly_through_its_joints_loses_nothing_by_loss_facto
         Disc(inertia=1.0),
     ]
     ask = growth_search(*made(line, Operation()))
-    assert abs(ask(50.0)[0].found.load[0]) < 1e-6 * 50.0**2
+    assert abs(ask(50.0)[0].balance.load[0]) < 1e-6 * 50.0**2
 
 
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
 def test_ring_that_hangs_by_damping_alone_has_no_angle_of_its_own(method):
     ask = growth_search(*ringed(), method=method)
     _, found = ask(100.0)
-    assert len(found.exponent) + np.isfinite(found.drift) == 2 * ask.at.layout.free - 2
+    assert len(found.exponent) + np.isfinite(found.drift) == 2 * ask.mechanism.layout.free - 2
     assert max(found.growth, found.drift) < -1e-3
     assert found.growth == pytest.approx(growth_search(*ringed()).growth(100.0), rel=1e-6)
 

@@ -17,8 +17,8 @@ from torsion.analyses.stability.periodic_orbits import (
     Found,
     PeriodicResponse,
     continued,
+    further_motions,
     orbit,
-    others,
     response_of,
 )
 from torsion.analyses.steady import statics, steady
@@ -82,11 +82,11 @@ def departure(
 ) -> float:
     """Largest difference (rad) over one period between the orbit and an integration in time that starts on it."""
     here, at = found.orbits[0], scene(study, system)
-    times, period = points_in_time(here.found.count), here.now.loading.period
-    motion = motion_of(here.found.harmonic, here.now.loading.w0, times)
+    times, period = points_in_time(here.balance.count), here.operation.loading.period
+    motion = motion_of(here.balance.harmonic, here.operation.loading.w0, times)
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
 
-    slope = in_time(at.layout, here.now.loading, here.found.load)
+    slope = in_time(at.layout, here.operation.loading, here.balance.load)
     t = np.arange(times) * period / times
     run = solve_ivp(slope, (0.0, t[-1]), start, method="DOP853", rtol=rtol, atol=1e-13, t_eval=t)
     return float(np.abs(run.y[: at.layout.free] - motion.deviation).max())
@@ -293,8 +293,8 @@ def test_free_rigid_rotor_has_the_period_of_the_closed_form():
     study, system = free_rotor()
     found = at_one(study, system, 2.0 * math.pi / PERIOD)
     here = found.orbits[0]
-    motion = motion_of(here.found.harmonic, here.now.loading.w0, 4 * 256)
-    speed = here.now.loading.speed + motion.speed[0]
+    motion = motion_of(here.balance.harmonic, here.operation.loading.w0, 4 * 256)
+    speed = here.operation.loading.speed + motion.speed[0]
     assert motion.deviation[0, 0] == pytest.approx(0.0, abs=1e-13)
     assert speed[0] == pytest.approx(50.0, rel=1e-12)
     assert speed[512] == pytest.approx(43.8576131631566305, rel=1e-12)
@@ -304,7 +304,7 @@ def test_free_rigid_rotor_has_the_period_of_the_closed_form():
 def test_equations_in_time_turn_the_free_rotor_once_in_its_period(in_time):
     study, system = free_rotor()
     at = scene(study, system)
-    loading = at_one(study, system, 50.0).orbits[0].now.loading
+    loading = at_one(study, system, 50.0).orbits[0].operation.loading
     slope = in_time(at.layout, loading, np.zeros(1))
     run = solve_ivp(slope, (0.0, PERIOD), [0.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-14)
     assert 50.0 * PERIOD + run.y[0, -1] == pytest.approx(2.0 * math.pi, rel=1e-12)
@@ -480,7 +480,7 @@ def test_other_motions_at_a_peak_are_found_and_told_in_the_same_orders():
     for way, _ in MOTIONS:
         study, system = six_stations(20, 90, 1.5)
         exact = raised(way, 90, GOVERNED / 2, 1.5)
-        further = others(scene(study, system), exact, [0])
+        further = further_motions(scene(study, system), exact, [0])
         rank = further.orders.index(Fraction(2))
         found = [np.abs(shafts(system, exact, 2))]
         found += [np.abs(torque[rank, system.flexibility > 0]) for torque in further.torque]
@@ -492,4 +492,4 @@ def test_other_motions_at_a_peak_are_found_and_told_in_the_same_orders():
 
 def test_a_train_with_one_motion_has_no_other():
     study, system = six_stations(10, 0, 8.0)
-    assert others(scene(study, system), at_one(study, system, 50.0), [0]) is None
+    assert further_motions(scene(study, system), at_one(study, system, 50.0), [0]) is None

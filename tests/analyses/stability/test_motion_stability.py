@@ -202,7 +202,7 @@ def test_zone_of_a_joint_is_found_between_the_speeds_beside_a_joint_at_another_s
         Disc(inertia=1.0),
     ]
     ask = growth_search(*made(line))
-    assert ask.at.layout.orders == (Fraction(4, 3), Fraction(2))
+    assert ask.mechanism.layout.orders == (Fraction(4, 3), Fraction(2))
     first = float(
         ask.shapes.frequency[0]
     )  # met by half of order 2, three times that of the common period
@@ -239,11 +239,11 @@ def test_growth_rate_is_that_of_the_motion_in_time(in_time):
     there = orbit(at, 79.0)
     found = by_monodromy(variation(at, there), float(shapes.frequency[-1]))
     motion = motion_of(
-        there.found.harmonic, there.now.loading.w0, points_in_time(there.found.count)
+        there.balance.harmonic, there.operation.loading.w0, points_in_time(there.balance.count)
     )
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
     away = 1e-5 * np.concatenate([found.vector[:, 0], found.speed[:, 0]]).real
-    slope = in_time(at.layout, there.now.loading, there.found.load)
+    slope = in_time(at.layout, there.operation.loading, there.balance.load)
 
     def after_a_period(state: np.ndarray) -> np.ndarray:
         return solve_ivp(
@@ -330,7 +330,7 @@ def test_hill_and_monodromy_agree_about_the_orbit():
     there = orbit(at, 100.0)
     around = variation(at, there)
     highest = float(shapes.frequency[-1])
-    first, second = by_monodromy(around, highest), by_hill(around, highest, there.found.count)
+    first, second = by_monodromy(around, highest), by_hill(around, highest, there.balance.count)
     assert second.growth == pytest.approx(first.growth, abs=1e-8)
     for one in first.multiplier:
         assert np.abs(second.multiplier - one).min() < 1e-9
@@ -365,6 +365,6 @@ def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):
 def test_hill_with_more_harmonics_than_the_orbit_has_agrees_with_the_monodromy():
     ask = growth_search(*six_stations(20, 90, 1.5))
     orbit, expected = ask(56.0)
-    around = variation(ask.at, orbit)
+    around = variation(ask.mechanism, orbit)
     count = around.mass.shape[0] // 2 + 4
     assert by_hill(around, 0.0, count).growth == pytest.approx(expected.drift, abs=1e-9)

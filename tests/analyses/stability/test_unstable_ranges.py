@@ -61,7 +61,7 @@ class Gap(Search):
 def known(speeds: list[float], gap: tuple[float, float] = (np.inf, np.inf)) -> Search:
     """The swing, requested at some speeds, without a periodic motion between two."""
     whole = growth_search(*swing())
-    ask = Gap(whole.at, whole.shapes, whole.reduced, whole.method, {})
+    ask = Gap(whole.mechanism, whole.shapes, whole.reduced, whole.method, {})
     ask.gap = gap
     for speed in speeds:
         ask(speed)

@@ -9,7 +9,6 @@ import pytest
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 from torsion.kernels.distributed.dense_elements import (
     dense_modes,
-    estimated_frequencies,
     largest_right_vectors,
     static_bends,
 )
@@ -133,35 +132,3 @@ def test_many_equal_elements_have_the_values_of_few(trains) -> None:
     for k, values in zip(range(0, 40, 13), few, strict=True):
         for one, other in zip(law.at(s), values, strict=True):
             assert np.allclose(one[:, k], other[:, 0], rtol=1e-14)
-
-
-@pytest.mark.parametrize("off", [0.0, 1e-4, 0.2])
-def test_counts_prove_or_correct_the_frequencies_they_start_from(trains, off: float) -> None:
-    train, bars = trains.chain(6, {0: 0.3, 3: 2.0}), trains.elements(5, 6)
-    sure, dense = _modes(train, bars, 4), dense_modes(replace(train, shafts=bars), 4)
-    found = tree_modes(replace(train, shafts=bars), 4, start=dense.frequency * (1.0 + off))
-    assert found.certified
-    assert np.all((sure.lower <= found.upper) & (found.lower <= sure.upper))
-    assert np.allclose(found.frequency, sure.frequency, rtol=4e-15)
-    assert np.allclose(found.angle, sure.angle, rtol=0, atol=1e-11)
-
-
-@pytest.mark.parametrize("number", [6, 12])
-@pytest.mark.parametrize("law", ["uniform", "profile", "elements"])
-def test_one_mode_inside_each_bar_estimates_the_frequencies(trains, law: str, number: int) -> None:
-    """Of a free shaft with two discs: they come out too high, by the fourth power of the frequency over the limit."""
-    section = lambda x: (1.0 + 0.2 * x) ** 4  # noqa: E731
-    bars = {
-        "uniform": lambda: trains.pieces(1.0, 1.0, 1.0, number),
-        "profile": lambda: trains.tapered(section, number),
-        "elements": lambda: trains.elements(4, number),
-    }[law]()
-    train = trains.chain(number, {0: 0.4, number // 2: 1.0})
-    exact, found = _modes(train, bars, 3), estimated_frequencies(replace(train, shafts=bars), 3)
-    assert np.all(np.diff(found) > 0.0)
-    error = found / exact.frequency - 1.0
-    assert np.all((error > 0.0) & (error < 0.08 * (exact.frequency / bars.limit) ** 4))
-    started = tree_modes(replace(train, shafts=bars), 3, start=found)
-    assert started.certified
-    assert np.allclose(started.frequency, exact.frequency, rtol=2e-15)
-    assert np.allclose(started.angle, exact.angle, rtol=0, atol=1e-13)

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 from tests.output.browser.opened import EVERY, Opened
-
-from torsion.output.drawing.dark import PAPER
+from tests.output.drawing.dark_colours import PAPER
 
 TEXTS = """() => {  // of every text that is seen: its words, colour, what lies behind it, and its box or figure
     const found = new Map();

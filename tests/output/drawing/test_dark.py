@@ -1,15 +1,19 @@
 """Colours on a dark screen: legible, of the same hue, behind what lies behind."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.output.drawing import dark_colours as module
+from tests.output.drawing.dark_colours import PAPER, contrast, dark
 
-from torsion.output.drawing import dark as module
-from torsion.output.drawing.dark import PAPER, contrast, dark, rules
+from torsion import output
 from torsion.output.drawing.pens import BANDS, COLOURS, GRADES, GRID, INK, ROLES, SOFT, Pattern
 from torsion.output.drawing.sketch import FILLS
 
+OUTPUT = Path(output.__file__).parent
+COLOUR = re.compile("#[0-9a-fA-F]{6}")
 STANDING_OUT = sorted({*COLOURS, INK, SOFT, *(one.colour for one in ROLES.values())})
 PLAIN = (one.fill for one in GRADES.values() if not one.slopes)
 BEHIND = sorted({GRID, *FILLS.values(), *(fill for fill, *_ in BANDS.values()), *PLAIN})
@@ -51,11 +55,13 @@ def test_a_hatching_stands_out_from_its_area(pattern: Pattern) -> None:
     assert contrast(dark(pattern.colour), dark(pattern.fill)) >= 3.0
 
 
-def test_the_rules_are_for_the_colours_that_are_used() -> None:
-    text = '<path fill="#ffffff"/><path stroke="#0072B2" fill="rgb(1,2,3)"/><path fill="none"/>'
-    found = rules([text, text])
-    assert re.findall(r"\[(\w+)=\"(#\w+)\"\]", found) == [
-        ("fill", "#ffffff"),
-        ("stroke", "#0072B2"),
-    ]
-    assert f"{{fill:light-dark(#ffffff,{PAPER})}}" in found
+def test_every_colour_of_a_drawing_has_its_counterpart_in_the_style() -> None:
+    """Of drawings and figures; the colours of maps are in images, which stay as they are."""
+    folders = (OUTPUT / "drawing", OUTPUT / "figures")
+    files = [path for folder in folders for path in folder.glob("*.py") if path.name != "image.py"]
+    used = {colour for path in files for colour in COLOUR.findall(path.read_text("utf-8"))}
+    rule = re.compile(r'figure \[(fill|stroke)="(#\w+)"\] { \1: light-dark\(\2, (#\w+)\); }')
+    stated = rule.findall((OUTPUT / "templates" / "report_dark.css").read_text("utf-8"))
+    assert sorted(stated) == sorted(
+        (attribute, colour, dark(colour)) for attribute in ("fill", "stroke") for colour in used
+    )

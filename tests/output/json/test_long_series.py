@@ -15,7 +15,6 @@ from torsion.output import results_json
 from torsion.output.plain import numbers
 from torsion.output.results_json import (
     SERIES,
-    bounded_text,
     lines,
     listed,
     pieces,
@@ -119,11 +118,11 @@ def test_numbers_of_all_arrays_together_are_bounded(tmp_path, monkeypatch):
 def test_results_that_are_too_long_for_a_stream_are_refused_with_what_to_do():
     findings = torsion.run(torsion.parse((SPECS / "two_discs.yaml").read_text(encoding="utf-8")))
     whole = text(findings)
-    assert bounded_text(findings) == bounded_text(findings, most=len(whole)) == whole
+    assert text(findings, largest=len(whole)) == whole
     with pytest.raises(
         InputError, match=r"MB of JSON, too many for --json \(use -o DIR, .* series.npz"
     ):
-        bounded_text(findings, most=len(whole) - 1)
+        text(findings, largest=len(whole) - 1)
 
 
 def test_the_series_may_be_longer_than_four_gigabytes_and_hold_no_objects(tmp_path):

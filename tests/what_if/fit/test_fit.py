@@ -357,7 +357,7 @@ def test_slopes_are_the_closed_forms_of_both_energies() -> None:
     ]
     assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=1e-15)
     assert train.by_reading().mode_slopes(np.zeros(2), range(3)) == pytest.approx(
-        np.array(exact), abs=2e-11
+        np.array(exact), abs=1e-10
     )
 
 

@@ -22,7 +22,7 @@ COUNT = 6  # elastic modes, where neither the file nor an excitation says how ma
 
 
 def loop_faults(study: Study, path: Path) -> list[Fault]:
-    """The fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
+    """Return the fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
     if not (study.train.has_shafts and study.train.has_loops):
         return []
     message = "errors are against the exact model, which does not support closed loops, and `links` closes one"
@@ -30,7 +30,7 @@ def loop_faults(study: Study, path: Path) -> list[Fault]:
 
 
 def plain(study: Study) -> Study:
-    """The study in the exact model, its shafts without a number of segments of their own, sections already solved."""
+    """Return the study in the exact model, its shafts without a number of segments of their own, sections already solved."""
     train = divided(resolved(study.train), None)
     return replace(
         study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements()
@@ -38,7 +38,7 @@ def plain(study: Study) -> Study:
 
 
 def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
-    """The train with so many segments a shaft (or by its name); a massless shaft is a spring and stays as it is."""
+    """Return the train with so many segments a shaft (or by its name); a massless shaft is a spring and stays as it is."""
 
     def of(name: str) -> int | None:
         return number[name] if isinstance(number, Mapping) else number
@@ -55,14 +55,14 @@ def ready(
     degree: int | None = None,
     elements: int | None = None,
 ) -> System:
-    """A system with its tree and the laws of its shafts, which are made when first used."""
+    """Return a system with its tree and the laws of its shafts, which are made when first used."""
     system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
     _ = system.condensed, system.condensed_shafts
     return system
 
 
 def lumped(train: Train, highest: int, curve: str, named: Named) -> list[Candidate]:
-    """One curve: lumped shafts of 1, 2, 4 .. segments."""
+    """Return one curve: lumped shafts of 1, 2, 4 .. segments."""
     return [
         named(
             curve,
@@ -82,7 +82,7 @@ def candidates(
     named: Named,
     method: str = "",
 ) -> list[list[Candidate]]:
-    """Every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
+    """Return every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
 
     method: what is added to the name of each curve.
     """
@@ -111,12 +111,12 @@ def counted(number: int, what: str) -> str:
 
 
 def doubled(highest: int) -> list[int]:
-    """1, 2, 4 .. up to a largest."""
+    """Return 1, 2, 4 .. up to a largest."""
     return [2**k for k in range(highest.bit_length())]
 
 
 def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, Modes]:
-    """The lowest `count` modes (None: those up to `highest`, Hz) of the exact model, and of twice as many pieces."""
+    """Return the lowest `count` modes (None: those up to `highest`, Hz) of the exact model, and of twice as many pieces."""
     system = assembled(study, highest)
     if count is None:
         count = COUNT

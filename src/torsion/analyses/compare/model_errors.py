@@ -17,7 +17,7 @@ NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay belo
 def relative_errors(
     values: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray
 ) -> FloatArray:
-    """(values,) signed error of each value over its reference; infinite for values that are missing at the end.
+    """Return (values,) signed errors over the reference; infinite for values that are missing at the end.
 
     The difference is taken in the numbers of the reference, which may have more digits than double precision.
     """
@@ -28,7 +28,7 @@ def relative_errors(
 
 
 def shape_weights(system: System) -> FloatArray:
-    """(own stations,) kg m2 at own speed: the train's inertias and, at either end of a shaft, the half next to it.
+    """Return (own stations,) kg m2 at own speed: inertias, and at either end of a shaft the half next to it.
 
     The same for every model of a train: the stations between the pieces of shafts are left out.
     """
@@ -46,7 +46,7 @@ def shape_weights(system: System) -> FloatArray:
 def shape_errors(
     shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray
 ) -> FloatArray:
-    """(modes,) 1 - MAC of every shape (stations, modes) against the exact one of the same number.
+    """Return (modes,) 1 - MAC of every shape (stations, modes) against the exact one of the same number.
 
     exact: (stations, at least as many modes) with their `frequency`; weight: (stations,) inertias. MAC is the modal
     assurance criterion (Allemang & Brown 1982) weighted by inertia: the squared cosine of the angle between two shapes
@@ -68,7 +68,7 @@ def shape_errors(
 
 
 def _space(columns: FloatArray) -> FloatArray:
-    """(rows, rank) orthonormal columns that span the same space."""
+    """Return (rows, rank) orthonormal columns that span the same space."""
     size = np.linalg.norm(columns, axis=0)
     moving: FloatArray = columns[:, size > 0] / size[size > 0]
     if moving.shape[1] == 0:
@@ -78,7 +78,7 @@ def _space(columns: FloatArray) -> FloatArray:
 
 
 def over_largest(torque: ComplexArray, exact: ComplexArray) -> FloatArray:
-    """(speeds,) largest error of any torque (speeds, ends), over the largest exact torque at the same speed.
+    """Return (speeds,) largest error of any torque (speeds, ends) over the largest exact torque at that speed.
 
     NaN where there is no torque.
     """
@@ -88,7 +88,7 @@ def over_largest(torque: ComplexArray, exact: ComplexArray) -> FloatArray:
 
 
 def over_peaks(exact: Sequence[ComplexArray], torques: Sequence[ComplexArray]) -> tuple[float, ...]:
-    """Of every harmonic the largest error of a torque (speeds, ends), over that torque's peak of all speeds.
+    """Return for every harmonic the largest error of a torque (speeds, ends) over its peak of all speeds.
 
     NaN in what was found makes it infinite.
     """

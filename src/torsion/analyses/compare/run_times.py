@@ -127,7 +127,7 @@ def study_times(
 def timed_frequencies(
     study: Study, highest: float, count: int | None, effort: Effort, progress: Progress
 ) -> TimedQuantity:
-    """study: in the exact model. highest: Hz, of the response; count: of modes, None for those up to `highest`.
+    """Time the natural frequencies of a study in the exact model; highest: Hz of the response; count: of modes or None.
 
     Raises SolveError where the exact model cannot take the train.
     """
@@ -161,7 +161,7 @@ def timed_frequencies(
 def machine(
     packages: Sequence[str] = ("numpy", "scipy", "scikit-fem"),
 ) -> tuple[tuple[str, str], ...]:
-    """On what the times were taken: system, threads, interpreter and the versions of packages."""
+    """Return on what the times were taken: system, threads, interpreter and the versions of packages."""
     threads = ", ".join(f"{name}={os.environ[name]}" for name in THREADS if name in os.environ)
     return (
         ("System", f"{platform.system()}, {platform.machine()}, {os.cpu_count()} processors"),
@@ -195,7 +195,7 @@ class _Case:
         solve: Callable[[Any], Any] = eliminated,
         finish: Callable[[Loaded], Any] | None = None,
     ) -> Candidate:
-        """A candidate of which the loads, and what `finish` makes of them, are part of the assembly."""
+        """Return a candidate of which the loads, and what `finish` makes of them, are part of the assembly."""
 
         def made() -> Any:
             given = loaded(assemble(), self.harmonics)
@@ -207,7 +207,7 @@ class _Case:
 def timed_torques(
     study: Study, highest: float, effort: Effort, progress: Progress
 ) -> TimedQuantity:
-    """study: in the exact model, or without shafts that have inertia; its operation has speeds. highest: Hz excited.
+    """Time the response torques of a study in the exact model, or without shafts with inertia; highest: Hz excited.
 
     Raises SolveError where the exact model cannot take the train, or where no torque or no speed can be compared.
     """
@@ -256,7 +256,7 @@ def timed_torques(
 
 
 def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, ...]]:
-    """The harmonics with the largest torques, at the speeds at which all of them have an answer to be trusted."""
+    """Return the harmonics with the largest torques, at the speeds at which all of them have an answer to be trusted."""
     given = loaded(system, harmonics)
     answers = elimination(given)
     good: list[BoolArray] = [answer.status == Status.OK for answer in answers]
@@ -299,7 +299,7 @@ def _curves(case: _Case, effort: Effort) -> list[list[Candidate]]:
 
 
 def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
-    """Modes of the exact model: its error is that of the superposition alone."""
+    """Return curves over modes of the exact model: the error is that of the superposition alone."""
     curves: list[list[Candidate]] = [[], []]
     system = ready(case.study.train, case.study.model, frequency=case.top)
     for count in doubled(effort.modes):

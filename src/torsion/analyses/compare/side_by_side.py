@@ -190,7 +190,7 @@ class Compared:
 def check(
     study: Study, requested: CheckSettings | None = None, *, progress: Progress = silent
 ) -> Compared:
-    """Every requested model against the exact one, for the modes and the orders that the study says.
+    """Return every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
@@ -222,7 +222,7 @@ def check(
 
 
 def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None, float, str]:
-    """The harmonics at the requested speeds and the highest frequency (Hz) among them.
+    """Return the harmonics at the requested speeds and the highest frequency (Hz) among them.
 
     None, 0 and why where no torques can be compared.
     """
@@ -257,7 +257,7 @@ def _solved(
     harmonics: Harmonics | None,
     exact: FloatArray | None = None,
 ) -> _Solved:
-    """The modes and torques of a model, its shafts divided as a study of that model alone would have it.
+    """Return the modes and torques of a model, its shafts divided as a study of that model alone would have it.
 
     exact: natural frequencies (modes,) Hz of the exact model, all of those that are excited; None of that model itself.
     """
@@ -282,7 +282,7 @@ def _solved(
 
 
 def _frequencies(modes_found: Modes, number: int) -> FloatArray:
-    """The natural frequencies (modes,) Hz of a model, so many at least where it has them."""
+    """Return the natural frequencies (modes,) Hz of a model, so many at least where it has them."""
     enough = number <= modes_found.frequency.size
     return (
         modes_found.frequency
@@ -292,7 +292,7 @@ def _frequencies(modes_found: Modes, number: int) -> FloatArray:
 
 
 def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArray) -> Loaded:
-    """The harmonics at circular frequencies that lie to the natural frequencies of a model as to the exact ones.
+    """Return the harmonics at circular frequencies that lie to the natural frequencies of a model as to the exact ones.
 
     A resonance is then compared with the same resonance: how far they lie apart is the error of the frequency, which
     at one speed would count once more, over half the width of the peak. Between two natural frequencies (modes,) Hz the
@@ -342,7 +342,7 @@ def _compared(
 
 
 def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
-    """The relative difference at every speed and order, where both answers can be trusted."""
+    """Return the relative difference at every speed and order, where both answers can be trusted."""
     # referred to the reference speed, so that the torques of all ends are of one size
     ratio = given.system.span_ratio[given.ends.span]
     torques, wanted = (
@@ -371,7 +371,7 @@ def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompare
 
 
 def _count_below(modes_found: Modes, highest: float) -> int:
-    """Elastic modes below a frequency (Hz), by counts where these reach so far."""
+    """Return the number of elastic modes below a frequency (Hz), by counts if these reach so far."""
     tree, w = undamped_tree(modes_found.system), 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
@@ -388,7 +388,7 @@ def _count_below(modes_found: Modes, highest: float) -> int:
 
 
 def run_check(work: Work) -> None:
-    """The models of the shafts side by side."""
+    """Return the models of the shafts side by side."""
     with work.log.step("comparison of the models", "requested") as step:
         comparison = check(
             work.study, work.settings("check", CheckSettings), progress=work.progress

@@ -99,13 +99,13 @@ class Timings:
 
 
 def fastest(rows: Sequence[TimedRow], tolerance: float) -> TimedRow | None:
-    """The row of the least median time among those whose error keeps the tolerance; None where none does."""
+    """Return the row of the least median time among those whose error keeps the tolerance; None where none does."""
     kept = [row for row in rows if row.error <= tolerance]
     return min(kept, key=lambda row: (row.total.median, row.error), default=None)
 
 
 def as_fast(rows: Sequence[TimedRow], tolerance: float) -> tuple[TimedRow, ...]:
-    """The other rows that keep the tolerance and whose middle half of runs overlaps that of the fastest."""
+    """Return the other rows that keep the tolerance and whose middle half of runs overlaps that of the fastest."""
     best = fastest(rows, tolerance)
     if best is None or best.total.runs < LEAST_SAMPLES:
         return ()
@@ -118,7 +118,7 @@ def as_fast(rows: Sequence[TimedRow], tolerance: float) -> tuple[TimedRow, ...]:
 
 
 def unbeaten(rows: Sequence[TimedRow], bound: float = 0.0) -> tuple[TimedRow, ...]:
-    """The Pareto set by rising time: each is more accurate than all that are faster.
+    """Return the Pareto set by rising time: each is more accurate than all that are faster.
 
     Errors below the `bound` of the reference are equal, and so are those that differ by less than NOTICEABLE.
     """
@@ -200,7 +200,7 @@ class _Tried:
     solve: list[float] = field(default_factory=list)
 
     def row(self) -> TimedRow:
-        """Of every run; of the first alone where there is no other."""
+        """Return the row of all runs, or of the first alone if there is no other."""
         candidate, first = self.candidate, [(time,) for time in self.first]
         assembly, solve = (tuple(self.assembly), tuple(self.solve)) if self.solve else first
         return TimedRow(
@@ -211,7 +211,7 @@ class _Tried:
 def timed(
     curves: Sequence[Sequence[Candidate]], pace: Pace, what: str = "", progress: Progress = silent
 ) -> tuple[tuple[TimedRow, ...], tuple[str, ...]]:
-    """The rows of all curves, and what was not run, in words.
+    """Return the rows of all curves, and what was not run, in words.
 
     Each candidate is run once for its errors, which warms up as well; then all have their turn in every round. A curve
     ends where a run takes longer than `pace.longest` or where two discretisations in a row err by rounding alone.
@@ -248,7 +248,7 @@ def timed(
 def run(
     candidate: Candidate, clock: Callable[[], float] = perf_counter
 ) -> tuple[Any, float, float]:
-    """The answer, and seconds of assembly and solve; no garbage is collected meanwhile."""
+    """Return the answer, and seconds of assembly and solve; no garbage is collected meanwhile."""
     was = gc.isenabled()
     gc.disable()
     try:
@@ -263,7 +263,7 @@ def run(
 
 
 def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
-    """What was run of a curve, and why it ends before its end, unless rounding alone is left."""
+    """Return what was run of a curve, and why it ends before its end, unless rounding alone is left."""
     trials = list[_Tried]()
     for number, candidate in enumerate(curve):
         try:
@@ -290,7 +290,7 @@ def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
 
 
 def _turn(trial: _Tried, pace: Pace) -> None:
-    """A run, or as many as fit into `pace.turn` where they are fast."""
+    """Run a candidate once, or as often as fits into `pace.turn` if it is fast."""
     for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(trial.first), 1e-9))))):
         _, assembly, solve = run(trial.candidate, pace.clock)
         trial.assembly.append(assembly)

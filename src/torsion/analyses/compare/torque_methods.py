@@ -50,7 +50,7 @@ class Ends:
     delay: FloatArray  # (ends,) s: viscous damping of that span / its stiffness
 
     def torque(self, w: FloatArray, angle: ComplexArray, torque: ComplexArray) -> ComplexArray:
-        """(frequencies, ends) N m from angles (frequencies, stations) and torques (frequencies, spans), at own speed.
+        """Return (frequencies, ends) N m from angles (frequencies, stations) and torques (frequencies, spans), own speed.
 
         w: (frequencies,) rad/s.
         """
@@ -59,7 +59,7 @@ class Ends:
 
 
 def elastic_ends(system: System) -> Ends:
-    """Every elastic span between two components, and both ends of every shaft; a massless one has one torque."""
+    """Return every elastic span between two components, and both ends of every shaft; a massless one has one torque."""
     links = (k for k in range(_links(system)) if 0 < system.flexibility[k] < np.inf)
     return _ends(
         system, links, (end for bar in system.train.bars for end in _of_shaft(system, bar))
@@ -67,7 +67,7 @@ def elastic_ends(system: System) -> Ends:
 
 
 def driving_ends(system: System) -> Ends:
-    """One end a shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
+    """Return one end for each shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
     parts, spans, is_rigid = system.train.parts, system.spans, system.flexibility == 0
     links = (
         k for k in range(_links(system)) if not parts[spans[k].part].is_point or not is_rigid[k]
@@ -76,12 +76,12 @@ def driving_ends(system: System) -> Ends:
 
 
 def _links(system: System) -> int:
-    """Number of the spans that are no shafts; they are the first."""
+    """Return the number of the spans that are no shafts; they are the first."""
     return len(system.train.springs) + len(system.train.constraints)
 
 
 def _ends(system: System, links: Iterable[int], shafts: Iterable[_End]) -> Ends:
-    """Both sorts of ends in the order of the components."""
+    """Return both sorts of ends in the order of the components."""
     ends = list(shafts)
     for k in links:
         span, delay = system.spans[k], float(system.viscous[k] * system.flexibility[k])
@@ -96,7 +96,7 @@ def _ends(system: System, links: Iterable[int], shafts: Iterable[_End]) -> Ends:
 
 
 def _of_shaft(system: System, bar: Bar) -> list[_End]:
-    """A shaft's driving end, and its driven end unless it has no inertia and so one torque all along."""
+    """Return the driving end of a shaft, and its driven end unless it has no inertia and so one torque all along."""
     spans = [k for k, span in enumerate(system.spans) if span.part == bar.part]
     first = next(k for k in spans if system.spans[k].driving == bar.driving)
     half = (0.0, 0.0)
@@ -160,7 +160,7 @@ class Torques:
 
 
 def loaded(system: System, harmonics: Harmonics) -> Loaded:
-    """The system with the torques and joints that excite it, and its damping, at every speed.
+    """Return the system with the torques and joints that excite it, and its damping, at every speed.
 
     Raises InputError where a mean torque that an excitation or a damping follows is not given.
     """
@@ -182,7 +182,7 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
 
 
 def elimination(given: Loaded) -> list[Torques]:
-    """The torques of every harmonic by two-sided elimination, and how far they can be trusted."""
+    """Return the torques of every harmonic by two-sided elimination, and how far they can be trusted."""
     answers = (
         (load, answer(given.system, load.w, load.sources, load.ground)) for load in given.loads
     )
@@ -197,12 +197,12 @@ def elimination(given: Loaded) -> list[Torques]:
 
 
 def eliminated(given: Loaded) -> list[ComplexArray]:
-    """Torques (speeds, ends) N m of every harmonic by two-sided elimination."""
+    """Return torques (speeds, ends) N m of every harmonic by two-sided elimination."""
     return [torques.torque for torques in elimination(given)]
 
 
 def statically(given: Loaded, low: float) -> list[ComplexArray]:
-    """Torques (speeds, spans) N m of the undamped train when its torques change slowly: at `low` rad/s.
+    """Return torques (speeds, spans) N m of the undamped train when they change slowly: at `low` rad/s.
 
     A free train then accelerates as a whole, and its spans carry what this takes.
     """
@@ -227,7 +227,7 @@ class Dense:
 
 
 def dense(given: Loaded) -> Dense:
-    """The matrices of a lumped system, without damping to ground, which follows the speed."""
+    """Return the matrices of a lumped system, without damping to ground, which follows the speed."""
     system = given.system
     view = matrices(system, ground_damping=np.zeros(len(system.stations)))
     referred = view.basis / system.speed_ratio[:, None]
@@ -241,7 +241,7 @@ def dense(given: Loaded) -> Dense:
 
 
 def solved(full: Dense) -> list[ComplexArray]:
-    """Torques (speeds, ends) N m of every harmonic, from `numpy.linalg.solve` at each frequency."""
+    """Return torques (speeds, ends) N m of every harmonic, from `numpy.linalg.solve` at each frequency."""
     return [_of_line(full, load) for load in full.given.loads]
 
 
@@ -271,7 +271,7 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
 
 
 def _imposed(system: System, load: Load) -> ComplexArray:
-    """(stations, frequencies) rad referred to one speed: how far joints displace what stands behind them, at rest."""
+    """Return (stations, frequencies) rad referred to one speed: displacement by joints, at rest."""
     condensed, twist = system.condensed, load.sources.twist
     angle = np.zeros((condensed.tree.size, len(load.w)), dtype=np.complex128)
     if twist is not None:
@@ -283,7 +283,7 @@ def _imposed(system: System, load: Load) -> ComplexArray:
 
 @source("CraigKurdila2006", "ch. 11")
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
-    """Torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
+    """Return torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
 
     corrected: the modes that are left out answer as slowly as they would to torques that do not change. Without it a
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
@@ -304,7 +304,7 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
 def _superposed(
     given: Loaded, modes_found: Modes, load: Load, still: ComplexArray | None
 ) -> ComplexArray:
-    """Of one harmonic component, from modes each damped by itself; what couples them is left out."""
+    """Return the torques of one harmonic from modes each damped by itself; coupling of modes is left out."""
     system, w, n, twist = (
         given.system,
         load.w,

@@ -37,8 +37,11 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
     speeds = _chosen_speeds(response)
     half_range = _half_ranges(study, response, engine, speeds)
     added = _near_largest(speeds, half_range)
-    more = _half_ranges(study, response, engine, added)
-    half_range, speeds = np.concatenate([half_range, more], axis=1), np.append(speeds, added)
+    added_half_range = _half_ranges(study, response, engine, added)
+    half_range, speeds = (
+        np.concatenate([half_range, added_half_range], axis=1),
+        np.append(speeds, added),
+    )
     order = np.argsort(speeds)
     return [
         MisfireFound(number, response.speed[speeds[order]], values[order])
@@ -92,10 +95,10 @@ def _half_ranges(
             state: State = "motored" if number == case else "firing"
             if law is None or (law.state == state and (law.share == 1.0 or state == "motored")):
                 continue
-            own = speed * float(system.speed_ratio[source.station])
+            own_speed = speed * float(system.speed_ratio[source.station])
             mean = None if steady is None else steady.applied[law.station]
             changed = replace(law, state=state, share=1.0)
-            change = changed.amplitude(own, mean) - law.amplitude(own, mean)
+            change = changed.amplitude(own_speed, mean) - law.amplitude(own_speed, mean)
             torque[:, line] += change[:, None] * unit_torque[source.station, line]
         mean_torque, status = response.mean[speeds], response.status[speeds]
         changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
@@ -112,7 +115,8 @@ def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tup
     ]
     count = len(of_engine) // max(len(engine.cylinders), 1)
     return (
-        (engine.cylinders[place // count].number, torque) for place, torque in enumerate(of_engine)
+        (engine.cylinders[position // count].number, torque)
+        for position, torque in enumerate(of_engine)
     )
 
 

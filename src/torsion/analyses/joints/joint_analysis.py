@@ -9,7 +9,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.analyses.joints import joint_lines
-from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_couples import joint_couples
 from torsion.analyses.joints.joint_lines import Behind, Placed
 from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound
 from torsion.analyses.steady import Steady
@@ -64,50 +64,52 @@ def joints(
     Raises InputError where the train has no joint, or a setting names none.
     """
     wanted = requested or JointsSettings()
-    every = joint_lines.placed(train)
+    placed = joint_lines.placed(train)
     if faults := settings_faults(train, wanted):
         raise InputError(faults)
     turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
     speed = operation.speed
-    torques, lacking = _torques(train, operation, every, wanted, steady)
-    moved = joint_lines.motions(every, turned)
-    found = [_joint(every, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)]
-    paths = joint_lines.paths(every)
+    torques, lacking = _torques(train, operation, placed, wanted, steady)
+    moved = joint_lines.motions(placed, turned)
+    moved_joints = [
+        _joint(placed, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)
+    ]
+    paths = joint_lines.paths(placed)
     lines = tuple(
-        joint_lines.line_found(every, path, wanted.optimise, wanted.joint) for path in paths
+        joint_lines.line_found(placed, path, wanted.optimise, wanted.joint) for path in paths
     )
     remarks = [] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]
     return Joints(
-        turned, tuple(found), lines, (*remarks, *lacking, *_remarks(every, lines, wanted))
+        turned, tuple(moved_joints), lines, (*remarks, *lacking, *_remarks(placed, lines, wanted))
     )
 
 
 def _joint(
-    every: Sequence[Placed],
+    placed: Sequence[Placed],
     position: int,
     behind: Behind,
     requested: JointsSettings,
     speed: float | None,
     torque: float | None,
 ) -> JointFound:
-    place, moved = every[position], behind.transfer
+    joint, moved = placed[position], behind.transfer
     pair, force = tuple[CoupleFound, ...](), 0.0
     if torque is not None:
-        distance = requested.bearings.get(place.name)
-        pair, force = couples_found(place, behind.yoke, torque, requested.carrier, distance)
+        distance = requested.bearings.get(joint.name)
+        pair, force = joint_couples(joint, behind.yoke, torque, requested.carrier, distance)
     return JointFound(
-        name=place.name,
-        part=place.part,
-        kind=place.joint.kind,
-        angle=place.joint.angle,
-        plane=place.joint.plane,
-        phase=place.joint.phase,
-        yoke=place.joint.yoke,
-        ratio=place.ratio,
-        order=place.joint.order,
-        amplitude=place.error[0][1] if place.error else 0j,
-        unevenness=_unevenness(place),
-        speed=None if speed is None else speed * float(place.ratio),
+        name=joint.name,
+        part=joint.part,
+        kind=joint.record.kind,
+        angle=joint.record.angle,
+        plane=joint.record.plane,
+        phase=joint.record.phase,
+        yoke=joint.record.yoke,
+        ratio=joint.ratio,
+        order=joint.record.order,
+        amplitude=joint.error[0][1] if joint.error else 0j,
+        unevenness=_unevenness(joint),
+        speed=None if speed is None else speed * float(joint.ratio),
         torque=torque,
         error=moved.error,
         speed_ratio=moved.ratio,
@@ -115,92 +117,92 @@ def _joint(
         torque_ratio=1.0 / behind.ratio,
         couples=pair,
         force=force,
-        steepest=joint_lines.steepest(every, joint_lines.path_to(every, position)),
+        steepest=joint_lines.steepest(placed, joint_lines.path_to(placed, position)),
     )
 
 
-def _unevenness(place: Placed) -> float:
+def _unevenness(joint: Placed) -> float:
     """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
-    if place.joint.order == 2:
-        return float(fluctuation(place.joint.angle))
-    ratio = joint_lines.turning(place.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
+    if joint.record.order == 2:
+        return float(fluctuation(joint.record.angle))
+    ratio = joint_lines.turning(joint.record, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
     return float(ratio.max() - ratio.min())
 
 
 def _torques(
     train: Train,
     operation: Operation,
-    every: Sequence[Placed],
+    placed: Sequence[Placed],
     requested: JointsSettings,
-    known: Steady | None,
+    steady: Steady | None,
 ) -> tuple[list[float | None], list[str]]:
     """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
     if requested.torque is not None:
-        return [requested.torque] * len(every), []
+        return [requested.torque] * len(placed), []
     speed = operation.speed
     if not speed or not states_mean_torque(train, operation):
-        return [None] * len(every), ["no torque is known: secondary couples are omitted"]
-    if known is None:
-        known = mean_torques(train, assemble(train), operation, np.array([speed]))
-    column = int(np.argmin(np.abs(known.speed - speed)))
-    return [float(known.torque[place.span, column]) for place in every], []
+        return [None] * len(placed), ["no torque is known: secondary couples are omitted"]
+    if steady is None:
+        steady = mean_torques(train, assemble(train), operation, np.array([speed]))
+    column = int(np.argmin(np.abs(steady.speed - speed)))
+    return [float(steady.torque[joint.span, column]) for joint in placed], []
 
 
 def _remarks(
-    every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings
+    placed: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings
 ) -> list[str]:
     """What a reader must know of the lines."""
-    found = []
+    remarks = []
     for line in lines:
-        names = ", ".join(every[k].name for k in line.joints)
-        if joint_lines.has_third_order(every, line.joints):
-            found.append(
+        names = ", ".join(placed[k].name for k in line.joints)
+        if joint_lines.has_third_order(placed, line.joints):
+            remarks.append(
                 f"{names}: the resulting angle and the optimum include only the cross joints; speeds "
                 "include the tripods"
             )
         if requested.optimise and line.optimum is None:
-            found.append(
+            remarks.append(
                 f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line"
             )
-    return found
+    return remarks
 
 
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
     """Faults of the settings against the train."""
-    every = joint_lines.placed(train)
-    if not every:
+    placed = joint_lines.placed(train)
+    if not placed:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]
-    names = [place.name for place in every]
-    there = f"joints: {', '.join(names)}"
+    names = [joint.name for joint in placed]
+    hint = f"joints: {', '.join(names)}"
     faults = [
-        Fault((*PLACE, "bearings", name), f"no joint is called '{name}'", there, at_key=True)
+        Fault((*PLACE, "bearings", name), f"no joint is called '{name}'", hint, at_key=True)
         for name in requested.bearings
         if name not in names
     ]
     if requested.joint is not None and requested.joint not in names:
-        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{requested.joint}'", there))
+        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{requested.joint}'", hint))
     elif requested.joint is not None:
-        faults += _freedom(every[names.index(requested.joint)], requested)
+        faults += _freedom(placed[names.index(requested.joint)], requested)
     return faults
 
 
-def _freedom(place: Placed, requested: JointsSettings) -> list[Fault]:
+def _freedom(joint: Placed, requested: JointsSettings) -> list[Fault]:
     """The joint that may be changed must change something."""
     where = (*PLACE, "joint")
     if requested.optimise is None:
         message = "`joint` lists joints that may change, and nothing is optimised"
         return [Fault(where, message, "add `optimise: phase`")]
-    if place.joint.kind != "cross":
+    if joint.record.kind != "cross":
         return [
             Fault(
                 where,
-                f"'{place.name}' is not a cross joint; it has nothing to choose",
+                f"'{joint.name}' is not a cross joint; it has nothing to choose",
                 "name a cross joint",
             )
         ]
-    if place.before is None and requested.optimise != "angle":
+    if joint.before is None and requested.optimise != "angle":
         message = (
-            f"'{place.name}' is the first of its line; its {requested.optimise} changes nothing"
+            f"'{joint.name}' is the first of its line; its {requested.optimise} changes nothing"
         )
         return [Fault(where, message, "name a later joint")]
     return []
@@ -213,10 +215,10 @@ def run(work: Work) -> None:
         "requested" if "joints" in work.study.analyses else "the train has joints",
     ) as step:
         settings = work.settings("joints", JointsSettings)
-        found = joints(work.study.train, work.study.operation, settings, work.get(Steady))
+        result = joints(work.study.train, work.study.operation, settings, work.get(Steady))
         step.method = "exact kinematics of rigid shafts, each line as one joint"
-        lines = "1 line" if len(found.lines) == 1 else f"{len(found.lines)} lines"
-        step.size = f"{len(found.joints)} joints on {lines}, {found.angle.size} angles"
-    for remark in found.remarks:
+        lines = "1 line" if len(result.lines) == 1 else f"{len(result.lines)} lines"
+        step.size = f"{len(result.joints)} joints on {lines}, {result.angle.size} angles"
+    for remark in result.remarks:
         work.log.without("universal joints, in part", remark)
-    work.put(joints=found)
+    work.put(joints=result)

@@ -17,8 +17,8 @@ SHAFTS: tuple[Carrier, Carrier] = ("driving", "driven")
 _SAMPLES = 720  # over a revolution of a tripod; symmetry puts the extremes of its couples at multiples of 30 degrees
 
 
-def couples_found(
-    place: Placed, yoke: FloatArray, torque: float, carrier: Carrier, distance: float | None
+def joint_couples(
+    joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier, distance: float | None
 ) -> tuple[Pair, float]:
     """Couples on the driving and the driven shaft, and the greatest force across the driving shaft, N.
 
@@ -26,28 +26,31 @@ def couples_found(
     bearings, m.
     """
     force = 0.0
-    if place.joint.kind == "cross":
-        pair = _of_cross(place, yoke, torque, carrier)
-    elif place.joint.order == 0 or place.joint.angle == 0:
-        pair = _of_constant_velocity(place.joint.angle, yoke, torque)
+    if joint.record.kind == "cross":
+        pair = _of_cross(joint, yoke, torque, carrier)
+    elif joint.record.order == 0 or joint.record.angle == 0:
+        pair = _of_constant_velocity(joint.record.angle, yoke, torque)
     else:
-        pair, force = _of_tripod(place, yoke, torque, carrier)
+        pair, force = _of_tripod(joint, yoke, torque, carrier)
     if distance is not None:
         pair = tuple(replace(couple, bearing=couple.largest / distance) for couple in pair)
     return pair, force
 
 
-def _of_cross(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
+def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle, start = place.joint.angle, place.joint.yoke
-    found = couples(yoke, angle, torque, carrier)
+    angle, start = joint.record.angle, joint.record.yoke
+    curves = couples(yoke, angle, torque, carrier)
     if carrier == "driven":
         start += float(transfer(start, angle).error)
     turn, sine = np.exp(2j * start), math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
     shafts = zip(
-        SHAFTS, (found.driving, found.driven), couple_harmonics(angle, torque, carrier), strict=True
+        SHAFTS,
+        (curves.driving, curves.driven),
+        couple_harmonics(angle, torque, carrier),
+        strict=True,
     )
     return tuple(
         CoupleFound(
@@ -73,12 +76,12 @@ def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair
 
 
 def _of_tripod(
-    place: Placed, yoke: FloatArray, torque: float, carrier: Carrier
+    joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier
 ) -> tuple[Pair, float]:
     """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
-    joint, start = place.joint, place.joint.yoke + math.pi / 2
+    record, start = joint.record, joint.record.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
-    data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
+    data = record.angle, record.radius or 0.0, record.arm or 1.0
     x, share = (
         arms - start,
         np.ones_like(arms),
@@ -94,16 +97,18 @@ def _of_tripod(
             if carrier == "driving"
             else torque * exact_motion(angles, *data).ratio
         )
-        found = exact_statics(angles, *data, carried)
-        on_driven = -found.driving_normal, found.driven_inplane
-        return [(found.driving_normal, found.driving_inplane), on_driven], np.hypot(*found.force)
+        contact = exact_statics(angles, *data, carried)
+        on_driven = -contact.driving_normal, contact.driven_inplane
+        return [(contact.driving_normal, contact.driving_inplane), on_driven], np.hypot(
+            *contact.force
+        )
 
     (curves, _), (turns, force) = statics(yoke + math.pi / 2), statics(arms)
     pair = []
-    for shaft, curve, whole in zip(SHAFTS, curves, turns, strict=True):
-        mean = [float(np.mean(part * share)) for part in whole]
-        third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in whole]
-        largest = float(np.hypot(*whole).max())
+    for shaft, curve, revolution in zip(SHAFTS, curves, turns, strict=True):
+        mean = [float(np.mean(part * share)) for part in revolution]
+        third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in revolution]
+        largest = float(np.hypot(*revolution).max())
         pair.append(
             CoupleFound(shaft, *curve, None, (mean[0], mean[1]), (third[0], third[1]), 3, largest)
         )

@@ -32,7 +32,7 @@ class Placed:
 
     name: str
     part: int
-    joint: JointRecord
+    record: JointRecord
     ratio: Fraction  # speed of its driving shaft / reference speed
     before: int | None  # position of the joint before it on its shaft line
     error: tuple[tuple[int, complex], ...]  # (order, rad) to first order, as the response takes it
@@ -50,15 +50,15 @@ class Behind:
 
 def placed(train: Train) -> tuple[Placed, ...]:
     """Every joint, the ones before it first. Assemblies number springs first, then gears and joints."""
-    found: dict[int, Placed] = {}
+    placed_joints: dict[int, Placed] = {}
     for span, mesh in enumerate(train.constraints, len(train.springs)):
         part = train.parts[mesh.part]
         if part.joint is not None:
-            before = None if mesh.after is None else list(found).index(mesh.after)
-            found[mesh.part] = Placed(
+            before = None if mesh.after is None else list(placed_joints).index(mesh.after)
+            placed_joints[mesh.part] = Placed(
                 mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span
             )
-    return tuple(found.values())
+    return tuple(placed_joints.values())
 
 
 def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
@@ -78,17 +78,17 @@ def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
 
 def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
     """Exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
-    none, found = np.zeros(turned.size), list[Behind]()
+    none, behind_joints = np.zeros(turned.size), list[Behind]()
     for joint in joints:
         before = (
             Transfer(none, none + 1.0, none)
             if joint.before is None
-            else found[joint.before].transfer
+            else behind_joints[joint.before].transfer
         )
-        yoke = turned + (before.error + joint.joint.yoke)
-        own = turning(joint.joint, yoke)
-        found.append(Behind(behind(before, own), yoke, own.ratio))
-    return tuple(found)
+        yoke = turned + (before.error + joint.record.yoke)
+        of_joint = turning(joint.record, yoke)
+        behind_joints.append(Behind(behind(before, of_joint), yoke, of_joint.ratio))
+    return tuple(behind_joints)
 
 
 def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
@@ -124,7 +124,7 @@ def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, .
     rows: dict[int, tuple[float, float, float]] = {}
     carried = 0.0
     for position in path:
-        joint = joints[position].joint
+        joint = joints[position].record
         if joint.kind != "cross":
             carried += joint.phase - joint.plane
             continue
@@ -145,22 +145,22 @@ def line_found(
 ) -> LineFound:
     """The joints of one path as one: the resultant of its cross joints, the speeds of all, the best `variable`."""
     _, line = crosses(joints, path)
-    one = resultant(line)
-    at = float(one.greatest_at)
-    greatest = Extreme(float(one.greatest), at)
-    least = Extreme(float(one.least), math.fmod(at + math.pi / 2.0, math.pi))
-    index = float(one.index)
+    single = resultant(line)
+    angle = float(single.greatest_at)
+    greatest = Extreme(float(single.greatest), angle)
+    slowest = Extreme(float(single.least), math.fmod(angle + math.pi / 2.0, math.pi))
+    index = float(single.index)
     if has_third_order(joints, path):
-        greatest, least = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
-        index = greatest.speed_ratio - least.speed_ratio
+        greatest, slowest = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
+        index = greatest.speed_ratio - slowest.speed_ratio
     optimum = variable and optimum_found(joints, path, variable, free)
-    resulting = float(one.angle), float(one.phase), float(classical_angle(line))
-    return LineFound(path, *resulting, index, greatest, least, optimum)
+    resulting = float(single.angle), float(single.phase), float(classical_angle(line))
+    return LineFound(path, *resulting, index, greatest, slowest, optimum)
 
 
 def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
     """A tripod on the path moves the end of its shaft: no single cross joint turns as the line does."""
-    return any(joints[k].joint.order == 3 and joints[k].joint.angle > 0 for k in path)
+    return any(joints[k].record.order == 3 and joints[k].record.angle > 0 for k in path)
 
 
 def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
@@ -185,8 +185,8 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
     size = np.abs(
         _end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature
     )
-    at = int(np.argmax(size))
-    before, top, behind = size[at - 1], size[at], size[(at + 1) % _TURN]
+    row = int(np.argmax(size))
+    before, top, behind = size[row - 1], size[row], size[(row + 1) % _TURN]
     bow = before - 2.0 * top + behind  # vertex of the parabola through the three
     return float(top if bow >= 0.0 else top - (behind - before) ** 2 / (8.0 * bow))
 
@@ -208,13 +208,13 @@ def optimum_found(
     ranks = (
         range(1, len(chosen))
         if free is None
-        else [k for k, one in enumerate(chosen) if joints[one].name == free]
+        else [k for k, joint in enumerate(chosen) if joints[joint].name == free]
     )
     ranks = [rank for rank in ranks if rank > 0 or variable == "angle"]
     if len(chosen) < 2 or not ranks:
         return None
     best = optimise(line, variable, ranks)
-    before = [float(getattr(joints[chosen[rank]].joint, variable)) for rank in ranks]
+    before = [float(getattr(joints[chosen[rank]].record, variable)) for rank in ranks]
     changes = [
         float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks
     ]

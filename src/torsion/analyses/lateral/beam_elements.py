@@ -42,12 +42,12 @@ class Segment:
     def between(self, start: float, end: float) -> "Segment":
         """The part between two distances from its start, m."""
         (o1, o2), (b1, b2) = (
-            each.tolist() for each in self.diameters(np.array([start, end]) / self.length)
+            diameters.tolist() for diameters in self.diameters(np.array([start, end]) / self.length)
         )
         return replace(self, length=end - start, outer=(o1, o2), bore=(b1, b2))
 
     def area(self, share: FloatArray) -> FloatArray:
-        """m2."""
+        """Area of the section at shares of the length, m2."""
         outer, bore = self.diameters(share)
         return np.asarray(math.pi / 4.0 * (outer - bore) * (outer + bore))
 
@@ -62,12 +62,12 @@ class Segment:
         poisson = self.youngs_modulus / (2.0 * self.shear_modulus) - 1.0
         outer, bore = self.diameters(share)
         square = (bore / outer) ** 2
-        whole = (1.0 + square) ** 2
+        sum_square = (1.0 + square) ** 2
         return np.asarray(
             6.0
             * (1.0 + poisson)
-            * whole
-            / ((7.0 + 6.0 * poisson) * whole + (20.0 + 12.0 * poisson) * square)
+            * sum_square
+            / ((7.0 + 6.0 * poisson) * sum_square + (20.0 + 12.0 * poisson) * square)
         )
 
     def phase(self, frequency: float, shear: bool) -> float:

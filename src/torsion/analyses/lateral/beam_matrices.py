@@ -54,7 +54,7 @@ class Beam:
 
     @property
     def length(self) -> float:
-        """m."""
+        """Length of all segments together, m."""
         return math.fsum(segment.length for segment in self.segments)
 
     @property
@@ -94,7 +94,12 @@ class Beam:
         """E I/length^3 of its weakest section, N/m."""
         ends = np.array([0.0, 1.0])
         return (
-            float(min((each.youngs_modulus * each.moment(ends)).min() for each in self.segments))
+            float(
+                min(
+                    (segment.youngs_modulus * segment.moment(ends)).min()
+                    for segment in self.segments
+                )
+            )
             / self.length**3
         )
 
@@ -152,23 +157,25 @@ def assemble_lateral(
     order = int(cells[-1].unknowns.max()) + 1
     stiffness, lossy, inertia, gyroscopic = (np.zeros((order, order)) for _ in range(4))
     for cell in cells:
-        at = np.ix_(cell.unknowns, cell.unknowns)
+        block = np.ix_(cell.unknowns, cell.unknowns)
         stiff, mass, rotary = element(cell.section, shear)
-        stiffness[at] += stiff
-        lossy[at] += cell.section.loss_factor * stiff
-        inertia[at] += mass + (rotary if rotary_inertia else 0.0)
-        gyroscopic[at] += 2.0 * rotary if rotary_inertia else 0.0
-    place = np.array(
+        stiffness[block] += stiff
+        lossy[block] += cell.section.loss_factor * stiff
+        inertia[block] += mass + (rotary if rotary_inertia else 0.0)
+        gyroscopic[block] += 2.0 * rotary if rotary_inertia else 0.0
+    unknown_of_point = np.array(
         [2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp
     )
     fixed: set[int] = set()
-    for point, row in zip(beam.points, place.tolist(), strict=True):
+    for point, row in zip(beam.points, unknown_of_point.tolist(), strict=True):
         inertia[row, row] += point.mass
         inertia[row + 1, row + 1] += point.diametral
         gyroscopic[row + 1, row + 1] += point.polar
         fixed |= {"free": set(), "pinned": {row}, "clamped": {row, row + 1}}[point.fixation]
     free = np.array([k for k in range(order) if k not in fixed], dtype=np.intp)
-    return LateralSystem(beam, cells, stiffness, lossy, inertia, gyroscopic, free, place, shear)
+    return LateralSystem(
+        beam, cells, stiffness, lossy, inertia, gyroscopic, free, unknown_of_point, shear
+    )
 
 
 def _cells(
@@ -179,18 +186,22 @@ def _cells(
         not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points
     ):
         raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point is next to it")
-    apart = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
+    same_place = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
     sections: list[tuple[float, Segment]] = []
     begin = 0.0
     for segment in beam.segments:
         inner = sorted(
-            {p.at - begin for p in beam.points if apart < p.at - begin < segment.length - apart}
+            {
+                p.at - begin
+                for p in beam.points
+                if same_place < p.at - begin < segment.length - same_place
+            }
         )
         for left, right in pairwise([0.0, *inner, segment.length]):
-            whole = segment.between(left, right)
-            steep = abs(math.log(whole.outer[1] / whole.outer[0])) / math.log(STEEPEST)
+            piece = segment.between(left, right)
+            steep = abs(math.log(piece.outer[1] / piece.outer[0])) / math.log(STEEPEST)
             number = max(
-                elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep)
+                elements, math.ceil(piece.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep)
             )
             marks = pairwise(np.linspace(left, right, number + 1).tolist())
             sections += [(begin + start, segment.between(start, end)) for start, end in marks]

@@ -21,7 +21,7 @@ class Plane:
 
     @property
     def frequency(self) -> FloatArray:
-        """(modes with inertia,) rad/s, ascending."""
+        """(modes,) frequencies of the modes with inertia, rad/s, ascending."""
         return np.asarray(1.0 / np.sqrt(self.square[self.square > 0]))
 
 
@@ -44,12 +44,12 @@ class Planes:
 
     @property
     def is_isotropic(self) -> bool:
-        """Both planes are one."""
+        """The supports are alike in both planes, which are then one."""
         return self.y is self.z
 
     @property
     def is_damped(self) -> bool:
-        """A support has a damper."""
+        """A support of the shaft has a damper."""
         return any(any(point.damping) for point in self.system.beam.points)
 
 
@@ -81,19 +81,19 @@ def planes(system: LateralSystem) -> Planes:
     )
 
 
-def _projected(matrix: FloatArray, one: Plane, other: Plane) -> FloatArray:
-    return np.asarray(one.shape.T @ matrix @ other.shape)
+def _projected(matrix: FloatArray, plane: Plane, other_plane: Plane) -> FloatArray:
+    return np.asarray(plane.shape.T @ matrix @ other_plane.shape)
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:
     """Modes of a supported plane, by the inverse of the stiffness scaled to a diagonal of 1."""
     stiffness = system.stiffness + system.support("stiffness", plane)
-    at = np.ix_(system.free, system.free)
+    free = np.ix_(system.free, system.free)
     scale = 1.0 / np.sqrt(np.diagonal(stiffness)[system.free])
-    factor = np.tril(cho_factor(scale[:, None] * stiffness[at] * scale, lower=True)[0])
-    half = solve_triangular(factor, scale[:, None] * system.inertia[at] * scale, lower=True)
-    whole = solve_triangular(factor, half.T, lower=True)
-    square, turned = eigh((whole + whole.T) / 2.0)
+    factor = np.tril(cho_factor(scale[:, None] * stiffness[free] * scale, lower=True)[0])
+    half = solve_triangular(factor, scale[:, None] * system.inertia[free] * scale, lower=True)
+    inverse = solve_triangular(factor, half.T, lower=True)
+    square, turned = eigh((inverse + inverse.T) / 2.0)
     shape = np.zeros((stiffness.shape[0], len(square)))
     shape[system.free] = scale[:, None] * solve_triangular(
         factor, turned[:, ::-1], lower=True, trans="T"

@@ -51,8 +51,8 @@ def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]
     """
     node = _nodes(train)
     faults: list[Fault] = []
-    found = [_shaft(train, row, node, faults) for row in _rows(train.bars, node)]
-    return tuple(found), faults
+    shafts = [_shaft(train, row, node, faults) for row in _rows(train.bars, node)]
+    return tuple(shafts), faults
 
 
 def _nodes(train: Train) -> list[int]:
@@ -71,9 +71,9 @@ def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
         near = [
             row
             for row in rows
-            if ends & {node[s] for each in row for s in (each.driving, each.driven)}
+            if ends & {node[s] for member in row for s in (member.driving, member.driven)}
         ]
-        joined = [each for row in near for each in row] + [bar]
+        joined = [member for row in near for member in row] + [bar]
         rows = [row for row in rows if row not in near] + [joined]
     return rows
 
@@ -82,7 +82,9 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     names = ", ".join(bar.name for bar in row)
     parts = tuple(bar.part for bar in row)
     stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
-    straight = all(node[bar.driving] == at for bar, at in zip(row, stations, strict=False))
+    straight = all(
+        node[bar.driving] == station for bar, station in zip(row, stations, strict=False)
+    )
     if not straight or len(set(stations)) < len(stations):
         return BendingShaft(
             names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches"
@@ -93,30 +95,30 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     points, held = _points(train, row, joints)
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
-    lacks, place = "", Path()
-    if any(at not in (0, len(row)) for _, _, at in joints):
+    lacks, path = "", Path()
+    if any(position not in (0, len(row)) for _, _, position in joints):
         lacks = "a joint lies between its ends"
     elif len(faults) == before:
-        lacks, place = next(_lacking(train, row, beam), (lacks, place))
+        lacks, path = next(_lacking(train, row, beam), (lacks, path))
     faults += [] if lacks else of_material
-    at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
+    joints_at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
     return BendingShaft(
-        names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks, place
+        names, parts, ratio, beam, joints_at, _loads(train, node, stations, parts), lacks, path
     )
 
 
 def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]:
     """The joints on a shaft by their position among its stations."""
-    found: list[Placing] = []
+    placings: list[Placing] = []
     for mesh in train.constraints:
         if train.parts[mesh.part].joint is None:
             continue
         if node[mesh.driven] in stations:
-            found.append((mesh.part, "driven", stations.index(node[mesh.driven])))
+            placings.append((mesh.part, "driven", stations.index(node[mesh.driven])))
         if node[mesh.driving] in stations:
-            found.append((mesh.part, "driving", stations.index(node[mesh.driving])))
-    return sorted(found, key=lambda joint: joint[2])
+            placings.append((mesh.part, "driving", stations.index(node[mesh.driving])))
+    return sorted(placings, key=lambda joint: joint[2])
 
 
 def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
@@ -141,18 +143,18 @@ def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
 def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
     """Pinned points of the joints, one for all that share a place, and which of them each joint has."""
     points: list[Point] = []
-    at: dict[int, int] = {}
-    for part, _, place in joints:
-        if place not in at:
-            at[place] = len(points)
+    point_of: dict[int, int] = {}
+    for part, _, position in joints:
+        if position not in point_of:
+            point_of[position] = len(points)
             points.append(
                 Point(
-                    sum(bar.length for bar in row[:place]),
+                    sum(bar.length for bar in row[:position]),
                     train.parts[part].name,
                     fixation="pinned",
                 )
             )
-    return points, [at[place] for _, _, place in joints]
+    return points, [point_of[position] for _, _, position in joints]
 
 
 def _supports(
@@ -162,17 +164,17 @@ def _supports(
     points = []
     begin = 0.0
     for bar in row:
-        part, every = train.parts[bar.part], _supports_of(train, bar)
-        for number, (support, path) in enumerate(every):
+        part, supports = train.parts[bar.part], _supports_of(train, bar)
+        for number, (support, path) in enumerate(supports):
             if support.at > bar.length:
                 message = f"the support lies {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue
-            place = bar.length - support.at if is_from_behind else support.at
-            name = part.name if len(every) == 1 else f"{part.name} {number + 1}"
+            distance = bar.length - support.at if is_from_behind else support.at
+            name = part.name if len(supports) == 1 else f"{part.name} {number + 1}"
             points.append(
                 Point(
-                    begin + place,
+                    begin + distance,
                     f"support of {name}",
                     support.mass,
                     stiffness=support.stiffness_of_planes,
@@ -187,18 +189,23 @@ def _loads(
     train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]
 ) -> tuple[str, ...]:
     """Names of the discs, motors, wheels and the like on a shaft."""
-    here = {place for place in range(len(node)) if node[place] in stations}
+    stations_on_shaft = {station for station in range(len(node)) if node[station] in stations}
     return tuple(
         part.name
         for number, part in enumerate(train.parts)
-        if number not in parts and not (part.joint or part.is_bar) and here & set(part.stations)
+        if number not in parts
+        and not (part.joint or part.is_bar)
+        and stations_on_shaft & set(part.stations)
     )
 
 
 def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     """The supports of a shaft and where each stands in the file."""
-    every, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
-    return [(one, path if len(every) == 1 else (*path, number)) for number, one in enumerate(every)]
+    supports, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
+    return [
+        (support, path if len(supports) == 1 else (*path, number))
+        for number, support in enumerate(supports)
+    ]
 
 
 def _lacking(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
@@ -211,14 +218,14 @@ def _lacking(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Pa
         )
     yield from _not_held(train, row, beam)
     if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
-        place = (*train.parts[row[0].part].path, "material")
-        yield "it has no mass: neither its material a density nor a support a `mass`", place
+        path = (*train.parts[row[0].part].path, "material")
+        yield "it has no mass: neither its material a density nor a support a `mass`", path
 
 
 def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
     """Why joints and supports do not hold a shaft in both planes, or too softly to differ from none."""
     free = [beam.rigid_motions(plane) for plane in (0, 1)]
-    given = [one for bar in row for one in _supports_of(train, bar)]
+    given = [support for bar in row for support in _supports_of(train, bar)]
     if not given:
         if any(free):
             yield (
@@ -229,11 +236,11 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
         hold, bent = min(beam.hold(0), beam.hold(1)), f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
         why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
         if hold < SOFTEST:
-            _, path = min(given, key=lambda one: min(one[0].stiffness_of_planes))
+            _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))
             yield f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
     elif free[0] != free[1]:
         plane = free.index(max(free))
-        path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
+        path = next(path for support, path in given if not support.stiffness_of_planes[plane] > 0)
         why = (
             f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
         )

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.joints.joint_couples import couples_found
+from torsion.analyses.joints.joint_couples import joint_couples
 from torsion.analyses.joints.joint_lines import Behind, Placed, motions, path_to
 from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_modes import EPS, Planes
@@ -59,12 +59,12 @@ class Answer:
         key="moment_Nm",
     )
     def largest_moment(self) -> FloatArray:
-        """(speeds, places)."""
+        """Half the long axis of the ellipse of the moment, (speeds, places) N m."""
         return extent(self.moment)
 
     @derived("", ("speed",), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
-        """(speeds,)."""
+        """How far the values can be relied on, in words, (speeds,)."""
         return words(self.status, Status)
 
     @property
@@ -89,8 +89,8 @@ def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> Float
             else resonance.damping_ratio * np.append(STEPS, 0.0)
         )
         added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
-    every: FloatArray = np.unique(np.concatenate(added))
-    inside: FloatArray = every[(every >= requested.min()) & (every <= requested.max())]
+    speeds: FloatArray = np.unique(np.concatenate(added))
+    inside: FloatArray = speeds[(speeds >= requested.min()) & (speeds <= requested.max())]
     return inside
 
 
@@ -129,8 +129,8 @@ def _solved(
     y, z = load
     if planes.is_isotropic:
         forward, grown = _solved_of(planes, order, speeds, 0.5 * (y + 1j * z))
-        backward, other = _solved_of(planes, -order, speeds, 0.5 * (y - 1j * z))
-        return forward + backward, -1j * (forward - backward), np.maximum(grown, other)
+        backward, grown_backward = _solved_of(planes, -order, speeds, 0.5 * (y - 1j * z))
+        return forward + backward, -1j * (forward - backward), np.maximum(grown, grown_backward)
     p, grown = _solved_of(planes, order, speeds, np.concatenate([y, 1j * z], axis=1))
     n = len(planes.y.square)
     return p[:, :n], -1j * p[:, n:], grown
@@ -152,11 +152,11 @@ def _solved_of(
         [load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2
     )
     try:
-        found = np.linalg.solve(matrix, right)
+        solution = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
-        found = np.linalg.solve(matrix + EPS * np.eye(size), right)
-    terms = found[:, :, 1:] * (1.0 + w**2 * planes.square)
-    answer: ComplexArray = np.asarray(found[:, :, 0], dtype=np.complex128)
+        solution = np.linalg.solve(matrix + EPS * np.eye(size), right)
+    terms = solution[:, :, 1:] * (1.0 + w**2 * planes.square)
+    answer: ComplexArray = np.asarray(solution[:, :, 0], dtype=np.complex128)
     grown: FloatArray = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
     return answer, grown
 
@@ -179,10 +179,14 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
     """(speeds, points, 2) N on supports, of springs and dampers, and on joints, what the shaft lacks to balance."""
     system = planes.system
     w = order * speeds[:, None]
-    at = system.place
-    shaft = system.stiffness[at] + 1j * system.lossy[at] if order else system.stiffness[at]
-    pushed = shaft @ x - w[:, :, None] ** 2 * (system.inertia[at] @ x)
-    turned = (1j * w * speeds[:, None])[:, :, None] * (system.gyroscopic[at] @ x)
+    unknowns = system.place
+    shaft = (
+        system.stiffness[unknowns] + 1j * system.lossy[unknowns]
+        if order
+        else system.stiffness[unknowns]
+    )
+    pushed = shaft @ x - w[:, :, None] ** 2 * (system.inertia[unknowns] @ x)
+    turned = (1j * w * speeds[:, None])[:, :, None] * (system.gyroscopic[unknowns] @ x)
     pushed[..., 0] += turned[..., 1]
     pushed[..., 1] -= turned[..., 0]
     force = np.zeros_like(pushed)
@@ -191,19 +195,21 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
             force[:, k] = -pushed[:, k]
         else:
             spring = np.array(point.stiffness) + 1j * w * np.array(point.damping)
-            force[:, k] = spring * x[:, at[k]]
+            force[:, k] = spring * x[:, unknowns[k]]
     return force
 
 
-def orders(every: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
+def orders(joints: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
     """0, and the orders of all joints up to this shaft and at its end."""
-    position = {place.part: k for k, place in enumerate(every)}
-    found = {every[k].joint.order for at in shaft.joints for k in path_to(every, position[at.part])}
-    return tuple(sorted({0} | found))
+    position = {joint.part: k for k, joint in enumerate(joints)}
+    found_orders = {
+        joints[k].record.order for end in shaft.joints for k in path_to(joints, position[end.part])
+    }
+    return tuple(sorted({0} | found_orders))
 
 
 def couples_at(
-    every: Sequence[Placed], shaft: BendingShaft, torque: FloatArray, carrier: Carrier = "driving"
+    joints: Sequence[Placed], shaft: BendingShaft, torque: FloatArray, carrier: Carrier = "driving"
 ) -> dict[int, ComplexArray]:
     """By order: (speeds, points, 2) N m, amplitudes about y and z of Re[C exp(i order x)], x the first shaft's angle.
 
@@ -211,35 +217,35 @@ def couples_at(
     last. y is the normal of the plane of the joint before the shaft, else of the one behind it.
     """
     turned = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
-    moved = motions(every, turned)
+    moved = motions(joints, turned)
     result = {
         order: np.zeros((torque.shape[1], len(shaft.beam.points), 2), dtype=np.complex128)
-        for order in orders(every, shaft)
+        for order in orders(joints, shaft)
     }
-    for at in shaft.joints:
-        position = next(k for k, place in enumerate(every) if place.part == at.part)
-        place = every[position]
-        pair, _ = couples_found(place, moved[position].yoke, 1.0, "driving", None)
-        couple = pair[0] if at.shaft == "driving" else pair[1]
-        curve = (couple.normal + 1j * couple.inplane) * _carried(every, position, moved, carrier)
-        if at is not shaft.joints[0] and at.shaft == "driving":
-            curve = curve * np.exp(1j * place.joint.plane)
+    for end in shaft.joints:
+        position = next(k for k, joint in enumerate(joints) if joint.part == end.part)
+        joint = joints[position]
+        pair, _ = joint_couples(joint, moved[position].yoke, 1.0, "driving", None)
+        couple = pair[0] if end.shaft == "driving" else pair[1]
+        curve = (couple.normal + 1j * couple.inplane) * _carried(joints, position, moved, carrier)
+        if end is not shaft.joints[0] and end.shaft == "driving":
+            curve = curve * np.exp(1j * joint.record.plane)
         for order, amplitude in result.items():
             turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
             pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])
-            amplitude[:, at.point] += torque[position][:, None] * pair_of_planes
+            amplitude[:, end.point] += torque[position][:, None] * pair_of_planes
     return result
 
 
 def _carried(
-    every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier
+    joints: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier
 ) -> FloatArray:
     """(angles,) torque in the driving shaft of a joint over the constant one."""
-    before = every[position].before
+    before = joints[position].before
     speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio
     if carrier == "driving":
         return np.asarray(1.0 / speed)
     last = position
-    while following := [k for k, place in enumerate(every) if place.before == last]:
+    while following := [k for k, joint in enumerate(joints) if joint.before == last]:
         last = following[0]
     return np.asarray(moved[last].transfer.ratio / speed)

@@ -53,7 +53,7 @@ class MisalignedShaft:
 
     @property
     def pull(self) -> float:
-        """Torque / inertia, rad/s2."""
+        """Torque / transverse inertia of the shaft, rad/s2."""
         return self.torque / self.inertia
 
     def pull_at(self, speeds: FloatArray) -> FloatArray:
@@ -132,28 +132,37 @@ def coefficients(
 
 def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> FloatArray:
     """(speeds, 4, 4): what half a turn of the driving shaft, the period of the couple, makes of angles and rates."""
-    at, rule = np.atleast_1d(np.asarray(speeds, dtype=float)), radau()
-    highest = float(np.sqrt(shaft.square.max() + np.abs(shaft.pull_at(at)).max()))
-    steps = max(FEWEST_STEPS, int(np.ceil(2.0 * np.pi * highest / (ANGLE_PER_STEP * at.min()))))
+    speed, rule = np.atleast_1d(np.asarray(speeds, dtype=float)), radau()
+    highest = float(np.sqrt(shaft.square.max() + np.abs(shaft.pull_at(speed)).max()))
+    steps = max(FEWEST_STEPS, int(np.ceil(2.0 * np.pi * highest / (ANGLE_PER_STEP * speed.min()))))
     turned = (np.pi * (np.arange(steps)[:, None] + rule.node) / steps).ravel()
-    whole = np.empty((at.size, 4, 4))
-    for some in np.array_split(np.arange(at.size), -(-at.size * steps // MOST_STEPS_AT_A_TIME)):
-        shape, each = (some.size, steps, rule.node.size, 2, 2), at[some, None, None, None]
-        damping, stiffness = coefficients(shaft, turned, at[some], model)
+    half_turn = np.empty((speed.size, 4, 4))
+    for some in np.array_split(
+        np.arange(speed.size), -(-speed.size * steps // MOST_STEPS_AT_A_TIME)
+    ):
+        shape, speed_column = (
+            (some.size, steps, rule.node.size, 2, 2),
+            speed[some, None, None, None],
+        )
+        damping, stiffness = coefficients(shaft, turned, speed[some], model)
         parts = (
-            (damping / each).reshape(shape),
-            (stiffness / each**2).reshape(shape),
+            (damping / speed_column).reshape(shape),
+            (stiffness / speed_column**2).reshape(shape),
         )  # the angle is taken for time
-        whole[some] = through_steps(np.broadcast_to(np.eye(2), shape), *parts, np.pi / steps, rule)
-    rate = np.concatenate([np.ones((at.size, 2)), np.repeat(at[:, None], 2, axis=1)], axis=1)
-    return np.asarray(rate[:, :, None] * whole / rate[:, None, :])
+        half_turn[some] = through_steps(
+            np.broadcast_to(np.eye(2), shape), *parts, np.pi / steps, rule
+        )
+    rate = np.concatenate([np.ones((speed.size, 2)), np.repeat(speed[:, None], 2, axis=1)], axis=1)
+    return np.asarray(rate[:, :, None] * half_turn / rate[:, None, :])
 
 
 @source("ZhuWang", "eq. 7, corrected")
 def growth(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> Growth:
     """Growth over positive speeds (rad/s) by the eigenvalues of the monodromy matrix."""
-    at = np.atleast_1d(np.asarray(speeds, dtype=float))
-    multiplier = np.linalg.eigvals(monodromies(shaft, at, model))
+    speed = np.atleast_1d(np.asarray(speeds, dtype=float))
+    multiplier = np.linalg.eigvals(monodromies(shaft, speed, model))
     rank = np.abs(multiplier).argmax(axis=1)[:, None]
     leading = np.take_along_axis(multiplier, rank, axis=1)[:, 0]
-    return Growth(at, np.log(np.abs(leading)) * at / np.pi, np.abs(np.angle(leading)) * at / np.pi)
+    return Growth(
+        speed, np.log(np.abs(leading)) * speed / np.pi, np.abs(np.angle(leading)) * speed / np.pi
+    )

@@ -122,14 +122,14 @@ def lateral(
     wanted = requested or LateralSettings()
     if faults := lateral_faults(train, requested):
         raise InputError(faults)
-    every, (shafts, _) = placed(train), bending_shafts(train)
+    placed_joints, (shafts, _) = placed(train), bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
-    speeds, found = wanted.speeds or operation.speeds, []
+    speeds, found_shafts = wanted.speeds or operation.speeds, []
     reference = None if speeds is None else speeds.values()
-    torque = None if speeds is None else _torques(train, operation, wanted, every)
+    torque = None if speeds is None else _torques(train, operation, wanted, placed_joints)
     for number, shaft in enumerate(supported):
         progress("bending of the shafts", number / len(supported))
-        found.append(_found(every, shaft, wanted, reference, torque))
+        found_shafts.append(_bend_shaft(placed_joints, shaft, wanted, reference, torque))
     remarks = [
         f"{shaft.name}: "
         + (
@@ -144,10 +144,10 @@ def lateral(
         remarks.append(
             "no speeds are given: whirl over speed and the response to the secondary couples are not computed"
         )
-    elif every and torque is None:
+    elif placed_joints and torque is None:
         remarks.append("no torque is known: the response to the secondary couples is not computed")
-    remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found if shaft.remark]
-    return Lateral(tuple(found), tuple(remarks), wanted.shear)
+    remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found_shafts if shaft.remark]
+    return Lateral(tuple(found_shafts), tuple(remarks), wanted.shear)
 
 
 def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Fault]:
@@ -162,45 +162,53 @@ def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Faul
 
 
 def _torques(
-    train: Train, operation: Operation, requested: LateralSettings, every: Sequence[Placed]
+    train: Train, operation: Operation, requested: LateralSettings, placed_joints: Sequence[Placed]
 ) -> Torques | None:
     """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
-    if not every or (requested.torque is None and not states_mean_torque(train, operation)):
+    if not placed_joints or (requested.torque is None and not states_mean_torque(train, operation)):
         return None
-    if (known := requested.torque) is not None:
-        return lambda speed: np.full((len(every), len(speed)), known)
-    system, spans = assemble(train), [place.span for place in every]
+    if (stated := requested.torque) is not None:
+        return lambda speed: np.full((len(placed_joints), len(speed)), stated)
+    system, spans = assemble(train), [joint.span for joint in placed_joints]
     return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
 
 
-def _found(
-    every: Sequence[Placed],
+def _bend_shaft(
+    placed_joints: Sequence[Placed],
     shaft: BendingShaft,
     requested: LateralSettings,
     reference: FloatArray | None,
     torque: Torques | None,
 ) -> ShaftFound:
     ratio = float(shaft.ratio)
-    own = None if reference is None else reference * ratio
-    excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
-    both, critical = _refined(shaft, requested, own, excited)
+    shaft_speeds = None if reference is None else reference * ratio
+    excited = (
+        tuple(order for order in orders(placed_joints, shaft) if order) if shaft.joints else ()
+    )
+    both, critical = _refined(shaft, requested, shaft_speeds, excited)
     some = (
         slice(0)
-        if own is None
-        else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
+        if shaft_speeds is None
+        else np.linspace(0, len(shaft_speeds) - 1, min(len(shaft_speeds), _WHIRL_SPEEDS))
+        .round()
+        .astype(int)
     )
-    map_of = None if own is None else _of_train(whirl(both, own[some], requested.modes), ratio)
-    rest = InPlanes(
+    map_of = (
+        None
+        if shaft_speeds is None
+        else _of_train(whirl(both, shaft_speeds[some], requested.modes), ratio)
+    )
+    at_rest = InPlanes(
         _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
     )
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
-    if own is not None and reference is not None and shaft.joints and torque is not None:
-        tilt, remark = tilting(shaft, every, torque, reference, (rest.y, rest.z))
+    if shaft_speeds is not None and reference is not None and shaft.joints and torque is not None:
+        tilt, remark = tilting(shaft, placed_joints, torque, reference, (at_rest.y, at_rest.z))
         grid = speeds_for(
-            own, tuple(crossing for crossing in critical if crossing.order in excited)
+            shaft_speeds, tuple(crossing for crossing in critical if crossing.order in excited)
         )
-        couple = couples_at(every, shaft, torque(grid / ratio), requested.carrier)
+        couple = couples_at(placed_joints, shaft, torque(grid / ratio), requested.carrier)
         answers = tuple(
             _of_train(answer(both, order, grid, couple[order]), ratio) for order in couple
         )
@@ -212,8 +220,8 @@ def _found(
         shaft.beam.length,
         places(system).position,
         tuple(Holding(point.name, point.at) for point in shaft.beam.points),
-        rest,
-        tuple(_of_train(one, ratio) for one in critical),
+        at_rest,
+        tuple(_of_train(crossing, ratio) for crossing in critical),
         map_of,
         answers,
         len(system.cells),
@@ -222,9 +230,9 @@ def _found(
     )
 
 
-def _of_train(found: OfShaft, ratio: float) -> OfShaft:
+def _of_train(of_shaft: OfShaft, ratio: float) -> OfShaft:
     """The same with the speed of the reference in place of the shaft's own."""
-    return replace(found, speed=found.speed / ratio)
+    return replace(of_shaft, speed=of_shaft.speed / ratio)
 
 
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
@@ -303,12 +311,10 @@ def run(work: Work) -> None:
     why = "requested" if "lateral" in work.study.analyses else "a shaft has a `support`"
     with work.log.step("bending of the shafts", why) as step:
         settings = work.settings("lateral", LateralSettings)
-        found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
-        beams = "with shear (Timoshenko)" if found.shear else "without shear"
+        bending = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
+        beams = "with shear (Timoshenko)" if bending.shear else "without shear"
         step.method = f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
-        step.size = (
-            f"{len(found.shafts)} shafts, {sum(shaft.elements for shaft in found.shafts)} elements"
-        )
-    work.log.left_out += [("bending, in part", remark) for remark in found.remarks]
+        step.size = f"{len(bending.shafts)} shafts, {sum(shaft.elements for shaft in bending.shafts)} elements"
+    work.log.left_out += [("bending, in part", remark) for remark in bending.remarks]
     work.log.libraries["scikit-fem"] = None
-    work.put(lateral=found)
+    work.put(lateral=bending)

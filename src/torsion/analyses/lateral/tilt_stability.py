@@ -90,12 +90,12 @@ class Tilting:
 
     @derived("kg*m**2", (), "about the centre of the joint")
     def transverse_inertia(self) -> float:
-        """Of the shaft."""
+        """Transverse inertia of the rigid shaft, kg m2."""
         return self.shaft.inertia
 
     @derived("kg*m**2", (), "of the same body")
     def polar_inertia(self) -> float:
-        """Of the shaft."""
+        """Polar inertia of the rigid shaft, kg m2."""
         return self.shaft.polar * self.shaft.inertia
 
     @property
@@ -123,15 +123,15 @@ def tilting(
             "it drives its joint; the parametric terms of its tilt are built for driven shafts",
         )
     number, joint = next(
-        (k, one) for k, one in enumerate(placed) if one.part == shaft.joints[0].part
+        (k, joint_at) for k, joint_at in enumerate(placed) if joint_at.part == shaft.joints[0].part
     )
-    if joint.joint.kind != "cross":
+    if joint.record.kind != "cross":
         return None, "the parametric terms of its tilt are built for cross joints"
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
     rigid = _rigid(
-        shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number]
+        shaft.beam, shaft.joints[0], joint.record.angle, lambda own: torque(own / ratio)[number]
     )
     z, y = (
         np.sqrt(rigid.square) / (2.0 * np.pi)
@@ -139,17 +139,17 @@ def tilting(
     if why := _too_soft((y, z), bending):
         return None, why
     unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
-    beside = [*resonances(rigid).values()]
+    more_speeds = [*resonances(rigid).values()]
     for zone in unstable:  # speeds in it, as far again on both sides, and its own
         wide = zone.last - zone.first
-        beside += [
+        more_speeds += [
             zone.first,
             zone.at,
             zone.last,
             *np.linspace(zone.first - wide, zone.last + wide, 37).tolist(),
         ]
     grid = np.union1d(
-        np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last]
+        np.linspace(first, last, POINTS), [speed for speed in more_speeds if first < speed < last]
     )
     of_train = tuple(
         replace(zone, first=zone.first / ratio, last=zone.last / ratio, at=zone.at / ratio)
@@ -186,8 +186,8 @@ def _rigid(
     )  # and the end
     for segment, start in zip(beam.segments, starts, strict=False):
         slices, second = weight * segment.length * segment.density, segment.moment(share)
-        place = start + segment.length * share
-        transverse += float(slices @ (segment.area(share) * place**2 + second))
+        position = start + segment.length * share
+        transverse += float(slices @ (segment.area(share) * position**2 + second))
         polar += float(slices @ (2.0 * second))
     arms = np.array([(point.at - centre) ** 2 for point in beam.points])
     stiffness, damping = (
@@ -229,7 +229,7 @@ def zones(
     for low, up in zip(bounds[::2], bounds[1::2], strict=True):
         inside = (speed >= low) & (speed <= up)
         worst = float(speed[inside][rate[inside].argmax()])
-        worst, most = _greatest(
+        worst, fastest = _greatest(
             shaft, model, worst, max(low, worst - (up - low) / 8), min(up, worst + (up - low) / 8)
         )
         kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
@@ -240,7 +240,7 @@ def zones(
                 (low == first and bool(high[0]), up == last and bool(high[-1])),
                 kind,
                 worst,
-                most,
+                fastest,
             )
         )
     return tuple(out)
@@ -248,9 +248,13 @@ def zones(
 
 def resonances(shaft: MisalignedShaft) -> dict[str, float]:
     """Speeds at which n times twice the speed is twice a frequency, their sum or their difference, by name; rad/s."""
-    one, two = shaft.frequency
-    parts = {"principal of 1": 2.0 * one, "principal of 2": 2.0 * two, "sum of 1 and 2": one + two}
-    parts["difference of 2 and 1"] = two - one
+    lower, two = shaft.frequency
+    parts = {
+        "principal of 1": 2.0 * lower,
+        "principal of 2": 2.0 * two,
+        "sum of 1 and 2": lower + two,
+    }
+    parts["difference of 2 and 1"] = two - lower
     return {
         name + (f" /{n}" if n > 1 else ""): float(total) / (2.0 * n)
         for name, total in parts.items()
@@ -262,9 +266,9 @@ def _sampled(
     shaft: MisalignedShaft, first: float, last: float, model: Model, points: int
 ) -> tuple[FloatArray, FloatArray]:
     """Speeds and growth: an even grid, points around every resonance, and every local greatest value below zero."""
-    known = np.array(list(resonances(shaft).values()))
+    by_name = np.array(list(resonances(shaft).values()))
     width = SPAN * float(shaft.frequency.sum())
-    near = (known[:, None] + width * np.linspace(-1.0, 1.0, 41) ** 3).ravel()
+    near = (by_name[:, None] + width * np.linspace(-1.0, 1.0, 41) ** 3).ravel()
     speed = np.unique(
         np.concatenate([np.linspace(first, last, points), near[(near > first) & (near < last)]])
     )
@@ -273,12 +277,12 @@ def _sampled(
         np.flatnonzero((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]) & (rate[1:-1] <= 0.0))
         + 1
     )
-    more = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
-    if not more:
+    peaks = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
+    if not peaks:
         return speed, rate
     speed, rate = (
-        np.append(speed, [one[0] for one in more]),
-        np.append(rate, [one[1] for one in more]),
+        np.append(speed, [peak_speed for peak_speed, _ in peaks]),
+        np.append(rate, [peak_rate for _, peak_rate in peaks]),
     )
     rank = np.argsort(speed)
     return speed[rank], rate[rank]
@@ -289,32 +293,31 @@ def _greatest(
 ) -> tuple[float, float]:
     """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
 
-    def down(at: float) -> float:
-        return -float(growth(shaft, np.array([at]), model).rate[0])
+    def down(speed: float) -> float:
+        return -float(growth(shaft, np.array([speed]), model).rate[0])
 
-    fastest, least = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
-    best = max((-down(start), float(start)), (-float(least), float(fastest)))
-    return best[1], best[0]
+    place, negative = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
+    return max((start, -down(start)), (float(place), -float(negative)), key=lambda pair: pair[1])
 
 
 def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:
     """Speed of no growth between two speeds; beside a range without growth or decay, of growth beyond rounding."""
     level = 0.0 if rate.min() < -NEUTRAL * speed.max() else NEUTRAL
 
-    def above(at: float) -> float:
-        return float(growth(shaft, np.array([at]), model).rate[0] - level * at)
+    def above(speed: float) -> float:
+        return float(growth(shaft, np.array([speed]), model).rate[0] - level * speed)
 
     return float(
         find_root(above, speed[0], speed[1], tolerance=EXACTLY * speed[1], relative=4 * EXACTLY)
     )
 
 
-def _kind(shaft: MisalignedShaft, at: Growth, low: float, up: float) -> str:
+def _kind(shaft: MisalignedShaft, fastest: Growth, low: float, up: float) -> str:
     """The resonance nearest to the zone's worst speed among those whose multipliers are of its sort."""
     if sum(low < speed < up for name, speed in resonances(shaft).items() if "/" not in name) > 1:
         return "several"
-    speed, half = float(at.speed[0]), float(np.pi * at.frequency[0] / at.speed[0])
+    speed, half = float(fastest.speed[0]), float(np.pi * fastest.frequency[0] / fastest.speed[0])
     is_real = abs(np.sin(half)) < EVEN
-    known = resonances(shaft)
-    fitting = [name for name in known if name.startswith("principal") == is_real]
-    return min(fitting, key=lambda name: abs(known[name] - speed))
+    by_name = resonances(shaft)
+    fitting = [name for name in by_name if name.startswith("principal") == is_real]
+    return min(fitting, key=lambda name: abs(by_name[name] - speed))

@@ -86,14 +86,14 @@ def _both(planes: Planes, p: ComplexArray, sign: float) -> ComplexArray:
 
 def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, ComplexArray]:
     """Roots s by ascending modulus, and shapes (coordinates, roots); at least the `modes` lowest that oscillate."""
-    every = np.arange(len(planes.square))
+    all_coordinates = np.arange(len(planes.square))
     if not planes.is_damped:
-        return roots_among(planes, speed, every)
+        return roots_among(planes, speed, all_coordinates)
     if (
-        found := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)
+        roots := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)
     ) is not None:
-        return found
-    return roots_among(planes, speed, every)
+        return roots
+    return roots_among(planes, speed, all_coordinates)
 
 
 def lowest(planes: Planes, modes: int) -> IntArray:
@@ -144,10 +144,10 @@ def refined(
         open_roots = open_roots[np.abs(step) > SETTLED * np.abs(root[open_roots])]
         if not open_roots.size:
             break
-    apart = np.abs(root[:, None] - root) + np.diag(np.abs(root))
+    distance = np.abs(root[:, None] - root) + np.diag(np.abs(root))
     if open_roots.size or (np.abs(root - start) > REACH * np.abs(start)).any():
         return None
-    if not np.isfinite(root).all() or (apart < APART * np.abs(root)).any():
+    if not np.isfinite(root).all() or (distance < APART * np.abs(root)).any():
         return None
     order = np.argsort(np.abs(root), kind="stable")
     return root[order], shape[:, order]
@@ -190,9 +190,9 @@ def _decays(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -
     )
 
 
-def _energy(p: ComplexArray, matrix: FloatArray, other: ComplexArray) -> FloatArray:
+def _energy(p: ComplexArray, matrix: FloatArray, right: ComplexArray) -> FloatArray:
     """(modes,) real part of p* matrix other."""
-    return np.asarray(np.sum(p.conj() * (matrix @ other), axis=0).real)
+    return np.asarray(np.sum(p.conj() * (matrix @ right), axis=0).real)
 
 
 def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
@@ -207,8 +207,8 @@ def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """(modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
     n = len(planes.y.square)
-    same, cross = 0.5 * _of_both(planes, p, planes.lossy), _energy(p[:n], planes.crossed, p[n:])
-    return same + cross, same - cross
+    direct, cross = 0.5 * _of_both(planes, p, planes.lossy), _energy(p[:n], planes.crossed, p[n:])
+    return direct + cross, direct - cross
 
 
 def direction(planes: Planes, p: ComplexArray) -> FloatArray:

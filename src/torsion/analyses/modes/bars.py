@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.kernels.distributed.condensed_element import CondensedElements
-from torsion.kernels.distributed.dense_elements import dense_modes, estimated_frequencies
+from torsion.kernels.distributed.dense_elements import dense_modes
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
@@ -17,13 +17,6 @@ JUST_ABOVE = 1e-3  # relative
 LARGEST_DENSE = (
     2000  # unknowns of finite elements that are solved at once where counts cannot reach
 )
-FEW_UNKNOWNS = (
-    120  # that are solved at once sooner than counts find out what lies in reach (measured)
-)
-FEW_BARS = (
-    200  # stations and distributed shafts, of which an estimate is the faster start (measured)
-)
-SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
 
@@ -36,61 +29,43 @@ class Reach:
 
 
 def reach(tree: Tree, highest: float = math.inf) -> Reach:
-    """The elastic modes of the undamped `tree` up to `highest` (rad/s), as far as its distributed shafts resolve them.
+    """Return the elastic modes of the undamped `tree` up to `highest` (rad/s), as far as its distributed shafts resolve them.
 
     Linear elements have no unknowns inside, and resolve all the modes that they have.
     """
-    known = rigidity(tree.static)
+    motions = rigidity(tree.static)
     top = min(highest * ABOVE, SHARE_OF_LIMIT * _limit(tree))
     if not math.isfinite(top):
-        return Reach(known.elastic, math.inf)
-    return Reach(int(count_below(tree, np.array([top]))[0]) - len(known.free_roots), top)
+        return Reach(motions.elastic, math.inf)
+    return Reach(int(count_below(tree, np.array([top]))[0]) - len(motions.free_roots), top)
 
 
 def above_mode(tree: Tree, count: int) -> float:
-    """A frequency (rad/s) just above the elastic mode `count` (counted from 1), which lies in reach."""
+    """Return a frequency (rad/s) just above the elastic mode `count` (counted from 1), which lies in reach."""
     rigid = len(rigidity(tree.static).free_roots)
     return float(brackets(tree, np.array([rigid + count - 1]), tolerance=JUST_ABOVE)[1][0])
 
 
 def referred_modes(tree: Tree, count: int | None) -> TreeModes:
-    """The lowest `count` elastic modes on the undamped tree; None: all that the distributed shafts resolve.
+    """Return the lowest `count` elastic modes on the undamped tree; None: all that the distributed shafts resolve.
 
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    unknowns, limit, number = (
-        _unknowns(tree),
-        _limit(tree),
-        0 if tree.shafts is None else tree.shafts.size,
-    )
-    if count is not None and math.isfinite(limit):
-        if (
-            unknowns <= FEW_UNKNOWNS
-        ):  # from the modes of the dense problem those in reach of counts are proven
-            found = dense_modes(tree, count)
-            in_reach = len(found.frequency) == count and bool(
-                np.all(found.frequency <= SHARE_OF_LIMIT * limit)
-            )
-            return tree_modes(tree, count, start=found.frequency) if in_reach else found
-        if tree.size + number <= FEW_BARS:
-            start = estimated_frequencies(tree, count)
-            if len(start) == count and bool(np.all(start <= SURELY * SHARE_OF_LIMIT * limit)):
-                return tree_modes(tree, count, start=start)
-    known = reach(tree)
-    beyond = count is not None and count > known.count and math.isfinite(known.frequency)
-    if count is not None and beyond and unknowns <= LARGEST_DENSE:
+    resolved = reach(tree)
+    beyond = count is not None and count > resolved.count and math.isfinite(resolved.frequency)
+    if count is not None and beyond and _unknowns(tree) <= LARGEST_DENSE:
         return dense_modes(tree, count)
-    return tree_modes(tree, known.count if count is None else count)
+    return tree_modes(tree, resolved.count if count is None else count)
 
 
 def _limit(tree: Tree) -> float:
-    """Angular frequency (rad/s) from which counts would need a correction."""
+    """Return the angular frequency (rad/s) from which counts would need a correction."""
     return math.inf if tree.shafts is None else tree.shafts.limit
 
 
 def _unknowns(tree: Tree) -> float:
-    """Angles and unknowns inside of finite elements; infinite for a continuum."""
+    """Return angles and unknowns inside of finite elements; infinite for a continuum."""
     laws = () if tree.shafts is None else tree.shafts.laws
     return tree.size + sum(
         law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws

@@ -83,7 +83,11 @@ def _roots(
         has_one_sign = min(before * middle, middle * after) > 0.0
         if has_one_sign and abs(middle) <= min(abs(before), abs(after)):
             sign = math.copysign(1.0, middle)
-            lowest, value = find_minimum(lambda x, s=sign: s * distance(x), left, right)
+
+            def size(speed: float, sign: float = sign) -> float:
+                return sign * distance(speed)
+
+            lowest, value = find_minimum(size, left, right)
             marks.append((float(lowest), sign * float(value)))
     marks.sort()
     for (left, before), (right, after) in pairwise(marks):

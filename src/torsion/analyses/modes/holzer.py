@@ -196,8 +196,8 @@ def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
             row_of[station] = len(row_of)
             used.add(leading)
             yield station, before, leading, False
-            for other, link in reversed(neighbours.get(station, [])):
-                stack.append((other, row_of[station], link))
+            for neighbour, link in reversed(neighbours.get(station, [])):
+                stack.append((neighbour, row_of[station], link))
     for chord in links:
         if chord not in used:
             yield chord.driven, row_of[chord.driving], chord, True
@@ -207,14 +207,14 @@ class _Chains:
     """The spans of a whole system at one frequency, each a flexibility between two inertias, all referred."""
 
     def __init__(self, system: System, square: float) -> None:
-        """square: squared circular frequency, rad2/s2."""
-        whole = system.whole
+        """Refer all spans of a system at a squared circular frequency (rad2/s2)."""
+        full = system.whole
         self.system, self.square = system, square
-        self.inertia = whole.lumped_inertia * whole.speed_ratio**2  # (stations,) kg m2
-        self.pi = np.zeros((3, len(whole.flexibility)))  # flexibility, inertia at both ends
-        self.pi[0] = whole.flexibility / whole.span_ratio**2
-        if (bars := whole.bars) is not None:
-            number, ratio = np.arange(len(bars.span)), whole.span_ratio[bars.span]
+        self.inertia = full.lumped_inertia * full.speed_ratio**2  # (stations,) kg m2
+        self.pi = np.zeros((3, len(full.flexibility)))  # flexibility, inertia at both ends
+        self.pi[0] = full.flexibility / full.span_ratio**2
+        if (bars := full.bars) is not None:
+            number, ratio = np.arange(len(bars.span)), full.span_ratio[bars.span]
             laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
             self.pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
 

@@ -28,7 +28,7 @@ UNBALANCED = (
 def nodes(
     system: System, tree: Tree, chords: IntArray, shape: FloatArray, square: FloatArray
 ) -> IntArray:
-    """(modes,) sign changes of the shape (stations, modes), rad at own speed, over the spans of the tree.
+    """Return the sign changes (modes,) of the shape (stations, modes), rad at own speed, over the spans of the tree.
 
     tree: the undamped one with its distributed shafts; chords: spans that close loops; square: (modes,) rad2/s2.
     """
@@ -39,18 +39,18 @@ def nodes(
     body = _followed(
         np.where(rigid, tree.parent, station)
     )  # the first of the stations that are joined rigidly
-    own, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
+    spans, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
     if tree.is_chain and tree.shafts is None and not chords.size:
         fixed = held[np.unique(body)]
         if not fixed[1:-1].any():
             return np.arange(len(square)) + (0 if fixed.any() else 1)
     above = station.copy()
-    above[own] = body[tree.parent[own]]
+    above[spans] = body[tree.parent[spans]]
     node = body[system.condensed.node]
     of_chords = (system.span_ratio[chords] ** 2 / system.flexibility[chords])[:, None]
-    outer = np.append(own, node[system.driving[chords]])
-    inner = np.append(above[own], node[system.driven[chords]])
-    found = np.zeros(len(square), dtype=np.int64)
+    outer = np.append(spans, node[system.driving[chords]])
+    inner = np.append(above[spans], node[system.driven[chords]])
+    counts = np.zeros(len(square), dtype=np.int64)
     length = max(1, LARGEST_BLOCK // max(tree.size, 1))
     for part in (slice(first, first + length) for first in range(0, len(square), length)):
         angle = np.zeros((tree.size, len(square[part])))
@@ -61,7 +61,10 @@ def nodes(
         if not moves[~held].all():
             flexibility, inertia = tree.at(square[part])
             stiffness = np.vstack(
-                [1.0 / flexibility[own], np.broadcast_to(of_chords, (len(chords), angle.shape[1]))]
+                [
+                    1.0 / flexibility[spans],
+                    np.broadcast_to(of_chords, (len(chords), angle.shape[1])),
+                ]
             )
             kinetic = np.zeros_like(angle)
             np.add.at(kinetic, body, np.where(tree.held[:, None], 0.0, inertia * square[part]))
@@ -69,16 +72,16 @@ def nodes(
                 (outer, inner), stiffness, kinetic, angle, (moves, ~moves & ~held[:, None])
             )
             sign[still & (above == station)[:, None]] = 1
-            place = np.arange(sign.size).reshape(sign.shape)
-            sign = sign.ravel()[_followed(np.where(still, place[above], place).ravel())].reshape(
+            index = np.arange(sign.size).reshape(sign.shape)
+            sign = sign.ravel()[_followed(np.where(still, index[above], index).ravel())].reshape(
                 sign.shape
             )
-        found[part] = np.count_nonzero(sign[own] * sign[above[own]] < 0, axis=0)
-    return found
+        counts[part] = np.count_nonzero(sign[spans] * sign[above[spans]] < 0, axis=0)
+    return counts
 
 
 def _followed(way: IntArray) -> IntArray:
-    """(places,) where the way from each place ends: `way` names the next one, itself at an end."""
+    """Return (places,) where the way from each place ends: `way` names the next one, itself at an end."""
     while not np.array_equal(beyond := way[way], way):
         way = beyond
     return way
@@ -91,28 +94,30 @@ def _still(
     angle: FloatArray,
     judged: tuple[BoolArray, BoolArray],
 ) -> BoolArray:
-    """(stations, modes) which of the tiny angles are rounding alone.
+    """Return (stations, modes) which of the tiny angles are rounding alone.
 
     ends: (spans,) stations; stiffness: (spans, modes); kinetic: (stations, modes) w^2 J; judged: angles that are larger
     than tiny, and the tiny ones.
     """
     moves, tiny = judged
-    torque, elastic, torques, most = np.zeros(
+    torque, elastic, torques, stiffest = np.zeros(
         (4, *angle.shape)
     )  # sums over the spans of a station, and of magnitudes
-    for here, there in (ends, ends[::-1]):
-        np.add.at(torque, here, stiffness * angle[there])
-        np.add.at(elastic, here, stiffness)
-        np.add.at(torques, here, np.abs(stiffness * angle[there]))
-        np.add.at(most, here, np.abs(stiffness))
+    for station, other_station in (ends, ends[::-1]):
+        np.add.at(torque, station, stiffness * angle[other_station])
+        np.add.at(elastic, station, stiffness)
+        np.add.at(torques, station, np.abs(stiffness * angle[other_station]))
+        np.add.at(stiffest, station, np.abs(stiffness))
     size = np.abs(angle)
-    cancels = size * np.maximum(most, np.abs(kinetic)) <= CANCELS * torques
+    cancels = size * np.maximum(stiffest, np.abs(kinetic)) <= CANCELS * torques
     lacks = np.abs(torque - (elastic - kinetic) * angle)
-    rest = tiny & ~cancels & ~(lacks > UNBALANCED * (torques + (most + np.abs(kinetic)) * size))
-    place = np.arange(angle.size).reshape(angle.shape)
-    both = rest[ends[0]] & rest[ends[1]]
-    group = connected(angle.size, place[ends[0]][both], place[ends[1]][both])
+    doubtful = (
+        tiny & ~cancels & ~(lacks > UNBALANCED * (torques + (stiffest + np.abs(kinetic)) * size))
+    )
+    index = np.arange(angle.size).reshape(angle.shape)
+    both = doubtful[ends[0]] & doubtful[ends[1]]
+    group = connected(angle.size, index[ends[0]][both], index[ends[1]][both])
     driven = np.zeros(angle.size, dtype=bool)
-    for here, there in (ends, ends[::-1]):
-        driven[group[place[here][rest[here] & moves[there]]]] = True
-    return np.asarray(tiny & ~(rest & driven[group].reshape(angle.shape)))
+    for station, other_station in (ends, ends[::-1]):
+        driven[group[index[station][doubtful[station] & moves[other_station]]]] = True
+    return np.asarray(tiny & ~(doubtful & driven[group].reshape(angle.shape)))

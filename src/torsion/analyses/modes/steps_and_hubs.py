@@ -95,7 +95,7 @@ def hub_moves(modes: Modes) -> HubMoves:
     from torsion.assembly.junction.hubs import seat_length
 
     train, segments, moves = modes.system.train, modes.system.segments, list[HubMove]()
-    for place, bar in enumerate(train.bars):
+    for position, bar in enumerate(train.bars):
         record = train.parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
             twisting, error = seat_length(train, bar, hub)
@@ -106,7 +106,7 @@ def hub_moves(modes: Modes) -> HubMoves:
                 shear_modulus=1.0 / (1.0 / bar.shear_modulus + added),
                 segments=segments.get(bar.name, bar.segments),
             )
-            bars = (*train.bars[:place], flexible, *train.bars[place + 1 :])
+            bars = (*train.bars[:position], flexible, *train.bars[position + 1 :])
             hertz = _frequencies_of(replace(train, bars=bars), modes)
             change = np.asarray(modes.frequency[: hertz.size] / hertz - 1.0)
             moves.append(HubMove(bar.name, hub.end, hub.length, twisting, error, hertz, change))

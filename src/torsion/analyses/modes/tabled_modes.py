@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +20,7 @@ from torsion.assembly.tabled_spans import reach, table_path, taken_at
 from torsion.errors import SolveError
 from torsion.kernels.stiffness_table import STEEPEST, StiffnessTable
 
-if TYPE_CHECKING:
-    from torsion.analyses.undamped_modes import Modes
-
+Modes = Any  # analyses.undamped_modes.Modes, whose module imports this one
 Tables = Mapping[int, StiffnessTable]
 TAU = 2.0 * math.pi
 MOST_STEPS = 100  # of Newton, or of halving the bracket; 5 to 8 are usual
@@ -30,8 +28,8 @@ ROUNDING = 16.0 * np.finfo(float).eps  # relative, of a stiffness read off a tab
 
 
 def tabled_modes(
-    system: System, count: int | None, solve: "Callable[[System, int | None], Modes]"
-) -> "Modes":
+    system: System, count: int | None, solve: Callable[[System, int | None], Modes]
+) -> Modes:
     """Return the lowest `count` modes (None: all) of a system with tables over frequency, each at its own stiffness.
 
     solve: the lowest modes of a system of one stiffness. Modes above the reach of the tables are left out. Raises
@@ -102,11 +100,11 @@ def _refuse_below(system: System, tables: Tables, mode: int, hertz: float) -> No
 
 def _root(
     tables: Tables,
-    modes_at: "Callable[[float], Modes]",
+    modes_at: Callable[[float], Modes],
     mode: int,
     bracket: tuple[float, float],
     start: float,
-) -> "tuple[float, Modes]":
+) -> tuple[float, Modes]:
     """Return the frequency (rad/s) of a mode within the bracket, and the modes at its stiffness."""
     low, high = bracket
     w = min(max(TAU * float(modes_at(start).frequency[mode]), low), high)
@@ -126,7 +124,7 @@ def _root(
     raise SolveError(message)
 
 
-def _enclosed(tables: Tables, modes: "Modes", mode: int, w: float) -> "Modes":
+def _enclosed(tables: Tables, modes: Modes, mode: int, w: float) -> Modes:
     """Return the modes with the bounds of the root: h and the least slope of h bound its distance."""
     slope = STEEPEST - max(table.steepest for table in tables.values())
     lower, upper = (

@@ -7,7 +7,7 @@ from torsion.analyses.motion.milling_ice import IceTorque
 from torsion.analyses.motion.order_tracking import OrderTracking
 from torsion.analyses.motion.resonances_passed import Passage
 from torsion.analyses.motion.transient_settings import DEFAULT_MOST
-from torsion.analyses.response.span_torque import spans_by_name
+from torsion.analyses.response.amplitudes import spans_by_name
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.results import by_name, derived, reported, result

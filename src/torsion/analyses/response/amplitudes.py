@@ -7,17 +7,29 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import zip_longest
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line, Sources
-from torsion.analyses.response.span_torque import OrderLike, SpanTorque, spans_by_name
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.tree_response import Status
-from torsion.results import Displayed, Keyed, by_name, derived, listed, reported, result, words
+from torsion.results import (
+    RPM,
+    TO_DATAFRAME,
+    Displayed,
+    Keyed,
+    by_name,
+    derived,
+    listed,
+    one_line,
+    reported,
+    result,
+    words,
+)
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
@@ -26,6 +38,7 @@ BLOCK_VALUES = 2**22  # points times stations of one line solved at once: 64 MB 
 SMALL_BLOCK = 2**20  # the same of the synthesis, which needs some twenty arrays on the way
 COMPLEX, REAL = 16, 8  # bytes
 COPIES = 2  # of all amplitudes, while points are added or written
+OrderLike = int | float | str | Fraction
 REAL_ROWS = 5  # of a span over the points: mean torque, half range, peak, RMS, bound
 
 
@@ -79,8 +92,67 @@ class Following:
 
     @property
     def by_span(self) -> dict[int, FloatArray]:
-        """(points,) N m of each span."""
+        """Torque (points,) N m of each span."""
         return {span: self.torque[:, k] for k, span in enumerate(self.spans)}
+
+
+@dataclass(frozen=True, repr=False)
+class SpanTorque:
+    """Complex torque amplitudes in a component; NaN where the response has no reliable value."""
+
+    name: str
+    orders: tuple[
+        Fraction | None, ...
+    ]  # per revolution of the reference; None of a fixed frequency
+    speed: FloatArray  # (speeds,) rad/s of the reference
+    torque: ComplexArray  # (speeds, orders) N m
+
+    @property
+    def speed_rpm(self) -> FloatArray:
+        """Speeds (speeds,) rpm of the reference."""
+        return self.speed * RPM
+
+    @property
+    def complex_Nm(self) -> ComplexArray:  # noqa: N802
+        """Complex amplitudes (speeds, orders) N m."""
+        return self.torque
+
+    @property
+    def abs_Nm(self) -> FloatArray:  # noqa: N802
+        """Largest amplitude (speeds,) N m of any one order. The total of all orders is `synthesis`."""
+        return np.asarray(np.abs(self.torque).max(axis=1))
+
+    def max(self) -> float:
+        """Return the largest amplitude in N m; NaN if a speed has no reliable value."""
+        return float(self.abs_Nm.max())
+
+    @property
+    def at_max_rpm(self) -> float:
+        """Reference speed of the largest amplitude, or of the first one without a reliable value."""
+        return float(self.speed_rpm[self.abs_Nm.argmax()])
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas.DataFrame with one row for each speed and order; raises ImportError without pandas."""
+        return resolve_name(TO_DATAFRAME)(self)
+
+    def __repr__(self) -> str:
+        orders = ", ".join(
+            "fixed frequency" if order is None else str(order) for order in self.orders
+        )
+        peak = f"{self.max():.4g}" if np.isfinite(self.max()) else "no reliable value"
+        return one_line(
+            f"Torque of {self.name} [N m]: {peak} at {self.at_max_rpm:.5g} rpm; order {orders}"
+        )
+
+
+def spans_by_name(system: System) -> dict[str, list[int]]:
+    """Return the spans of every component by its name, and every segment by its own."""
+    spans: dict[str, list[int]] = {}
+    for position, span in enumerate(system.spans):
+        part = system.train.parts[span.part]
+        for name in {part.whole, part.name, span.name}:
+            spans.setdefault(name, []).append(position)
+    return spans
 
 
 @reported
@@ -312,15 +384,15 @@ def merged(first: Result, second: Result, points: FloatArray, added: FloatArray)
 
     `first` stands where both have a point.
     """
-    place = np.unique(np.concatenate([points, added]), return_index=True)[1]
-    of_first = place < len(points)
-    kept = slice(None) if np.count_nonzero(of_first) == len(points) else place[of_first]
+    order = np.unique(np.concatenate([points, added]), return_index=True)[1]
+    of_first = order < len(points)
+    kept = slice(None) if np.count_nonzero(of_first) == len(points) else order[of_first]
     changed: dict[str, Any] = {}
     for key, value in vars(first).items():
         if isinstance(value, np.ndarray):
-            changed[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
+            changed[key] = np.empty((len(order), *value.shape[1:]), dtype=value.dtype)
             changed[key][of_first] = value[kept]
-            changed[key][~of_first] = getattr(second, key)[place[~of_first] - len(points)]
+            changed[key][~of_first] = getattr(second, key)[order[~of_first] - len(points)]
         elif isinstance(value, Balanced | Following):
             changed[key] = merged(value, getattr(second, key), points, added)
     if isinstance(first, Response) and isinstance(second, Response):

@@ -44,16 +44,16 @@ class Trials:
     moves: BoolArray  # (components, columns)
     linear: float  # N m/rad beside its own stiffness in the first
 
-    def twist(self, secant: Secant, at: IntArray) -> FloatArray:
-        """(columns,) rad of the largest component, of the columns `at`."""
-        change = (secant.share - 1.0) * self.own[:, at] + (secant.extra - self.linear)
+    def twist(self, secant: Secant, columns: IntArray) -> FloatArray:
+        """Return the twist (columns,) rad of the largest component, of the columns `at`."""
+        change = (secant.share - 1.0) * self.own[:, columns] + (secant.extra - self.linear)
         with np.errstate(divide="ignore"):
-            twist = 1.0 / np.abs(self.inverse[:, at] + self.slope[:, at] * change)
-        return np.asarray(np.where(self.moves[:, at], twist, 0.0).max(axis=0))
+            twist = 1.0 / np.abs(self.inverse[:, columns] + self.slope[:, columns] * change)
+        return np.asarray(np.where(self.moves[:, columns], twist, 0.0).max(axis=0))
 
 
 def piecewise(record: NonlinearRecord) -> PiecewiseCoupling:
-    """What a coupling with play, friction or stages is to harmonic balance."""
+    """Return what a coupling with play, friction or stages is to harmonic balance."""
     sliders = [Slider(torque, stiffness) for torque, stiffness in record.friction]
     sliders += [
         Slider(torque, stiffness, begin)
@@ -65,20 +65,24 @@ def piecewise(record: NonlinearRecord) -> PiecewiseCoupling:
 
 
 def balanced_spans(system: System) -> dict[int, PiecewiseCoupling]:
-    """The spans with play, friction or stages; a clutch is taken as stuck."""
+    """Return the spans with play, friction or stages; a clutch is taken as stuck."""
     records = {
         number: part.nonlinear
         for number, part in enumerate(system.train.parts)
         if part.nonlinear is not None
     }
     spans = ((span, records.get(part)) for span, part in enumerate(system.span_part.tolist()))
-    return {span: piecewise(one) for span, one in spans if one is not None and one.capacity is None}
+    return {
+        span: piecewise(coupling)
+        for span, coupling in spans
+        if coupling is not None and coupling.capacity is None
+    }
 
 
 def balanced(
     system: System, w: Sequence[FloatArray], mean: FloatArray, solved: Solved
 ) -> Balanced | None:
-    """What every coupling with play, friction or stages is at the amplitudes found; None without any.
+    """Return what every coupling with play, friction or stages is at the amplitudes found; None without any.
 
     w: circular frequencies (columns,) rad/s of every harmonic component. mean: torques (spans, columns) N m. solved:
     its answer with such couplings. Raises SolveError where one would have to change in a loop or in a train that is
@@ -92,20 +96,25 @@ def balanced(
         span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0
     ]
     free = [span for span in couplings if span not in fixed]
-    found = {span: rows.at_rest(span) for span in free}
+    amplitudes_of = {span: rows.at_rest(span) for span in free}
     settled = np.zeros(columns, dtype=bool)
     for number in range(ROUNDS):
-        before = {span: found[span].largest for span in free}
+        before = {span: amplitudes_of[span].largest for span in free}
         for span in free:
-            found[span] = rows.solutions(span, found, np.flatnonzero(~settled), number)
-        same = [
-            np.abs(found[span].largest - before[span]) <= SETTLED * before[span] for span in free
+            amplitudes_of[span] = rows.solutions(
+                span, amplitudes_of, np.flatnonzero(~settled), number
+            )
+        is_same = [
+            np.abs(amplitudes_of[span].largest - before[span]) <= SETTLED * before[span]
+            for span in free
         ]
         if len(free) < 2 or number % WHOLE == 0:
-            settled = settled | np.all(same, axis=0) if len(free) > 1 else ~settled
+            settled = settled | np.all(is_same, axis=0) if len(free) > 1 else ~settled
         if settled.all():
             break
-    return rows.collected(found | {span: rows.unchanged(span, found) for span in fixed}, settled)
+    return rows.collected(
+        amplitudes_of | {span: rows.unchanged(span, amplitudes_of) for span in fixed}, settled
+    )
 
 
 @dataclass(frozen=True)
@@ -119,144 +128,152 @@ class _Rows:
     couplings: Mapping[int, PiecewiseCoupling]
 
     def at_rest(self, span: int) -> Amplitudes:
-        """Where an iteration begins."""
+        """Return the amplitudes with which an iteration begins."""
         columns = len(self.w[0])
         tiny = np.full(columns, 1e-9 * max(self.couplings[span].scale, 1e-9))
         return Amplitudes(tiny, tiny, tiny, np.ones(columns, dtype=np.int64))
 
-    def unchanged(self, span: int, found: Mapping[int, Amplitudes]) -> Amplitudes:
-        """The amplitudes of a coupling that has to stay as it is in the linear train, beside others."""
+    def unchanged(self, span: int, amplitudes_of: Mapping[int, Amplitudes]) -> Amplitudes:
+        """Return the amplitudes of a coupling that has to stay as it is in the linear train; raises SolveError."""
         coupling, name = self.couplings[span], self.system.spans[span].name
-        place = self.system.train.parts[self.system.spans[span].part].path
-        loops = (
-            "closes a loop"
-            if self.system.condensed.span[span] < 0
-            else "is in a train that is damped by mode"
-        )
+        path = self.system.train.parts[self.system.spans[span].part].path
+        reason = "is in a train that is damped by mode"
+        if self.system.condensed.span[span] < 0:
+            reason = "closes a loop"
         hint = "give the damping of the components" if self.system.train.modal_damping else REMEDY
         if coupling.stuck:
-            raise SolveError(
-                f"'{name}' {loops}, and its friction in the response is not built", hint, place
-            )
-        others = {other: self.secant(other, one.largest) for other, one in found.items()}
-        amplitude = np.abs(self._twists(span, self.solved(others), self._own(span))).max(axis=0)
+            message = f"'{name}' {reason}, and its friction in the response is not built"
+            raise SolveError(message, hint, path)
+        answers = self.solved(self._secants(amplitudes_of))
+        amplitude = np.abs(self._twists(span, answers, self._stiffness(span))).max(axis=0)
         opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
         if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
-            raise SolveError(
-                f"'{name}' {loops}, and its backlash or stages in the response are not supported yet",
-                hint,
-                place,
-            )
+            message = f"'{name}' {reason}, and its backlash or stages in the response are not supported yet"
+            raise SolveError(message, hint, path)
         return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
 
     def solutions(
-        self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int
+        self, span: int, amplitudes_of: Mapping[int, Amplitudes], unsettled: IntArray, number: int
     ) -> Amplitudes:
-        """With those of a coupling in columns `at`, while the others stand; in a round of that number."""
-        coupling, former = self.couplings[span], found[span]
-        trials = self._trials(
-            span, {other: self.secant(other, found[other].largest) for other in found}
-        )
-        mean = self.mean[span]
+        """Return the amplitudes of a coupling, new in the unsettled columns, while the others stand.
+
+        number: of the round, on which it depends whether all solutions are looked for.
+        """
+        coupling, former, mean = self.couplings[span], amplitudes_of[span], self.mean[span]
+        trials = self._trials(span, self._secants(amplitudes_of))
 
         def ratio(amplitude: FloatArray, columns: IntArray) -> FloatArray:
-            own = at[columns]
+            chosen = unsettled[columns]
             with np.errstate(divide="ignore"):
-                return amplitude / trials.twist(coupling.secant(amplitude, mean[own]), own)
+                return amplitude / trials.twist(coupling.secant(amplitude, mean[chosen]), chosen)
 
-        is_whole, last = number % WHOLE == 0, former.largest[at]
-        bottom, top = _range(coupling, trials, mean, at, ratio)
+        is_whole, last = number % WHOLE == 0, former.largest[unsettled]
+        bottom, top = _range(coupling, trials, mean, unsettled, ratio)
         if is_whole:
             new = amplitudes(ratio, bottom, top, last)
         else:
             new = amplitudes(ratio, last / NEAR, last * NEAR, last, NEAR_SAMPLES)
             lacks = np.flatnonzero(new.number == 0)
             if lacks.size:
-                among = partial(_among, ratio, lacks)
-                new = new.having(amplitudes(among, bottom[lacks], top[lacks], last[lacks]), lacks)
+                lacking_ratio = partial(_ratio_of, ratio, lacks)
+                ends = bottom[lacks], top[lacks]
+                new = new.having(amplitudes(lacking_ratio, *ends, last[lacks]), lacks)
         taken = new.largest if is_whole and number < LARGEST_FIRST else new.nearest
         if number >= HALF_WAY:
-            taken = np.sqrt(taken * former.largest[at])
-        still = ~trials.moves[:, at].any(axis=0)
+            taken = np.sqrt(taken * former.largest[unsettled])
+        still = ~trials.moves[:, unsettled].any(axis=0)
         taken = np.where(still, bottom, np.where(new.number > 0, taken, LARGEST))
         rows = (taken, new.smallest, new.nearest, np.where(still, 1, new.number))
-        return former.having(Amplitudes(*rows), at)
+        return former.having(Amplitudes(*rows), unsettled)
 
-    def secant(self, span: int, amplitude: FloatArray) -> Secant:
-        """Of one coupling at amplitudes (columns,) rad."""
-        return self.couplings[span].secant(amplitude, self.mean[span])
+    def _secants(self, amplitudes_of: Mapping[int, Amplitudes]) -> dict[int, Secant]:
+        """Return what each coupling is at the amplitude that stands."""
+        return {
+            span: self.couplings[span].secant(size.largest, self.mean[span])
+            for span, size in amplitudes_of.items()
+        }
 
-    def collected(self, found: Mapping[int, Amplitudes], settled: BoolArray) -> Balanced:
-        """All together; a column without a solution is not settled."""
-        each = [self.secant(span, one.largest) for span, one in found.items()]
-        first = [self.couplings[span].first(self.mean[span]) for span in found]
-        number = np.array([one.number for one in found.values()]).T
-
-        def columns(rows: Sequence[FloatArray]) -> FloatArray:
-            return np.array(rows).T
-
+    def collected(self, amplitudes_of: Mapping[int, Amplitudes], settled: BoolArray) -> Balanced:
+        """Return all couplings together; a column without a solution is not settled."""
+        sizes, secants = amplitudes_of.values(), self._secants(amplitudes_of).values()
+        number = np.array([size.number for size in sizes]).T
         return Balanced(
-            tuple(found),
+            tuple(amplitudes_of),
             number,
             settled & (number > 0).all(axis=1),
-            columns([one.largest for one in found.values()]),
-            columns([one.smallest for one in found.values()]),
-            columns(first),
-            columns([one.share for one in each]),
-            np.array([one.extra for one in each]).T,
+            np.array([size.largest for size in sizes]).T,
+            np.array([size.smallest for size in sizes]).T,
+            np.array([self.couplings[span].first(self.mean[span]) for span in amplitudes_of]).T,
+            np.array([secant.share for secant in secants]).T,
+            np.array([secant.extra for secant in secants]).T,
         )
 
-    def _trials(self, span: int, others: Mapping[int, Secant]) -> Trials:
-        coupling, own = self.couplings[span], self._own(span)
-        step, columns = coupling.whole * (0.5 + 0.5j), len(self.w[0])
+    def _trials(self, span: int, secants: Mapping[int, Secant]) -> Trials:
+        coupling, stiffness = self.couplings[span], self._stiffness(span)
+        step, columns = coupling.total_stiffness * (0.5 + 0.5j), len(self.w[0])
         twists = list[ComplexArray]()
         for extra in (coupling.stuck, coupling.stuck + step):
-            one = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
-            twists.append(self._twists(span, self.solved({**others, span: one}), own + extra))
+            secant = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
+            answers = self.solved({**secants, span: secant})
+            twists.append(self._twists(span, answers, stiffness + extra))
         moves = (twists[0] != 0.0) & (twists[1] != 0.0)
         first, second = (
-            np.asarray(1.0 / np.where(moves, one, 1.0), dtype=np.complex128) for one in twists
+            np.asarray(1.0 / np.where(moves, twist, 1.0), dtype=np.complex128) for twist in twists
         )
-        return Trials(own, first, (second - first) / step, moves, coupling.stuck)
+        return Trials(stiffness, first, (second - first) / step, moves, coupling.stuck)
 
-    def _own(self, span: int) -> ComplexArray:
-        """(components, columns) N m/rad of the spring and damper of a span."""
+    def _stiffness(self, span: int) -> ComplexArray:
+        """Return the stiffness (components, columns) N m/rad of the spring and damper of a span."""
         system = self.system
         given = (
             values[[span]] for values in (system.flexibility, system.viscous, system.loss_factor)
         )
         flexibility, viscous, loss = given
         rows = [complex_compliance(flexibility, viscous, loss, w).reshape(-1) for w in self.w]
-        return np.array([np.broadcast_to(1.0 / one, len(self.w[0])) for one in rows], dtype=complex)
+        return np.array(
+            [np.broadcast_to(1.0 / compliance, len(self.w[0])) for compliance in rows],
+            dtype=complex,
+        )
 
     def _twists(
         self, span: int, answers: Sequence[Answer], stiffness: ComplexArray
     ) -> ComplexArray:
-        """(components, columns) rad."""
-        return np.asarray(np.array([one.torque[:, span] for one in answers]) / stiffness)
+        """Return the twists (components, columns) rad of a span."""
+        return np.asarray(np.array([answer.torque[:, span] for answer in answers]) / stiffness)
 
 
-def _among(ratio: Ratio, chosen: IntArray, amplitude: FloatArray, columns: IntArray) -> FloatArray:
-    """The ratio of some of the columns, counted among those chosen."""
+def _ratio_of(
+    ratio: Ratio, chosen: IntArray, amplitude: FloatArray, columns: IntArray
+) -> FloatArray:
+    """Return the ratio of some of the columns, counted within those chosen."""
     return ratio(amplitude, chosen[columns])
 
 
 def _range(
-    coupling: PiecewiseCoupling, trials: Trials, mean: FloatArray, at: IntArray, ratio: Ratio
+    coupling: PiecewiseCoupling,
+    trials: Trials,
+    mean: FloatArray,
+    unsettled: IntArray,
+    ratio: Ratio,
 ) -> tuple[FloatArray, FloatArray]:
-    """Amplitudes (columns,) rad below and above all solutions."""
-    columns = np.arange(len(at))
-    bottom = 0.5 * np.maximum(coupling.first(mean[at]), 1e-6 * coupling.scale)
+    """Return amplitudes (columns,) rad below and above all solutions."""
+    columns = np.arange(len(unsettled))
+    bottom = 0.5 * np.maximum(coupling.first(mean[unsettled]), 1e-6 * coupling.scale)
     for _ in range(12):
         above = ratio(bottom, columns) >= 1.0
         if not above.any():
             break
         bottom = np.where(above, BOTTOM * bottom, bottom)
-    own, slope = trials.own[:, at], np.abs(trials.slope[:, at])
-    differs = coupling.offset * np.abs(own) / coupling.stiffness
-    limit = np.abs(trials.inverse[:, at] + trials.slope[:, at] * (coupling.lasting - trials.linear))
+    stiffness, slope = trials.own[:, unsettled], np.abs(trials.slope[:, unsettled])
+    differs = coupling.offset * np.abs(stiffness) / coupling.stiffness
+    limit = np.abs(
+        trials.inverse[:, unsettled]
+        + trials.slope[:, unsettled] * (coupling.lasting - trials.linear)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
-        most = np.where(trials.moves[:, at], (1.0 + slope * differs) / limit, 0.0).max(axis=0)
+        upper = np.where(trials.moves[:, unsettled], (1.0 + slope * differs) / limit, 0.0).max(
+            axis=0
+        )
     return bottom, np.minimum(
-        np.maximum(1.1 * most, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST
+        np.maximum(1.1 * upper, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST
     )

@@ -67,29 +67,29 @@ class Resonances:
 def resonances(
     system: System, highest: float, known: Modes | None, damped: DampedModes | None
 ) -> Resonances:
-    """All modes up to a highest frequency (rad/s); `known` modes of this very system are used as far as they go.
+    """Return all modes up to a highest frequency (rad/s); `known` modes of this very system are used as far as they go.
 
     Damping ratios are those of first order: power lost / (4 pi energy) of the undamped shape. The `damped` modes that
     heavy damping has moved from every undamped one by more than SHIFT of their width are added.
     """
-    found = _modes_up_to(system, highest, known)
-    w = 2.0 * math.pi * found.frequency
-    ratio = _span_damping_ratio(system, found, w)
+    modes = _modes_up_to(system, highest, known)
+    w = 2.0 * math.pi * modes.frequency
+    ratio = _span_damping_ratio(system, modes, w)
     if damped is not None:
         size = np.abs(damped.eigenvalue)
         moved = (np.abs(size - w[:, None]) > SHIFT * damped.damping_ratio * size).all(axis=0)
         w = np.concatenate([w, size[moved]])
         ratio = np.concatenate([ratio, damped.damping_ratio[moved]])
     shape = np.zeros((len(system.stations), len(w)))
-    shape[:, : found.shape.shape[1]] = found.shape
+    shape[:, : modes.shape.shape[1]] = modes.shape
     return Resonances(w, shape, ratio)
 
 
 def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
-    """Modes whose frequency does not exceed the highest (rad/s), and perhaps more."""
-    found = known if known is not None and known.system is system else None
-    if found is not None and found.frequency.size and 2.0 * math.pi * found.frequency[-1] > highest:
-        return found
+    """Return the modes whose frequency does not exceed the highest (rad/s), and perhaps more."""
+    modes = known if known is not None and known.system is system else None
+    if modes is not None and modes.frequency.size and 2.0 * math.pi * modes.frequency[-1] > highest:
+        return modes
     if tables := system.tables_over("frequency"):
         return _modes_by_table(system, tables, highest)
     if system.groups is not None:
@@ -108,7 +108,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
 def _modes_by_table(
     system: System, tables: "Mapping[int, StiffnessTable]", highest: float
 ) -> Modes:
-    """The same of a train with tables over frequency; they only place points, so that the ends of tables hold.
+    """Return modes of a train with tables over frequency; they only place points, so that the ends of tables hold.
 
     Where a table is too steep for one frequency a mode, at the stiffness of the highest.
     """
@@ -116,92 +116,81 @@ def _modes_by_table(
     from torsion.kernels.stiffness_table import STEEPEST
 
     still = taken_at(system, highest)
-    found = _modes_up_to(still, highest, None)
-    if any(table.steepest >= STEEPEST for table in tables.values()) or not found.frequency.size:
-        return found
-    held = replace(
-        system, tables={**system.tables, **{s: replace(t, holds=True) for s, t in tables.items()}}
-    )
-    return modes_as_discretised(held, found.frequency.size)
+    modes = _modes_up_to(still, highest, None)
+    if any(table.steepest >= STEEPEST for table in tables.values()) or not modes.frequency.size:
+        return modes
+    held = {span: replace(table, holds=True) for span, table in tables.items()}
+    system = replace(system, tables={**system.tables, **held})
+    return modes_as_discretised(system, modes.frequency.size)
 
 
-def _span_damping_ratio(system: System, found: Modes, w: FloatArray) -> FloatArray:
-    """(modes,) loss in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2, generalised inertia 1."""
-    twist = system.twist(found.shape / system.speed_ratio[:, None])
-    by_mode = system.modal_ratios(len(w))
+def _span_damping_ratio(system: System, modes: Modes, w: FloatArray) -> FloatArray:
+    """Return the loss (modes,) in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2."""
+    twist = system.twist(modes.shape / system.speed_ratio[:, None])
     by_frequency = system.tables_over("frequency")
-    viscous, loss = (_without(own, by_frequency) for own in (system.viscous, system.loss_factor))
-    lost = viscous @ twist**2 / w + loss @ found.elastic
+    viscous, loss = system.viscous.copy(), system.loss_factor.copy()
+    viscous[list(by_frequency)] = loss[list(by_frequency)] = 0.0
+    lost = viscous @ twist**2 / w + loss @ modes.elastic
     for span, table in by_frequency.items():
         stiffness = table.complex_stiffness(w, w)
-        lost += stiffness.imag / stiffness.real * found.elastic[span]
-    return np.asarray(lost / 2.0 + by_mode)
-
-
-def _without(own: FloatArray, spans: Mapping[int, object]) -> FloatArray:
-    """The same with 0 in place of some spans."""
-    if not spans:
-        return own
-    rest = own.copy()
-    rest[list(spans)] = 0.0
-    return rest
+        lost += stiffness.imag / stiffness.real * modes.elastic[span]
+    return np.asarray(lost / 2.0 + system.modal_ratios(len(w)))
 
 
 def places(
-    known: Resonances,
+    modes: Resonances,
     system: System,
     orders: FloatArray,
     first: float,
     last: float,
     ground: Callable[[FloatArray], FloatArray],
 ) -> tuple[FloatArray, FloatArray]:
-    """(places,) points between two at which an order meets a mode, and (places,) the damping ratio there.
+    """Return the points (places,) between two at which an order meets a mode, and the damping ratio (places,) there.
 
     A point times one of `orders` is a circular frequency (rad/s). ground: (points,) to (stations, points) N m s/rad of
     damping to ground.
     """
-    place = known.frequency[:, None] / orders
-    inside = (place >= first) & (place <= last)
-    at, mode = place[inside], np.nonzero(inside)[0]
-    zeta = known.damping_ratio[mode]
-    for part in blocks(len(at), len(system.stations)):
-        lost = np.einsum("sp,sp->p", ground(at[part]), known.angle[:, mode[part]] ** 2)
-        zeta[part] += lost / (2.0 * known.frequency[mode[part]])
-    return at, zeta
+    crossings = modes.frequency[:, None] / orders
+    inside = (crossings >= first) & (crossings <= last)
+    resonant, mode = crossings[inside], np.nonzero(inside)[0]
+    zeta = modes.damping_ratio[mode]
+    for part in blocks(len(resonant), len(system.stations)):
+        lost = np.einsum("sp,sp->p", ground(resonant[part]), modes.angle[:, mode[part]] ** 2)
+        zeta[part] += lost / (2.0 * modes.frequency[mode[part]])
+    return resonant, zeta
 
 
 def refined(
-    requested: FloatArray, at: FloatArray, ratio: FloatArray, values: int = 1
+    requested: FloatArray, resonant: FloatArray, ratio: FloatArray, values: int = 1
 ) -> tuple[FloatArray, str]:
-    """The points requested and those around each resonance, ascending; and what had to be left out, in words.
+    """Return the points requested and those around each resonance, ascending; and what had to be left out, in words.
 
-    at, ratio: (places,) of the resonances and their damping ratios; values: complex ones of the response at a point, of
+    resonant, ratio: (places,) of the resonances and their damping ratios; values: complex ones of the response at a point, of
     which a large train has so many that each resonance has fewer points. Around one at x they stand at
     x (1 + zeta tan t) with t evenly spaced: equal steps of phase of a single mode, by sqrt(1 - 2 zeta^2) and its
     inverse (the peaks of angle and of acceleration of one degree of freedom).
     """
     narrow = ratio < BROAD
-    at, zeta = at[narrow], ratio[narrow]
+    resonant, zeta = resonant[narrow], ratio[narrow]
     points, remark = POINTS, ""
-    if len(at) * points * values > MOST_VALUES:
-        points = int(
-            np.clip((MOST_VALUES // (len(at) * values) - 1) // 2 * 2 + 1, FEWEST_POINTS, POINTS)
-        )
-        remark = f"each of {len(at)} resonances has {points} points in place of {POINTS}, as the train is large"
-    if len(at) * points > MOST_ADDED:
-        points = max(FEWEST_POINTS, (MOST_ADDED // len(at) - 1) // 2 * 2 + 1)
-        at, zeta = at[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
-        remark = f"{np.count_nonzero(narrow)} resonances lie in the range; {len(at)} of them have {points} points each"
+    if len(resonant) * points * values > MOST_VALUES:
+        odd = (MOST_VALUES // (len(resonant) * values) - 1) // 2 * 2 + 1
+        points = min(max(odd, FEWEST_POINTS), POINTS)
+        remark = f"each of {len(resonant)} resonances has {points} points in place of {POINTS}, as the train is large"
+    if len(resonant) * points > MOST_ADDED:
+        points = max(FEWEST_POINTS, (MOST_ADDED // len(resonant) - 1) // 2 * 2 + 1)
+        resonant, zeta = resonant[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
+        remark = f"{np.count_nonzero(narrow)} resonances lie in the range; {len(resonant)} of them have {points} points each"
     added = [requested]
     step = np.tan(np.linspace(-0.5, 0.5, points + 2)[1:-1] * math.pi)
-    for x, z in zip(at.tolist(), zeta.tolist(), strict=True):
+    for x, z in zip(resonant.tolist(), zeta.tolist(), strict=True):
         if z < UNDAMPED:
             added.append(x * (1.0 + DECADES))
             continue
         peak = math.sqrt(1.0 - 2.0 * z * z)
         added.append(np.concatenate([x * (1.0 + z * step), [x * peak, x / peak]]))
-    every = np.unique(np.concatenate(added))
-    return every[(every >= requested[0]) & (every <= requested[-1])], remark
+    grid = np.unique(np.concatenate(added))
+    return grid[(grid >= requested[0]) & (grid <= requested[-1])], remark
 
 
 def with_peaks(
@@ -211,60 +200,57 @@ def with_peaks(
     remark: str,
     refuse_too_many: Callable[[int], None],
 ) -> Answered:
-    """The response at the points and wherever a peak shows between two of them; `remark` says what was left out.
+    """Return the response at the points and wherever a peak shows between two of them; `remark` says what was left out.
 
     solve: the response at points, ascending. refuse_too_many: raises InputError where so many points are too many.
     """
     refuse_too_many(len(points) + min(len(points), ROUNDS_FOR_PEAKS * MOST_PEAKS))
-    found = solve(points)
+    response = solve(points)
     for _ in range(ROUNDS_FOR_PEAKS):
-        others: tuple[Answered, ...] = getattr(
-            found, "others", ()
-        )  # a peak may be of another solution
-        sound = np.concatenate([one.status == Status.OK for one in (found, *others)], axis=-1)
-        torque = np.concatenate(
-            [one.torque for one in (found, *others)], axis=-2 if found.torque.ndim == 3 else -1
-        )
+        # A peak may be of another solution.
+        solutions: tuple[Answered, ...] = (response, *getattr(response, "others", ()))
+        axis = -2 if response.torque.ndim == 3 else -1
+        torque = np.concatenate([solution.torque for solution in solutions], axis=axis)
+        sound = np.concatenate([solution.status for solution in solutions], axis=-1) == Status.OK
         if sound.ndim == 1:
             sound, torque = sound[:, None], torque[:, None]
-        missed, left_out = missed_peaks(found.points, torque, sound)
+        missed, left_out = missed_peaks(response.points, torque, sound)
         remark = left_out or remark
         if missed.size == 0:
             break
-        found = merged(found, solve(missed), found.points, missed)
+        response = merged(response, solve(missed), response.points, missed)
     for _ in range(ROUNDS_FOR_JUMPS):
-        jumps = _about_jumps(found)
+        jumps = _about_jumps(response)
         if jumps.size == 0:
             break
-        found = merged(found, solve(jumps), found.points, jumps)
-    return replace(found, requested=np.isin(found.points, requested), remark=remark)
+        response = merged(response, solve(jumps), response.points, jumps)
+    return replace(response, requested=np.isin(response.points, requested), remark=remark)
 
 
-def _about_jumps(found: Response | FrequencyResponse) -> FloatArray:
-    """Points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
-    several = found.balanced if found.following is None else found.following
+def _about_jumps(response: Response | FrequencyResponse) -> FloatArray:
+    """Return points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
+    several = response.balanced if response.following is None else response.following
     if several is None:
         return np.empty(0)
     left = np.flatnonzero((np.diff(several.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
-    begin, end = found.points[left], found.points[left + 1]
-    begin, end = (one[end - begin > NARROW * end] for one in (begin, end))
+    begin, end = response.points[left], response.points[left + 1]
+    begin, end = (ends[end - begin > NARROW * end] for ends in (begin, end))
     share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
     return np.asarray((begin[:, None] + (end - begin)[:, None] * share).ravel())
 
 
-def apart(known: FloatArray, more: FloatArray) -> FloatArray:
-    """Those of `more` that none of the `known` points, ascending, stands for: they differ by more than rounding."""
-    place = np.clip(np.searchsorted(known, more), 1, max(len(known) - 1, 1))
-    near = np.minimum(
-        np.abs(more - known[place - 1]), np.abs(more - known[np.minimum(place, len(known) - 1)])
-    )
-    return np.asarray(more[near > SAME_SPEED * np.abs(more)])
+def apart(points: FloatArray, added: FloatArray) -> FloatArray:
+    """Return those of `added` that differ from all `points`, ascending, by more than rounding."""
+    after = np.clip(np.searchsorted(points, added), 1, max(len(points) - 1, 1))
+    neighbours = points[[after - 1, np.minimum(after, len(points) - 1)]]
+    near = np.abs(added - neighbours).min(axis=0)
+    return np.asarray(added[near > SAME_SPEED * np.abs(added)])
 
 
 def missed_peaks(
     x: FloatArray, torque: ComplexArray | FloatArray, sound: np.ndarray
 ) -> tuple[FloatArray, str]:
-    """Places of peaks that stand higher than the highest computed point beside them; and what was left out, in words.
+    """Return places of peaks that stand higher than the highest computed point near them; and what was left out.
 
     x: (points,) ascending. torque: (points, lines, spans). sound: (points, lines) bool, where the answer is ok.
     The inverse square of a resonance curve is a parabola over the frequency, so its lowest point is the peak.
@@ -290,9 +276,9 @@ def missed_peaks(
     highest_first = np.argsort(
         -np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable"
     )
-    found, first = np.unique(rounded[highest_first], return_index=True)
-    most = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
-    if len(found) <= most:
-        return found, ""
-    remark = f"{len(found)} peaks lie between the points; the {most} most prominent were computed"
-    return np.sort(found[np.argsort(first, kind="stable")[:most]]), remark
+    peaks, first = np.unique(rounded[highest_first], return_index=True)
+    count = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
+    if len(peaks) <= count:
+        return peaks, ""
+    remark = f"{len(peaks)} peaks lie between the points; the {count} most prominent were computed"
+    return np.sort(peaks[np.argsort(first, kind="stable")[:count]]), remark

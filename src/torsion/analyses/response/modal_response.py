@@ -26,7 +26,7 @@ def modal_sums(
     sources: Sources,
     still: Callable[[FloatArray], tuple[ComplexArray, ComplexArray]],
 ) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """Angles (stations, frequencies), torques (spans, frequencies), how errors of data grow (frequencies,).
+    """Return angles (stations, frequencies), torques (spans, frequencies), how errors of data grow (frequencies,).
 
     At circular frequencies `w` (frequencies,) rad/s; still: angles and torques of the undamped train at others.
 
@@ -39,7 +39,7 @@ def modal_sums(
             "give the components their damping",
             PATH,
         )
-    own = np.concatenate([np.zeros(rigid.shape[1]), 2.0 * math.pi * modes.frequency])[:, None]
+    mode_w = np.concatenate([np.zeros(rigid.shape[1]), 2.0 * math.pi * modes.frequency])[:, None]
     ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[
         :, None
     ]
@@ -47,28 +47,28 @@ def modal_sums(
         np.concatenate([rigid, modes.shape], axis=1),
         np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0))),
     )
-    on_tree = np.zeros((system.condensed.tree.size, len(own)))
+    on_tree = np.zeros((system.condensed.tree.size, len(mode_w)))
     on_tree[system.condensed.node] = shape / system.speed_ratio[:, None]
     force = on_tree.T @ sources.force
     with np.errstate(divide="ignore", invalid="ignore"):
-        denominator = own**2 - w**2 + 2j * ratio * own * w
+        denominator = mode_w**2 - w**2 + 2j * ratio * mode_w * w
         moved = force / denominator
-        amplification = ((own**2 + w**2) / np.abs(denominator)).max(axis=0, initial=1.0)
+        amplification = ((mode_w**2 + w**2) / np.abs(denominator)).max(axis=0, initial=1.0)
     angle, carried = shape @ moved, torque @ moved
     stations, spans = beside_modes(system)
     if stations.any() or spans.any():
-        far = 0.5 * float(own[own > 0.0].min(initial=2.0))  # rad/s, far from every mode
+        far = 0.5 * float(mode_w[mode_w > 0.0].min(initial=2.0))  # rad/s, far from every mode
         all_angles, all_torques = still(np.full(len(w), far))
-        slow = force / (own**2 - far**2)
+        slow = force / (mode_w**2 - far**2)
         angle[stations] += all_angles[stations] - shape[stations] @ slow
         carried[spans] += all_torques[spans] - torque[spans] @ slow
     return angle, carried, amplification
 
 
 def _basis(system: System) -> tuple[Modes, FloatArray]:
-    """All modes and the rigid motions of a system; found once."""
-    known: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
-    if known is None:
+    """Return all modes and the rigid motions of a system; computed once."""
+    basis: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
+    if basis is None:
         if (
             system.bars is not None
             or system.groups is not None
@@ -76,8 +76,8 @@ def _basis(system: System) -> tuple[Modes, FloatArray]:
         ):
             message = f"damping by mode is for lumped trains of at most {MOST_STATIONS} stations"
             raise SolveError(message, "model: lumped, with fewer `segments`", PATH)
-        vars(system)["modal_basis"] = known = (
+        vars(system)["modal_basis"] = basis = (
             modes_as_discretised(system, None),
             rigid_shapes(system),
         )
-    return known
+    return basis

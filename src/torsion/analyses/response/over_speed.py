@@ -26,6 +26,7 @@ from torsion.analyses.response.amplitudes import (
     refuse_too_large,
     with_balance,
 )
+from torsion.analyses.response.component_answers import solve_components
 from torsion.analyses.response.harmonic_components import (
     Excitation,
     excitations,
@@ -33,7 +34,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import ground_damping, solve_components
+from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -161,8 +162,10 @@ def order_faults(study: Study) -> list[Fault]:
     hint = f"there are {', '.join(map(str, excited))}, per turn of the reference"
     hint = hint if excited else "nothing excites by order"
     return [
-        Fault(("analyses", "response", "orders", place), f"no excitation has order {order}", hint)
-        for place, order in enumerate(orders)
+        Fault(
+            ("analyses", "response", "orders", position), f"no excitation has order {order}", hint
+        )
+        for position, order in enumerate(orders)
         if order not in excited
     ]
 
@@ -248,7 +251,8 @@ def _solve(
         by_magnitude=len(frozenset().union(*phases)) > 1,
         following=following,
         others=tuple(
-            _solve(study, system, excited, progress, speed, other) for other in range(1, several)
+            _solve(study, system, excited, progress, speed, rank_of_solution)
+            for rank_of_solution in range(1, several)
         ),
     )
 
@@ -308,15 +312,15 @@ def _logged_response(work: Work) -> Response:
     study, is_ruled = work.study, "response" in work.ruled
     reason = "requested" if "response" in study.analyses else "something excites"
     with work.log.step("response over speed", reason) as step:
-        also = work.rules.judged_speeds(study) if is_ruled else np.empty(0)
+        added = work.rules.judged_speeds(study) if is_ruled else np.empty(0)
         if study.train.follows_speed:
-            also = np.union1d(also, _resonances_over_speed(work))
+            added = np.union1d(added, _resonances_over_speed(work))
         result = response(
             study,
             work.system,
             modes=work.get(Modes),
             damped=work.get(DampedModes),
-            also=also,
+            also=added,
             all_orders=is_ruled,
             progress=work.progress,
         )

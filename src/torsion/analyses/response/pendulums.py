@@ -70,7 +70,7 @@ class Pendulums:
 
 
 def effective_inertia(record: PendulumRecord, order: Fraction) -> float | None:
-    """kg m2 that an order of its shaft meets; None where it fixes the carrier.
+    """Return the inertia (kg m2) that an order of its shaft meets; None where it fixes the carrier.
 
     >>> bobs = PendulumRecord(math.sqrt(8.0), None, 0.0081, 9.0)
     >>> [round(effective_inertia(bobs, Fraction(n)), 12) for n in (2, 3, 4)]
@@ -84,7 +84,7 @@ def effective_inertia(record: PendulumRecord, order: Fraction) -> float | None:
 def deflections(
     system: System, response: Response, span: int, record: PendulumRecord
 ) -> FloatArray:
-    """(speeds, lines) rad: the deflection of the bobs, from the torque of the span that stands for their field."""
+    """Return the deflection (speeds, lines) rad of the bobs, from the torque of the span that stands for their field."""
     w = 2.0 * math.pi * response.frequency
     stiffness, loss = system.elastic(span, w, None, response.speed[:, None])
     return np.asarray(
@@ -103,13 +103,13 @@ def _pendulum(
     if response is None:
         rows = [PendulumAtOrder(n, effective_inertia(record, n), None, None) for n in orders]
         return Pendulum(name, record.order, record.inertia, None, None, tuple(rows))
-    each, rows = deflections(system, response, span, record), []
-    for line, deflection in zip(response.lines, each.T, strict=True):
+    angles, rows = deflections(system, response, span, record), []
+    for line, deflection in zip(response.lines, angles.T, strict=True):
         if line.order is not None:
             worst, n = int(np.argmax(deflection)), line.order / ratio
-            at = float(deflection[worst]), float(response.speed[worst])
-            rows.append(PendulumAtOrder(n, effective_inertia(record, n), *at))
-    total = each.sum(axis=1)
+            largest = float(deflection[worst]), float(response.speed[worst])
+            rows.append(PendulumAtOrder(n, effective_inertia(record, n), *largest))
+    total = angles.sum(axis=1)
     worst = int(np.argmax(total))
     if total[worst] > MOST:
         degrees, rpm = math.degrees(total[worst]), response.speed[worst] * 30.0 / math.pi
@@ -129,13 +129,13 @@ def _pendulum(
 
 
 def run(work: Work) -> None:
-    """Every pendulum, with its deflection where there is a response."""
+    """Put every pendulum, with its deflection where there is a response."""
     response = work.get(Response)
     system = work.system if response is None else response.system
-    found = [
+    pendulums = [
         _pendulum(system, span, record, response)
         for span, table in sorted(system.tables.items())
         if table.over == "speed"
         if (record := system.train.parts[system.spans[span].part].pendulum) is not None
     ]
-    work.put(pendulums=Pendulums(tuple(found), work.study.operation.speed))
+    work.put(pendulums=Pendulums(tuple(pendulums), work.study.operation.speed))

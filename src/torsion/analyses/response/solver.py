@@ -2,20 +2,19 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.response.amplitudes import Balanced, Components, Following, blocks
+from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.tree_response import Status, complex_compliance, status, tree_response
+from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
@@ -33,53 +32,6 @@ class Answer:
     torque: ComplexArray  # (frequencies, spans) N m at the driving station's speed, elastic and damping share
     residual: FloatArray  # (frequencies,) relative
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
-
-
-def solve_components(
-    system: System, components: Components, rank: int = 0
-) -> tuple[Iterator[Answer], Balanced | None, Following | None]:
-    """Return the answer to each component, with couplings in balance and couplings that follow their own torque.
-
-    rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
-    are singular where no balance was found. Raises what `answer` does.
-    """
-    w, ground, mean, speed = components.w, components.ground, components.mean, components.speed
-    balance: Balanced | None = None
-    following: Following | None = None
-    settled = np.ones(ground.shape[1], dtype=bool)
-    if system.train.has_nonlinear_couplings:
-        from torsion.analyses.response.balanced_couplings import balanced
-
-        forces = [sources[0] for sources in components.apart]
-
-        def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
-            return list(answers(system, w, forces, ground, tried, mean=mean, speed=speed))
-
-        if (balance := balanced(system, w, mean, solve)) is not None:
-            settled &= balance.settled
-    if system.train.has_tables_over("vibratory torque"):
-        from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
-
-        following = settled_couplings(system, components, rank)
-        settled &= following.settled
-
-    separate = answers(
-        system,
-        [own for own, sources in zip(w, components.apart, strict=True) for _ in sources],
-        [source for sources in components.apart for source in sources],
-        ground,
-        NOTHING if balance is None else balance.added,
-        vibratory=None if following is None else following.by_span,
-        mean=mean,
-        speed=speed,
-    )
-
-    def combined() -> Iterator[Answer]:
-        for sources in components.apart:
-            total = by_magnitude(list(islice(separate, len(sources))))
-            yield replace(total, status=np.where(settled, total.status, Status.SINGULAR))
-
-    return combined(), balance, following
 
 
 def answer(
@@ -250,11 +202,16 @@ def _changed_compliance(
             raise ValueError(f"'{system.spans[span].name}' closes a loop")
     changed = np.empty((len(compliance), frequencies), dtype=complex)
     changed[:] = compliance.reshape(len(compliance), -1)
-    for span, own in stiffness.items():
-        changed[system.condensed.span[span]] = 1.0 / (own * system.span_ratio[span] ** 2)
+    for span, stiffness_of in stiffness.items():
+        changed[system.condensed.span[span]] = 1.0 / (stiffness_of * system.span_ratio[span] ** 2)
     for span, secant in added.items():
-        extra, own = secant.extra * system.span_ratio[span] ** 2, system.condensed.span[span]
-        changed[own] = changed[own] / (secant.share + changed[own] * extra)
+        extra, stiffness_of = (
+            secant.extra * system.span_ratio[span] ** 2,
+            system.condensed.span[span],
+        )
+        changed[stiffness_of] = changed[stiffness_of] / (
+            secant.share + changed[stiffness_of] * extra
+        )
     return changed
 
 

@@ -24,16 +24,16 @@ POWERS = np.arange(1.0, DEGREE + 1)[:, None]
 HALVES = [  # (powers, powers) each: the coefficients of the left and of the right half of a cell, as a cell of its own
     np.array(
         [
-            [math.comb(m, k) * at ** (m - k) / 2**k for m in range(DEGREE + 1)]
+            [math.comb(m, k) * middle ** (m - k) / 2**k for m in range(DEGREE + 1)]
             for k in range(DEGREE + 1)
         ]
     )
-    for at in (-0.5, 0.5)
+    for middle in (-0.5, 0.5)
 ]
 
 
 def synthesis(response: Response) -> Synthesis:
-    """Half range, peak with the mean torque, RMS and arithmetic bound of every span at every speed.
+    """Return half range, peak with the mean torque, RMS and arithmetic bound of every span at every speed.
 
     Orders are summed as phasors in time. Fixed frequencies have no common cycle with them: their magnitudes
     are added. The same holds, as a bound, where the cycle of all orders is too long, or engines stand in any phase to
@@ -69,31 +69,33 @@ def synthesis(response: Response) -> Synthesis:
 
 
 def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
-    """(speeds,) half range of any quantity whose lines are `phasors` (speeds, lines), summed as torques are.
+    """Return the half range (speeds,) of any quantity whose lines are `phasors` (speeds, lines), summed as torques are.
 
     Infinite where the status of a line is not ok.
     """
-    found = half_range_of(
+    half_ranges = half_range_of(
         [line.order for line in response.lines], phasors, by_magnitude=response.by_magnitude
     )
-    return np.where(np.isfinite(found) & (response.status == Status.OK).all(axis=1), found, np.inf)
+    return np.where(
+        np.isfinite(half_ranges) & (response.status == Status.OK).all(axis=1), half_ranges, np.inf
+    )
 
 
 def half_range_of(
     orders: Sequence[Fraction | None], phasors: ComplexArray, *, by_magnitude: bool = False
 ) -> FloatArray:
-    """(rows,) half range of the sum of `phasors` (rows, components), each of an order or (None) a fixed frequency."""
+    """Return the half range (rows,) of the sum of `phasors` (rows, components), each of an order or a fixed frequency."""
     turns, harmonics = common_cycle([order for order in orders if order is not None])
     ordered = np.array([order is not None for order in orders], dtype=bool)
-    found = np.abs(phasors[:, ~ordered]).sum(axis=1)
+    half_ranges = np.abs(phasors[:, ~ordered]).sum(axis=1)
     if turns == 0 or by_magnitude:
-        return np.asarray(found + np.abs(phasors[:, ordered]).sum(axis=1))
+        return np.asarray(half_ranges + np.abs(phasors[:, ordered]).sum(axis=1))
     highest, lowest = extremes(phasors[:, ordered], harmonics)
-    return np.asarray(found + (highest - lowest) / 2.0)
+    return np.asarray(half_ranges + (highest - lowest) / 2.0)
 
 
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
-    """Turns after which all orders repeat, and each order in cycles of that; 0 turns where that is too long."""
+    """Return the turns after which all orders repeat, and each order in cycles of that; 0 turns where that is too long."""
     if not orders:
         return Fraction(0), np.empty(0, dtype=np.int64)
     numerator = math.gcd(*(order.numerator for order in orders))
@@ -105,7 +107,7 @@ def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
 
 
 def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, FloatArray]:
-    """Largest and smallest value (rows,) of Re sum phasor exp(i harmonic t) over a cycle; phasors (rows, harmonics).
+    """Return largest and smallest value (rows,) of Re sum phasor exp(i harmonic t) over a cycle; phasors (rows, harmonics).
 
     The sample nearest to an extreme is within h^2/8 sum n^2 |phasor| of it, h the step (the slope is zero there): every
     sample that may be nearest is refined, so that the result is exact to rounding.
@@ -117,9 +119,9 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
         return highest, -highest
     acting = phasors.any(axis=1)
     if not acting.all():
-        found = np.zeros((2, len(phasors)))
-        found[:, acting] = extremes(phasors[acting], harmonics)
-        return found[0], found[1]
+        extremes_of = np.zeros((2, len(phasors)))
+        extremes_of[:, acting] = extremes(phasors[acting], harmonics)
+        return extremes_of[0], extremes_of[1]
     number = int(harmonics.max()) * SAMPLES
     turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
     wave = (
@@ -157,15 +159,15 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
             cells += len(near[-2]) + len(near[-1])
             if part.stop < upright and cells < MOST_CELLS:
                 continue
-            row, place = np.divmod(np.concatenate(near), number)
-            there = both[row] * turned[place]
-            _raise(best, row, expanded @ there.view(np.float64).T)
+            row, sample = np.divmod(np.concatenate(near), number)
+            phasors_there = both[row] * turned[sample]
+            _raise(best, row, expanded @ phasors_there.view(np.float64).T)
             near, cells = [], 0
     return best[:upright], -best[upright:]
 
 
 def _expansion(phase: FloatArray) -> FloatArray:
-    """(powers, 2 harmonics): from phasors at a sample, as real pairs, to the Taylor polynomial of their sum.
+    """Return (powers, 2 harmonics): from phasors at a sample, as real pairs, to the Taylor polynomial of their sum.
 
     phase: (harmonics,) rad in half a step; the polynomial is of a cell, -1..1.
     """
@@ -196,7 +198,7 @@ def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
 
 
 def _value(polynomial: FloatArray, x: FloatArray) -> FloatArray:
-    """(cells,) of the polynomials (powers, cells) at x (cells,)."""
+    """Return the values (cells,) of the polynomials (powers, cells) at x (cells,)."""
     value: FloatArray = polynomial[-1].copy()
     for coefficient in polynomial[-2::-1]:
         value *= x

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Components, Following
+from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answer
 from torsion.analyses.response.synthesis import half_range_of
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -37,151 +38,151 @@ class _Torque:
     slope: ComplexArray  # (components, points) 1/(N m)
 
     def at(self, stiffness: ComplexArray, point: IntArray) -> ComplexArray:
-        """(rows, components) N m, of rows each at a point and of stiffness (components, rows)."""
+        """Return torques (rows, components) N m, of rows each at a point and of stiffness (components, rows)."""
         inverse = self.inverse[:, point]
         with np.errstate(divide="ignore", invalid="ignore"):
-            torque = stiffness / (
-                inverse + self.slope[:, point] * (stiffness - self.first[:, point])
-            )
+            change = self.slope[:, point] * (stiffness - self.first[:, point])
+            torque = stiffness / (inverse + change)
         return np.where(inverse != 0, torque, 0.0).T
 
 
 class _Train:
     """The components one by one, each with sources that have a phase to each other."""
 
-    def __init__(self, system: System, known: Components) -> None:
-        self.system, self.mean, self.ground, self.speed = (
-            system,
-            known.mean,
-            known.ground,
-            known.speed,
-        )
+    def __init__(self, system: System, components: Components) -> None:
+        self.system, self.mean, self.speed = system, components.mean, components.speed
+        self.ground, self.points = components.ground, components.ground.shape[1]
         self.tables = system.tables_over("vibratory torque")
-        each = [
-            (order, w, one)
-            for order, w, apart in zip(known.orders, known.w, known.apart, strict=True)
-            for one in apart
-        ]
-        self.orders = [order for order, _, _ in each]
-        self.by_magnitude = len(each) > len(known.w)
-        self.w, self.sources = [w for _, w, _ in each], [one for _, _, one in each]
-        self.points = self.ground.shape[1]
+        self.orders, self.w, self.sources = [], list[FloatArray](), list[Sources]()
+        rows = zip(components.orders, components.w, components.apart, strict=True)
+        for order, w, separate in rows:
+            self.orders += [order] * len(separate)
+            self.w += [w] * len(separate)
+            self.sources += separate
+        self.by_magnitude = len(self.sources) > len(components.w)
 
     def torques(
-        self, span: int, stiffness: Mapping[int, ComplexArray], k: int, at: IntArray
+        self, span: int, stiffness: Mapping[int, ComplexArray], k: int, points: IntArray
     ) -> ComplexArray:
-        """(points,) N m of a span in one component, at points `at`; stiffness: as of `answer`."""
-        one, w = self.sources[k], self.w[k][at]
-        return answer(self.system, w, one.at(at), self.ground[:, at], stiffness=stiffness).torque[
-            :, span
-        ]
+        """Return the torque (points,) N m of a span in component k, at some points; stiffness: as of `answer`."""
+        source, ground = self.sources[k].at(points), self.ground[:, points]
+        result = answer(self.system, self.w[k][points], source, ground, stiffness=stiffness)
+        return result.torque[:, span]
 
     def stiffness(
-        self, k: int, torque: Mapping[int, FloatArray], at: IntArray
+        self, k: int, torque: Mapping[int, FloatArray], points: IntArray
     ) -> dict[int, ComplexArray]:
-        """Of every span with a table in one component, at points `at`; torque: (points,) N m, within the tables."""
+        """Return the stiffness of every span with a table in component k, at some points.
+
+        torque: (all points,) N m of each span; one beyond a table counts as its end.
+        """
         covered = {
-            span: np.clip(torque[span][at], table.at[0], table.at[-1])
+            span: np.clip(torque[span][points], table.at[0], table.at[-1])
             for span, table in self.tables.items()
         }
-        speed = None if self.speed is None else self.speed[at]
-        return complex_stiffness(self.system, self.w[k][at], self.mean[:, at], speed, covered)
+        speed = None if self.speed is None else self.speed[points]
+        return complex_stiffness(
+            self.system, self.w[k][points], self.mean[:, points], speed, covered
+        )
 
-    def trial(self, span: int, torque: Mapping[int, FloatArray], at: IntArray) -> _Torque:
-        """Of a span at points `at`, the others as they stand."""
+    def trial(self, span: int, torque: Mapping[int, FloatArray], points: IntArray) -> _Torque:
+        """Return the torque of a span at some points, the others as they stand."""
         rows = []
         for k in range(len(self.w)):
-            known = self.stiffness(k, torque, at)
-            first = known[span]
+            stiffness_of = self.stiffness(k, torque, points)
+            first = stiffness_of[span]
             second = first * (1.5 + 0.5j)
-            torques = [self.torques(span, {**known, span: own}, k, at) for own in (first, second)]
+            torques = [
+                self.torques(span, {**stiffness_of, span: own_stiffness}, k, points)
+                for own_stiffness in (first, second)
+            ]
             with np.errstate(divide="ignore", invalid="ignore"):
-                inverse, other = first / torques[0], second / torques[1]
-                slope = (other - inverse) / (second - first)
+                inverse, second_inverse = first / torques[0], second / torques[1]
+                slope = (second_inverse - inverse) / (second - first)
             still = (torques[0] == 0) | (torques[1] == 0)
             rows.append([first, np.where(still, 0.0, inverse), np.where(still, 0.0, slope)])
         return _Torque(*np.moveaxis(np.array(rows), 1, 0))
 
     def solved(
-        self, span: int, torque: Mapping[int, FloatArray], at: IntArray
+        self, span: int, torque: Mapping[int, FloatArray], points: IntArray
     ) -> tuple[FloatArray, IntArray]:
-        """All solutions (points, most) N m of a span at points `at`, the largest first, and how many there are.
+        """Return all solutions (points, most) N m of a span at some points, the largest first, and their number.
 
         Beyond those of a point its smallest stands. A torque beyond the table is found at the stiffness of its end.
         """
-        table, trial = self.tables[span], self.trial(span, torque, at)
-        w = np.array([one[at] for one in self.w])
+        table, trial = self.tables[span], self.trial(span, torque, points)
+        w = np.array([frequency[points] for frequency in self.w])
 
         def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
-            own = np.clip(size, table.at[0], table.at[-1])
-            return trial.at(
-                np.array([table.complex_stiffness(own, one[point]) for one in w]), point
-            )
+            covered = np.clip(size, table.at[0], table.at[-1])
+            stiffness = [table.complex_stiffness(covered, frequency[point]) for frequency in w]
+            return trial.at(np.array(stiffness), point)
 
-        def half_range(found: ComplexArray) -> FloatArray:
-            return half_range_of(self.orders, found, by_magnitude=self.by_magnitude)
+        def half_range(phasors_at: ComplexArray) -> FloatArray:
+            return half_range_of(self.orders, phasors_at, by_magnitude=self.by_magnitude)
 
         def ratio(size: FloatArray, point: IntArray) -> FloatArray:
-            """Torque over half range; where bounds of that decide which is larger, over one of them."""
-            found = phasors(size, point)
-            least, most = np.sqrt((np.abs(found) ** 2).sum(axis=1) / 2.0), np.abs(found).sum(axis=1)
-            of = np.where(size > most, least, most)
-            near = np.flatnonzero((size >= least) & (size <= most))
-            of[near] = half_range(found[near])
+            """Return torque over half range; where bounds of that decide which is larger, over one of them."""
+            torques = phasors(size, point)
+            magnitude = np.abs(torques)
+            lowest, highest = np.sqrt((magnitude**2).sum(axis=1) / 2.0), magnitude.sum(axis=1)
+            divisor = np.where(size > highest, lowest, highest)
+            near = np.flatnonzero((size >= lowest) & (size <= highest))
+            divisor[near] = half_range(torques[near])
             with np.errstate(divide="ignore"):
-                return np.asarray(size / of)
+                return np.asarray(size / divisor)
 
-        every = np.arange(len(at))
+        all_points = np.arange(len(points))
         begins = [] if table.at[0] > 0 else [SMALLEST * table.at[-1]]
         edges = [*begins, table.at[0] or FIRST * table.at[1], *table.at[1:]]
-        low, high = (half_range(phasors(np.full(len(at), edges[end]), every)) for end in (0, -1))
+        low, high = (
+            half_range(phasors(np.full(len(points), edges[end]), all_points)) for end in (0, -1)
+        )
         below, above = np.flatnonzero(low <= edges[0]), np.flatnonzero(high > edges[-1])
-        found = [(below, low[below]), (above, high[above])]
+        roots = [(below, low[below]), (above, high[above])]
         for piece, (begin, end) in enumerate(pairwise(edges)):
             samples = FIRST_SAMPLES if piece < len(begins) else SAMPLES
-            ends = np.full(len(at), begin), np.full(len(at), end)
-            found.append(solutions(ratio, *ends, samples))
-        point, size = (np.concatenate(one) for one in zip(*found, strict=True))
+            ends = np.full(len(points), begin), np.full(len(points), end)
+            roots.append(solutions(ratio, *ends, samples))
+        point, size = (np.concatenate(columns) for columns in zip(*roots, strict=True))
         order = np.lexsort((-size, point))
         point, size = point[order], size[order]
-        number = np.bincount(point, minlength=len(at))
-        place = np.minimum(
+        number = np.bincount(point, minlength=len(points))
+        rank_of_root = np.minimum(
             np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1
         )
-        first = np.searchsorted(point, every)
+        first = np.searchsorted(point, all_points)
         padded = np.append(size, np.nan)
-        return padded[np.where(number[:, None] > 0, first[:, None] + place, -1)], number
+        return padded[np.where(number[:, None] > 0, first[:, None] + rank_of_root, -1)], number
 
     def residual(self, torque: Mapping[int, FloatArray]) -> FloatArray:
-        """(points, couplings) |half range/torque - 1| by the answer of the whole train."""
-        every, made = np.arange(self.points), []
+        """Return |half range/torque - 1| (points, couplings) by the answer of the whole train."""
+        all_points, residuals = np.arange(self.points), []
         for span, size in torque.items():
             phasors = [
-                self.torques(span, self.stiffness(k, torque, every), k, every)
+                self.torques(span, self.stiffness(k, torque, all_points), k, all_points)
                 for k in range(len(self.w))
             ]
             half = half_range_of(self.orders, np.array(phasors).T, by_magnitude=self.by_magnitude)
-            made.append(np.abs(half - size) / np.maximum(size, np.finfo(float).tiny))
-        return np.array(made).T
+            residuals.append(np.abs(half - size) / np.maximum(size, np.finfo(float).tiny))
+        return np.array(residuals).T
 
 
-def settled(system: System, known: Components, rank: int) -> Following:
-    """Every coupling at a solution of that rank, the largest first; where it has fewer, at its smallest.
+def settled(system: System, components: Components, rank: int) -> Following:
+    """Return every coupling at a solution of that rank, the largest first; where it has fewer, at its smallest.
 
     A torque beyond a table is found at the stiffness of its end; who reads a table that ends there refuses it.
     """
-    train = _Train(system, known)
+    train = _Train(system, components)
     torque = {span: np.full(train.points, table.at[0]) for span, table in train.tables.items()}
     number = {span: np.ones(train.points, dtype=np.int64) for span in torque}
-    open_, rounds = (
-        np.arange(train.points if train.w else 0),
-        np.zeros(train.points, dtype=np.int64),
-    )
+    rounds = np.zeros(train.points, dtype=np.int64)
+    open_ = np.arange(train.points if train.w else 0)
     for count in range(ROUNDS):
         changed = np.zeros(len(open_), dtype=bool)
         for span, size in torque.items():
-            every, number[span][open_] = train.solved(span, torque, open_)
-            new, before = every[:, min(rank, every.shape[1] - 1)], size[open_]
+            roots, number[span][open_] = train.solved(span, torque, open_)
+            new, before = roots[:, min(rank, roots.shape[1] - 1)], size[open_]
             if count >= HALF_WAY:
                 new = np.sqrt(new * before)
             changed |= ~(np.abs(new - before) <= CHANGED * before)
@@ -197,5 +198,5 @@ def settled(system: System, known: Components, rank: int) -> Following:
         torque[span] = np.where(
             is_settled, torque[span], np.clip(np.nan_to_num(torque[span]), *table.ends)
         )
-    found, count_of = np.array(list(torque.values())).T, np.array(list(number.values())).T
-    return Following(tuple(torque), found, count_of, residual, rounds, is_settled)
+    torques, count_of = np.array(list(torque.values())).T, np.array(list(number.values())).T
+    return Following(tuple(torque), torques, count_of, residual, rounds, is_settled)

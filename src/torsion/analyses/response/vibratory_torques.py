@@ -44,33 +44,33 @@ class VibratoryTorques:
 
 
 def vibratory_torques(response: Response) -> VibratoryTorques:
-    """Of the couplings of a response over speed."""
-    found, rows = response.following, []
-    if found is None:
+    """Return the couplings by table over vibratory torque of a response over speed."""
+    following, rows = response.following, []
+    if following is None:
         return VibratoryTorques(())
-    last = response.others[-1].following if response.others else found
-    for k, span in enumerate(found.spans):
-        stiffness, eta, _ = response.system.tables[span].values(found.torque[:, k])
-        smallest = (found if last is None else last).torque[:, k]
+    last = response.others[-1].following if response.others else following
+    for k, span in enumerate(following.spans):
+        stiffness, eta, _ = response.system.tables[span].values(following.torque[:, k])
+        smallest = (following if last is None else last).torque[:, k]
         rows.append(
             VibratoryTorque(
                 response.system.spans[span].name,
                 response.speed,
-                found.torque[:, k],
-                np.minimum(smallest, found.torque[:, k]),
-                found.number[:, k],
+                following.torque[:, k],
+                np.minimum(smallest, following.torque[:, k]),
+                following.number[:, k],
                 stiffness,
                 eta,
-                found.residual[:, k],
-                found.rounds,
-                found.settled,
+                following.residual[:, k],
+                following.rounds,
+                following.settled,
             )
         )
     return VibratoryTorques(tuple(rows))
 
 
 def run(work: Work) -> None:
-    """Where there is a response over speed."""
+    """Put the couplings where there is a response over speed."""
     response = work.get(Response)
     if response is None:
         work.log.without("vibratory torque of couplings by table", "no response over speed")

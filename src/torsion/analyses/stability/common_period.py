@@ -14,7 +14,7 @@ import numpy as np
 
 from torsion.errors import SolveError
 from torsion.kernels.spanning_forest import connected
-from torsion.primitives import Constraint
+from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train
 
 
@@ -47,7 +47,7 @@ def harmonics_needed(rank: int, joints: Sequence[Fraction], torques: Sequence[Fr
     return max(int(rank * max(joint / order, Fraction(1))), int(torque / order) + 2)
 
 
-def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveError:
+def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveError:
     """Return why a train needs more than `most` harmonics: the two worst orders and the gear between them.
 
     vibratory: torques are taken along, not the joints alone.
@@ -63,7 +63,7 @@ def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveErr
     period = 1 / common_order([source.of_reference for source in sources])
     length = (
         f"repeat together only every {float(period):.6g} revolutions of the reference shaft, which takes about "
-        f"{needed(sources)} harmonics, and {most} are the most"
+        f"{needed(sources)} harmonics, and {limit} are the most"
     )
     names = (
         f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
@@ -106,7 +106,7 @@ def _list_sources(train: Train, *, vibratory: bool) -> list[Source]:
 
 def _driven_side(train: Train, gear: Constraint) -> set[int]:
     """Stations on the driven side of a gear of a train without closed loops."""
-    links = [*train.springs, *train.bars, *train.constraints]
+    links: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
     ends = np.array([(link.driving, link.driven) for link in links if link is not gear], dtype=int)
     group = connected(len(train.stations), *ends.reshape(-1, 2).T)
     return set(np.flatnonzero(group == group[gear.driven]).tolist())

@@ -31,7 +31,7 @@ class Loading:
 
     @property
     def period(self) -> float:
-        """s."""
+        """Length of the common period, s."""
         return 2.0 * np.pi / (self.order * self.speed)
 
     @property
@@ -153,64 +153,64 @@ def linearised(
     sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
     """
     turned = mean_angle(loading, motion.deviation.shape[1])
-    now = state(layout, loading, motion, load, turned)
-    free, first = layout.free, now.turning.first
-    residual = gathered(layout, first * now.residual)
-    force = np.array([-gathered(layout, first * one[:, None]) for one in loading.drive])
+    moving = state(layout, loading, motion, load, turned)
+    free, first = layout.free, moving.turning.first
+    residual = gathered(layout, first * moving.residual)
+    force = np.array([-gathered(layout, first * drive[:, None]) for drive in loading.drive])
     force = force.reshape(len(loading.drive), *residual.shape)
-    found = Linearised(
-        residual, entries(layout, loading, now), force, _hysteretic(layout, first, count)
+    linear = Linearised(
+        residual, entries(layout, loading, moving), force, _hysteretic(layout, first, count)
     )
     if len(motion.deviation) == free:
-        return found
-    return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
+        return linear
+    return _with_dampers(layout, linear, moving, motion.deviation[free:], loading.w0)
 
 
 def _with_dampers(
-    layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float
+    layout: Layout, linear: Linearised, moving: State, twist: FloatArray, w0: float
 ) -> Linearised:
     """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
     size, times, free = layout.dampers.size, twist.shape[1], layout.free
     number = len(size)
-    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
-    pull = (size[:, None] * at_coordinates(layout, now.turning.first)).reshape(times, -1).T
+    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ moving.turning.deviation)
+    pull = (size[:, None] * at_coordinates(layout, moving.turning.first)).reshape(times, -1).T
     damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
     alone, none = free + np.arange(number), np.zeros((number * free, times))
-    here = found.entries
+    couplings = linear.entries
     grown = Couplings(
-        np.concatenate([here.row, coordinate, damper, alone]),
-        np.concatenate([here.column, damper, coordinate, alone]),
-        np.concatenate([here.mass, none, none, np.zeros((number, times))]),
-        np.concatenate([here.damping, pull, none, np.zeros((number, times))]),
+        np.concatenate([couplings.row, coordinate, damper, alone]),
+        np.concatenate([couplings.column, damper, coordinate, alone]),
+        np.concatenate([couplings.mass, none, none, np.zeros((number, times))]),
+        np.concatenate([couplings.damping, pull, none, np.zeros((number, times))]),
         np.concatenate(
-            [here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]
+            [couplings.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]
         ),
     )
-    force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
-    return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
+    force = np.pad(linear.force, ((0, 0), (0, number), (0, 0)))
+    return Linearised(np.concatenate([linear.residual, missing]), grown, force, linear.extra)
 
 
-def damper_matrices(layout: Layout, now: State) -> tuple[FloatArray, FloatArray]:
+def damper_matrices(layout: Layout, moving: State) -> tuple[FloatArray, FloatArray]:
     """Damping and stiffness of the dampers, each (times, free, free)."""
-    twist = at_coordinates(layout, now.turning.first)
-    slope = at_coordinates(layout, now.turning.second * now.rate)
+    twist = at_coordinates(layout, moving.turning.first)
+    slope = at_coordinates(layout, moving.turning.second * moving.rate)
     pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
     return pull @ twist, pull @ slope
 
 
-def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
+def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
     """Mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
-    f1, f2, f3 = now.turning.first, now.turning.second, now.turning.third
+    f1, f2, f3 = moving.turning.first, moving.turning.second, moving.turning.third
     inertia, ground = layout.inertia[:, None], loading.damping[:, None]
-    slip_slope = f2 * now.rate  # of a body's speed over its coordinate
+    slip_slope = f2 * moving.rate  # of a body's speed over its coordinate
     mass = inertia * f1**2
     damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
     stiffness = (
-        f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope)
-        + f2 * now.residual
+        f1 * (inertia * (f2 * moving.gain + f3 * moving.rate**2) + ground * slip_slope)
+        + f2 * moving.residual
     )
-    own = np.arange(layout.free)
-    parts = [(own, own, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
+    diagonal = np.arange(layout.free)
+    parts = [(diagonal, diagonal, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
     ends = (layout.driving, 1.0), (layout.driven, -1.0)
     for (a, plus), (b, minus) in product(ends, ends):
         row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus

@@ -58,7 +58,7 @@ class Variation:
 
     @property
     def size(self) -> int:
-        """Number of coordinates or modes."""
+        """Number of the coordinates, or of the modes."""
         return int(self.mass.shape[1])
 
     @property
@@ -66,7 +66,7 @@ class Variation:
         """Frequency of the common period, rad/s."""
         return 2.0 * np.pi / self.period
 
-    def on(self, reduced: Basis) -> "Variation":
+    def reduced_to(self, reduced: Basis) -> "Variation":
         """Return the same on a basis of modes and, next to them, of what the repeated motions have in addition.
 
         Without that they would not quite repeat themselves, and seem to grow or to die out.
@@ -76,8 +76,8 @@ class Variation:
         motions = self.repeated[:, : self.size]
         weighted = heavy * np.concatenate([np.zeros((self.size, 0)), *motions], axis=1)
         within = heavy * reduced.shape
-        rest = weighted - within @ (within.T @ weighted)
-        left, size, _ = np.linalg.svd(rest, full_matrices=False)
+        missing = weighted - within @ (within.T @ weighted)
+        left, size, _ = np.linalg.svd(missing, full_matrices=False)
         left = left[:, size > REST * np.linalg.norm(weighted)]
         missed = np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0)
 
@@ -101,25 +101,25 @@ class Variation:
         return np.asarray(self.repeated[0, : self.size].mean(axis=1))
 
 
-def variation(at: Scene, orbit: Orbit) -> Variation:
+def variation(mechanism: Scene, orbit: Orbit) -> Variation:
     """Return the variation of the equations about an orbit.
 
     A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
     with loss factors, scene and orbit must be those of the dampers that stand for them (`straight_modes.viscous`):
     a loss factor has no meaning for a deviation that grows.
     """
-    layout, loading, free = at.layout, orbit.now.loading, at.layout.free
-    times = points_in_time(orbit.found.count)
-    motion = motion_of(orbit.found.harmonic, loading.w0, times)
+    layout, loading, free = mechanism.layout, orbit.operation.loading, mechanism.layout.free
+    times = points_in_time(orbit.balance.count)
+    motion = motion_of(orbit.balance.harmonic, loading.w0, times)
     turned = mean_angle(loading, times)
-    now = state(layout, loading, motion, orbit.found.load, turned)
-    mass, damping, stiffness = entries(layout, loading, now).full(free)
+    moving = state(layout, loading, motion, orbit.balance.load, turned)
+    mass, damping, stiffness = entries(layout, loading, moving).full(free)
     diagonal = np.arange(free)
     stiffness[:, diagonal, diagonal] -= gathered(
-        layout, now.turning.first * torque_rates(loading, turned) / now.rate
+        layout, moving.turning.first * torque_rates(loading, turned) / moving.rate
     ).T
     if layout.dampers.size.size:
-        damper_damping, damper_stiffness = damper_matrices(layout, now)
+        damper_damping, damper_stiffness = damper_matrices(layout, moving)
         damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
 
     # What repeats itself unless something holds it: all that turns, turning further, and, where parts are joined by
@@ -160,12 +160,12 @@ class Multipliers:
 
     def distinguished(self, correction: float) -> "Multipliers":
         """Return the torsional exponents, with the drift of the mean speed, corrected by so many 1/s, apart."""
-        rest = np.arange(len(self.exponent)) != self.rigid
+        torsional = np.arange(len(self.exponent)) != self.rigid
         return replace(
             self,
-            exponent=self.exponent[rest],
-            vector=self.vector[:, rest],
-            speed=self.speed[:, rest],
+            exponent=self.exponent[torsional],
+            vector=self.vector[:, torsional],
+            speed=self.speed[:, torsional],
             rigid=None,
             drift=float(self.exponent[self.rigid].real) + correction,
         )
@@ -196,17 +196,17 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     full = monodromy(
         around.mass, around.damping, around.stiffness, around.period, steps, visited=visited
     )
-    rest = full / scale[:, None] * scale
+    matrix = full / scale[:, None] * scale
     basis_of_rest = np.eye(2 * size)
     for motion in around.repeated[:, :, 0] / scale:
-        start = rest @ (basis_of_rest.T @ motion)  # once around: what has no inertia follows
+        start = matrix @ (basis_of_rest.T @ motion)  # once around: what has no inertia follows
         length = np.linalg.norm(start)
         if length <= APART * np.linalg.norm(motion):
             continue
-        if np.linalg.norm(rest @ start - start) <= KEPT_VECTOR * length:
+        if np.linalg.norm(matrix @ start - start) <= KEPT_VECTOR * length:
             onto = np.linalg.qr(np.column_stack([start / length, np.eye(len(start))]))[0][:, 1:]
-            rest, basis_of_rest = onto.T @ rest @ onto, basis_of_rest @ onto
-    value, vector = np.linalg.eig(rest)
+            matrix, basis_of_rest = onto.T @ matrix @ onto, basis_of_rest @ onto
+    value, vector = np.linalg.eig(matrix)
     order = np.argsort(-np.abs(value), kind="stable")
     shape = (basis_of_rest @ vector[:, order]) * scale[:, None]
 
@@ -218,13 +218,15 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     return Multipliers(exponent, shape[:size], shape[size:], around.period, rigid)
 
 
-def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HILL) -> Multipliers:
+def by_hill(
+    around: Variation, highest: float, fewest: int, most_rows: int = MOST_HILL
+) -> Multipliers:
     """Return the exponents by the eigenvalues of Hill's matrix, with harmonics up to a highest frequency (rad/s).
 
     fewest: harmonics of the common period, at least. Raises SolveError where it has more than `most` rows.
     """
     size, w0, count = around.size, around.w0, int(max(fewest, np.ceil(highest / around.w0) + 4))
-    if 2 * size * (2 * count + 1) > most:
+    if 2 * size * (2 * count + 1) > most_rows:
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
     couplings = couplings_of(around.mass, around.damping, around.stiffness)
@@ -251,7 +253,7 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
 class Search:
     """The growth rates of a train at any speeds; keeps what it has computed."""
 
-    at: Scene
+    mechanism: Scene
     shapes: Basis
     reduced: Basis | None
     method: Method = "monodromy"
@@ -263,33 +265,33 @@ class Search:
         """Return orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
         if speed not in self.known:
             orbits = (solved[0] for solved in self.known.values() if solved is not None)
-            orbit, _ = continued(self.at, speed, nearest(speed, orbits))
+            orbit, _ = continued(self.mechanism, speed, nearest(speed, orbits))
             if orbit is None or (self.unhelped is not None and self.unhelped(speed) is None):
                 self.known[speed] = None
             else:
                 self.known[speed] = orbit, self.exponents(orbit, self.method)
         return self.known[speed]
 
-    def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
+    def exponents(self, orbit: Orbit, method: Method, most_rows: int = MOST_HILL) -> Multipliers:
         """Return the exponents by a method; raises SolveError where Hill's matrix has more than `most` rows.
 
         Drive and load do not follow a torsional vibration as they follow the mean speed: of the torsional exponents
         with and without the slopes that act on the mean speed only the worse ones count. The drift is that with all.
         """
-        around = variation(self.at, orbit)
+        around = variation(self.mechanism, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
-            around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
+            around, highest = around.reduced_to(self.reduced), BEYOND * self.reduced.highest
         multipliers = self._distinguish(
             orbit,
-            by_hill(around, highest, orbit.found.count, most)
+            by_hill(around, highest, orbit.balance.count, most_rows)
             if method == "hill"
             else by_monodromy(around, highest),
         )
-        unhelped = None if self.unhelped is None else self.unhelped(orbit.now.loading.speed)
+        unhelped = None if self.unhelped is None else self.unhelped(orbit.operation.loading.speed)
         if self.unhelped is None or unhelped is None:
             return multipliers
-        bare = self.unhelped.exponents(unhelped[0], method, most)
+        bare = self.unhelped.exponents(unhelped[0], method, most_rows)
         return replace(
             max(multipliers, bare, key=lambda side: side.growth),
             rigid=None,
@@ -302,14 +304,14 @@ class Search:
 
         A fast growing one has to have the sign that the torque lost by the vibration gives it.
         """
-        loading = orbit.now.loading
+        loading = orbit.operation.loading
         if multipliers.rigid is None or not (self.loses or loading.damping.any()):
             return replace(multipliers, rigid=None)
-        inertia = float(self.at.layout.inertia.sum())
-        correction = -orbit.now.beside / inertia
+        inertia = float(self.mechanism.layout.inertia.sum())
+        correction = -orbit.operation.on_mean_speed / inertia
         growth = float(multipliers.exponent[multipliers.rigid].real) + correction
         if growth > SLOW and not agrees(
-            growth, drift_slope(self.at, loading.speed, orbit)[0], inertia
+            growth, drift_slope(self.mechanism, loading.speed, orbit)[0], inertia
         ):
             return replace(multipliers, rigid=None, is_doubtful=True)
         return multipliers.distinguished(correction)
@@ -334,8 +336,8 @@ class Search:
         """Something damps; a slope that acts on the mean speed only does not."""
         if self.unhelped is not None:
             return self.unhelped.loses
-        return bool(self.at.system.damps and self.at.damping > 0) or any(
-            solved is not None and bool(solved[0].now.loading.damping.any())
+        return bool(self.mechanism.system.damps and self.mechanism.damping > 0) or any(
+            solved is not None and bool(solved[0].operation.loading.damping.any())
             for solved in self.known.values()
         )
 
@@ -344,30 +346,30 @@ def growth_search(
     study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None
 ) -> Search:
     """Return the search of a train whose growth rates are wanted; `modes`: reduce to so many elastic modes."""
-    at = scene(study, system, vibratory=False)
-    shapes = basis(at.layout)
-    fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
-    lossy = damped(at, fewer or shapes)
+    mechanism = scene(study, system, vibratory=False)
+    shapes = basis(mechanism.layout)
+    fewer = None if modes is None else reduced(mechanism.layout, shapes, shapes.rigid + modes)
+    lossy = damped(mechanism, fewer or shapes)
     search = Search(lossy, shapes, fewer, method)
     if mean_speed_slopes(study):
         search.unhelped = Search(replace(lossy, laws="negative"), shapes, fewer, method)
     return search
 
 
-def damped(at: Scene, shapes: Basis) -> Scene:
+def damped(mechanism: Scene, shapes: Basis) -> Scene:
     """Return the scene with dampers on the shapes of a basis for its loss factors."""
-    return replace(at, layout=viscous(at.layout, shapes))
+    return replace(mechanism, layout=viscous(mechanism.layout, shapes))
 
 
 def modes_that_matter(
-    at: Scene, shapes: Basis, fastest: float, requested: int | None = None
+    mechanism: Scene, shapes: Basis, fastest: float, requested: int | None = None
 ) -> Basis:
     """Return the rigid motions and as many elastic modes as requested.
 
     Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 1 to 12 elastic ones.
     """
     elastic = shapes.frequency[shapes.rigid :]
-    highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest
+    highest = HIGHEST * float(max(mechanism.layout.orders, default=mechanism.order)) * fastest
     number = int(np.clip(np.count_nonzero(elastic <= highest), FEWEST_MODES, MOST_MODES))
     number = number if requested is None else requested
-    return reduced(at.layout, shapes, shapes.rigid + min(number, len(elastic)))
+    return reduced(mechanism.layout, shapes, shapes.rigid + min(number, len(elastic)))

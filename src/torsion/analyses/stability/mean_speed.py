@@ -52,39 +52,44 @@ class MeanSpeedDrift:
     )
 
 
-def lost_torque(there: Orbit) -> float:
+def lost_torque(motion: Orbit) -> float:
     """Return the mean torque (N m at the reference) that the vibration costs beside that of the loads."""
-    return float(there.found.load[0] - there.now.load[0])
+    return float(motion.balance.load[0] - motion.operation.load[0])
 
 
-def drift_slope(at: Scene, speed: float, near: Orbit) -> tuple[float, Orbit | None]:
+def drift_slope(mechanism: Scene, speed: float, near: Orbit) -> tuple[float, Orbit | None]:
     """Return D (N m s/rad at the reference) at a speed (rad/s), from two motions beside it, and one of them.
 
     near: a motion to start from. D is NaN where there is none.
     """
     try:
-        slower = orbit(at, speed * (1.0 - STEP), near)
-        faster = orbit(at, speed * (1.0 + STEP), slower)
+        slower = orbit(mechanism, speed * (1.0 - STEP), near)
+        faster = orbit(mechanism, speed * (1.0 + STEP), slower)
     except SolveError:
         return np.nan, None
     change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
     return change + (mean_speed_damping(slower) + mean_speed_damping(faster)) / 2.0, faster
 
 
-def mean_speed_damping(there: Orbit) -> float:
+def mean_speed_damping(motion: Orbit) -> float:
     """Return the sum of slopes and dampings to ground (N m s/rad at the reference) that act on the mean speed."""
-    return float(there.now.loading.damping.sum() + there.now.beside)
+    return float(motion.operation.loading.damping.sum() + motion.operation.on_mean_speed)
 
 
-def slip_slope(at: Scene, station: int) -> float:
+def slip_slope(mechanism: Scene, station: int) -> float:
     """Return the slope (N m s/rad) that a slip of 1 % has at a station that drives; NaN where no speed is rated."""
-    rated = at.study.operation.rated
-    known = None if rated is None else steady_if_known(at.study, at.system, np.array([rated.speed]))
-    if rated is None or known is None:
+    rated = mechanism.study.operation.rated
+    steady = (
+        None
+        if rated is None
+        else steady_if_known(mechanism.study, mechanism.system, np.array([rated.speed]))
+    )
+    if rated is None or steady is None:
         return np.nan
     law = DriveLaw(slip=0.01)
     return law.slope_at_rated(
-        float(known.applied[station, 0]), rated.speed * float(at.system.speed_ratio[station])
+        float(steady.applied[station, 0]),
+        rated.speed * float(mechanism.system.speed_ratio[station]),
     )
 
 
@@ -93,24 +98,28 @@ def agrees(growth: float, slope: float, inertia: float) -> bool:
     return growth * slope < 0 or max(abs(growth), abs(slope) / inertia) < SLOW
 
 
-def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station: int) -> float:
+def missing_slope(
+    mechanism: Scene, start: Orbit, limits: tuple[float, float], station: int
+) -> float:
     """Return the slope (N m s/rad at the reference) that the station lacks so that the speed does not drift.
 
     start: the motion that drifts fastest; limits: lowest and highest speed (rad/s) of all. NaN where none was found.
     The slope damps the vibration too, so that less is needed than -D without it.
     """
-    before, worst = start, start.now.loading.speed
+    before, worst = start, start.operation.loading.speed
     reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
 
     def lacking(slope: float) -> float:
         """The largest -D within reach, with a slope at the station."""
         nonlocal before
-        there = replace(at, slopes=at.slopes + slope * np.eye(len(at.slopes))[station])
+        steadied = replace(
+            mechanism, slopes=mechanism.slopes + slope * np.eye(len(mechanism.slopes))[station]
+        )
 
         def drift(speed: float) -> float:
             nonlocal before
-            slope_there, found = drift_slope(there, float(speed), before)
-            before = found or before
+            slope_there, motion = drift_slope(steadied, float(speed), before)
+            before = motion or before
             return float(np.nan_to_num(slope_there, nan=np.inf))
 
         near = SMOOTH * (reach[1] - reach[0])
@@ -129,11 +138,11 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
     return np.nan
 
 
-def driver(at: Scene, speed: float) -> tuple[int, str]:
+def driver(mechanism: Scene, speed: float) -> tuple[int, str]:
     """Return the station at which the greatest part of the mean torque enters, and the name of what stands there."""
-    drive = operating(at, speed).stations.drive
+    drive = operating(mechanism, speed).stations.drive
     station = int(drive[0].argmax())
-    return station, at.system.stations[station].name
+    return station, mechanism.system.stations[station].name
 
 
 def drift_ends(
@@ -142,11 +151,11 @@ def drift_ends(
     """Return the lowest and the highest speed (rad/s) at which the drift reaches SLOW; speeds ascend."""
     fast = np.flatnonzero(np.nan_to_num(values, nan=-np.inf) > SLOW)
     ends = []
-    for row, beside in ((int(fast[0]), int(fast[0]) - 1), (int(fast[-1]), int(fast[-1]) + 1)):
-        if not 0 <= beside < len(speeds) or not np.isfinite(values[beside]):
+    for row, neighbour in ((int(fast[0]), int(fast[0]) - 1), (int(fast[-1]), int(fast[-1]) + 1)):
+        if not 0 <= neighbour < len(speeds) or not np.isfinite(values[neighbour]):
             ends.append(float(speeds[row]))
             continue
-        inner, outer = float(speeds[row]), float(speeds[beside])
+        inner, outer = float(speeds[row]), float(speeds[neighbour])
         try:
             ends.append(
                 float(

@@ -159,7 +159,7 @@ class Layout:
 
     @property
     def bodies(self) -> int:
-        """Number of bodies."""
+        """Number of bodies of the whole train."""
         return len(self.inertia)
 
     @property
@@ -179,11 +179,11 @@ class Layout:
         return np.array(groups, dtype=bool).reshape(-1, self.free)
 
 
-def gathered(whole: Layout, onto: FloatArray) -> FloatArray:
+def gathered(layout: Layout, onto: FloatArray) -> FloatArray:
     """(free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
-    out = np.zeros((len(whole.root), *onto.shape[1:]))
-    np.add.at(out, whole.coordinate, onto)
-    return out[: whole.free]
+    out = np.zeros((len(layout.root), *onto.shape[1:]))
+    np.add.at(out, layout.coordinate, onto)
+    return out[: layout.free]
 
 
 def layout(system: System) -> Layout:
@@ -216,8 +216,8 @@ def layout(system: System) -> Layout:
     driving, driven = body[system.driving[springs]], body[system.driven[springs]]
     group = connected(len(root), coordinate[driving[elastic]], coordinate[driven[elastic]])
     floating = [
-        np.flatnonzero(group[:free] == one).tolist()
-        for one in np.setdiff1d(group[:free], group[free:])
+        np.flatnonzero(group[:free] == number_of_group).tolist()
+        for number_of_group in np.setdiff1d(group[:free], group[free:])
     ]
     return Layout(
         body,
@@ -233,7 +233,7 @@ def layout(system: System) -> Layout:
         system.viscous[springs] * ratio2,
         stiffness * system.loss_factor[springs],
         Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
-        tuple(tuple(one) for one in floating),
+        tuple(tuple(group) for group in floating),
         tuple(sorted(orders)),
     )
 

@@ -59,21 +59,21 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
 
     vibratory: False leaves out all of them, so that the joints alone excite, and lets slopes of drive and load act.
     """
-    whole = layout(system)
-    found = [
-        (one.line.order, torque)
-        for one in excitations(system)
-        if one.line.order is not None and vibratory
-        for torque in one.torques
+    train_layout = layout(system)
+    torques = [
+        (excitation.line.order, torque)
+        for excitation in excitations(system)
+        if excitation.line.order is not None and vibratory
+        for torque in excitation.torques
     ]
-    if any(torque.mesh for _, torque in found):
+    if any(torque.mesh for _, torque in torques):
         raise SolveError(
             "a mesh that excites is not built in the exact motion", "leave it out of this file"
         )
-    order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
+    order = common_order([*(order for order, _ in torques), *train_layout.orders]) or Fraction(1)
     still = np.zeros(len(system.stations))
     laws: Literal["none", "all"] = "none" if vibratory else "all"
-    return Scene(study, system, whole, order, tuple(found), slopes=still, laws=laws)
+    return Scene(study, system, train_layout, order, tuple(torques), slopes=still, laws=laws)
 
 
 @dataclass(frozen=True)
@@ -84,96 +84,106 @@ class Operating:
     stations: Loading  # the same on the stations, at one speed too
     load: FloatArray  # (unknown loads,) N m at the reference speed
     twist: FloatArray  # (bodies,) rad, against the reference station
-    beside: float = 0.0  # N m s/rad at the reference: what the mean speed sees beside the damping of the loading
+    on_mean_speed: float = 0.0  # N m s/rad at the reference: what the mean speed sees beside the damping of the loading
 
 
-def operating(at: Scene, speed: float) -> Operating:
+def operating(mechanism: Scene, speed: float) -> Operating:
     """What acts at a reference speed (rad/s)."""
-    system, whole = at.system, at.layout
+    system, layout = mechanism.system, mechanism.layout
     speeds = np.array([speed])
-    known = steady_if_known(at.study, system, speeds)
+    steady_state = steady_if_known(mechanism.study, system, speeds)
     ratio = system.speed_ratio
-    ground, beside = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2, 0.0
-    damping = ground + at.slopes
+    ground, on_mean_speed = (
+        mechanism.damping * ground_damping(system, speeds, steady_state)[:, 0] * ratio**2,
+        0.0,
+    )
+    damping = ground + mechanism.slopes
     if (
-        at.laws != "none"
-        and known is not None
-        and known.load_slope is not None
-        and known.drive_slope is not None
+        mechanism.laws != "none"
+        and steady_state is not None
+        and steady_state.load_slope is not None
+        and steady_state.drive_slope is not None
     ):
         # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
         stated = np.isin(np.arange(len(ratio)), [damper.station for damper in system.dampers])
-        load = known.load_slope[:, 0] * ratio**2
-        for slope in (np.where(stated, 0.0, load), known.drive_slope[:, 0] * ratio**2):
-            damping += slope if at.laws == "all" else np.minimum(slope, 0.0)
-        beside = float((load - ground)[stated & _absorbing(at)].sum())
-    applied, twist = np.zeros(len(ratio)), np.zeros(whole.bodies)
-    if known is not None:
-        applied = at.mean * known.applied[:, 0] * ratio
-        twist[whole.body] = at.mean * known.twist[:, 0] / ratio
-    orders = sorted({order for order, _ in at.torques})
+        load = steady_state.load_slope[:, 0] * ratio**2
+        for slope in (np.where(stated, 0.0, load), steady_state.drive_slope[:, 0] * ratio**2):
+            damping += slope if mechanism.laws == "all" else np.minimum(slope, 0.0)
+        on_mean_speed = float((load - ground)[stated & _absorbing(mechanism)].sum())
+    applied, twist = np.zeros(len(ratio)), np.zeros(layout.bodies)
+    if steady_state is not None:
+        applied = mechanism.mean * steady_state.applied[:, 0] * ratio
+        twist[layout.body] = mechanism.mean * steady_state.twist[:, 0] / ratio
+    orders = sorted({order for order, _ in mechanism.torques})
     vibratory = np.zeros((len(ratio), len(orders)), dtype=np.complex128)
-    for order, torque in at.torques:
-        here = torque.station
-        vibratory[here, orders.index(order)] += (
-            ratio[here] * amplitude(system, torque, speeds, known)[0]
+    for order, torque in mechanism.torques:
+        station = torque.station
+        vibratory[station, orders.index(order)] += (
+            ratio[station] * amplitude(system, torque, speeds, steady_state)[0]
         )
-    multiple = np.array([int(order / at.order) for order in orders], dtype=np.int64)
-    constant, drive, steady, load = _drive(at, applied)
+    multiple = np.array([int(order / mechanism.order) for order in orders], dtype=np.int64)
+    constant, drive, steady, load = _drive(mechanism, applied)
     stations = Loading(
-        speed, damping, constant, multiple, vibratory, drive, steady, float(at.order)
+        speed, damping, constant, multiple, vibratory, drive, steady, float(mechanism.order)
     )
     bodies = replace(
         stations,
-        damping=_on_bodies(whole, damping),
-        torque=_on_bodies(whole, constant),
-        vibratory=_on_bodies(whole, vibratory),
-        drive=_on_bodies(whole, drive.T).T,
+        damping=_on_bodies(layout, damping),
+        torque=_on_bodies(layout, constant),
+        vibratory=_on_bodies(layout, vibratory),
+        drive=_on_bodies(layout, drive.T).T,
     )
-    return Operating(bodies, stations, load, twist, beside)
+    return Operating(bodies, stations, load, twist, on_mean_speed)
 
 
-def _absorbing(at: Scene) -> BoolArray:
+def _absorbing(mechanism: Scene) -> BoolArray:
     """(stations,) where a machine absorbs power by its law of load."""
     parts = (
         part
-        for part in at.system.train.parts
+        for part in mechanism.system.train.parts
         if part.machine is not None and not part.machine.is_driver
     )
-    return np.isin(np.arange(len(at.system.stations)), [part.stations[0] for part in parts])
+    return np.isin(np.arange(len(mechanism.system.stations)), [part.stations[0] for part in parts])
 
 
-def _on_bodies(whole: Layout, of_stations: np.ndarray) -> np.ndarray:
+def _on_bodies(layout: Layout, of_stations: np.ndarray) -> np.ndarray:
     """(bodies, ...) sums of (stations, ...)."""
-    out = np.zeros((whole.bodies, *of_stations.shape[1:]), dtype=of_stations.dtype)
-    np.add.at(out, whole.body, of_stations)
+    out = np.zeros((layout.bodies, *of_stations.shape[1:]), dtype=of_stations.dtype)
+    np.add.at(out, layout.body, of_stations)
     return out
 
 
-def _drive(at: Scene, applied: FloatArray) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+def _drive(
+    mechanism: Scene, applied: FloatArray
+) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
     """Known torques, unknown loads on the stations with the coordinates they keep, and a first guess of the loads."""
-    whole, number = at.layout, len(applied)
-    reference = reference_station(at.study.train, at.study.operation)
+    layout, number = mechanism.layout, len(applied)
+    reference = reference_station(mechanism.study.train, mechanism.study.operation)
     share = np.maximum(applied, 0.0)
     if not share.any():
         share[reference] = 1.0
-    known, rows, steady, guess = applied.copy(), list[FloatArray](), list[int](), list[float]()
-    own = whole.coordinate[whole.body[int(np.argmax(share))]]
-    for group in whole.floating:
-        if own in group:
+    known_torque, rows, steady, guess = (
+        applied.copy(),
+        list[FloatArray](),
+        list[int](),
+        list[float](),
+    )
+    coordinate = layout.coordinate[layout.body[int(np.argmax(share))]]
+    for group in layout.floating:
+        if coordinate in group:
             rows.append(share / share.sum())
-            at_reference = int(whole.coordinate[whole.body[reference]])
+            at_reference = int(layout.coordinate[layout.body[reference]])
             steady.append(at_reference if at_reference in group else group[0])
             guess.append(float(applied[applied > 0].sum()))
-            known = np.minimum(applied, 0.0)
+            known_torque = np.minimum(applied, 0.0)
         else:
             slipping = np.zeros(number)
-            slipping[int(np.flatnonzero(whole.body == whole.root[group[0]])[0])] = 1.0
+            slipping[int(np.flatnonzero(layout.body == layout.root[group[0]])[0])] = 1.0
             rows.append(slipping)
             steady.append(group[0])
             guess.append(0.0)
     return (
-        known,
+        known_torque,
         np.array(rows).reshape(-1, number),
         np.array(steady, dtype=np.int64),
         np.array(guess),
@@ -181,44 +191,44 @@ def _drive(at: Scene, applied: FloatArray) -> tuple[FloatArray, FloatArray, IntA
 
 
 def rigid_deviation(
-    whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray
+    layout: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray
 ) -> FloatArray:
     """(free, times) rad of the train turning without any elasticity but its static twist (bodies, 1 or times).
 
     steady: coordinates that turn evenly, from which the motion is followed on; turned: (times,) rad.
     """
-    deviation = np.zeros((len(whole.root), len(turned)))
+    deviation = np.zeros((len(layout.root), len(turned)))
     bodies: dict[int, FloatArray] = {}
 
-    def follow(own: int, angle: FloatArray) -> dict[int, Turning]:
-        met = {int(whole.root[own]): at_rest(angle)}
-        for step in whole.steps:
+    def follow(coordinate: int, angle: FloatArray) -> dict[int, Turning]:
+        met = {int(layout.root[coordinate]): at_rest(angle)}
+        for step in layout.steps:
             if step.inner in met:
                 met[step.outer] = beyond(met[step.inner], step.joint, turned)
         return met
 
-    def reach(own: int, body: int, target: FloatArray) -> None:
+    def reach(coordinate: int, body: int, target: FloatArray) -> None:
         angle = target
         for _ in range(MOST_INVERSIONS):
-            met = follow(own, angle)
+            met = follow(coordinate, angle)
             miss = met[body].deviation - target
             if np.abs(miss).max() < 1e-13:
                 break
             angle = angle - miss / met[body].first
-        deviation[own] = angle
-        bodies.update({one: turning.deviation for one, turning in met.items()})
+        deviation[coordinate] = angle
+        bodies.update({turned_body: turning.deviation for turned_body, turning in met.items()})
 
-    known = [*range(whole.free, len(whole.root)), *steady.tolist()]
-    for own in known:
-        reach(own, int(whole.root[own]), np.zeros(len(turned)))
-    ends = list(zip(whole.driving.tolist(), whole.driven.tolist(), strict=True))
+    coordinates = [*range(layout.free, len(layout.root)), *steady.tolist()]
+    for prescribed in coordinates:
+        reach(prescribed, int(layout.root[prescribed]), np.zeros(len(turned)))
+    ends = list(zip(layout.driving.tolist(), layout.driven.tolist(), strict=True))
     while True:
-        found = [
+        torques = [
             (a, b)
             for a, b in [*ends, *((b, a) for a, b in ends)]
             if a in bodies and b not in bodies
         ]
-        if not found:
-            return deviation[: whole.free]
-        a, b = found[0]
-        reach(int(whole.coordinate[b]), b, bodies[a] + (twist[b] - twist[a]))
+        if not torques:
+            return deviation[: layout.free]
+        a, b = torques[0]
+        reach(int(layout.coordinate[b]), b, bodies[a] + (twist[b] - twist[a]))

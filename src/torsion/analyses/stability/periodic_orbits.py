@@ -58,8 +58,8 @@ class Found(IntEnum):
 class Orbit:
     """A periodic motion at one speed."""
 
-    now: Operating
-    found: Balance
+    operation: Operating
+    balance: Balance
 
 
 @reported
@@ -132,42 +132,44 @@ class PeriodicResponse:
         key="status",
     )
     def status_words(self) -> np.ndarray:
-        """Words of the status, (speeds,)."""
+        """What was found at every speed, in words, (speeds,)."""
         return words(self.status, Found)
 
     @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")
     def is_unstable(self) -> BoolArray:
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)
-        periods = [np.nan if orbit is None else orbit.now.loading.period for orbit in self.orbits]
+        periods = [
+            np.nan if orbit is None else orbit.operation.loading.period for orbit in self.orbits
+        ]
         return np.asarray(np.nan_to_num(self.growth * np.array(periods)) > GROWS)
 
 
 def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
     """Return the orbit whose speed is nearest to a speed, rad/s; None of none."""
-    return min(orbits, key=lambda orbit: abs(orbit.now.loading.speed - speed), default=None)
+    return min(orbits, key=lambda orbit: abs(orbit.operation.loading.speed - speed), default=None)
 
 
-def continued(at: Scene, speed: float, neighbour: Orbit | None) -> tuple[Orbit | None, str]:
+def continued(mechanism: Scene, speed: float, neighbour: Orbit | None) -> tuple[Orbit | None, str]:
     """Return the orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps.
 
     The text says why there is none.
     """
     for start in (None,) if neighbour is None else (neighbour, None):
         try:
-            return orbit(at, speed, start), ""
+            return orbit(mechanism, speed, start), ""
         except SolveError as fault:
             why = str(fault)
     if neighbour is None:
         return None, why
 
-    reached = neighbour.now.loading.speed
+    reached = neighbour.operation.loading.speed
     step = (speed - reached) / 2.0
     smallest = abs(step) / 2.0**SUBDIVISIONS
     while abs(step) > smallest:
         ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
         try:
-            neighbour, reached = orbit(at, ahead, neighbour), ahead
+            neighbour, reached = orbit(mechanism, ahead, neighbour), ahead
         except SolveError as fault:
             step, why = step / 2.0, str(fault)
             continue
@@ -176,63 +178,71 @@ def continued(at: Scene, speed: float, neighbour: Orbit | None) -> tuple[Orbit |
     return None, why
 
 
-def orbit(at: Scene, speed: float, start: Orbit | None = None) -> Orbit:
+def orbit(mechanism: Scene, speed: float, start: Orbit | None = None) -> Orbit:
     """Return the periodic motion at a speed (rad/s), from the rigid motion or a neighbour; raises SolveError.
 
     The number of harmonics is raised until those left out are small.
     """
-    now = operating(at, speed)
+    operation = operating(mechanism, speed)
     if start is None:
-        count = harmonics_at_least(at)
-        turned = mean_angle(now.loading, points_in_time(count))
-        rigid = rigid_deviation(at.layout, now.loading.steady, now.twist[:, None], turned)
-        solution = _solve(at, now, harmonics_of(rigid, count), now.load)
+        count = harmonics_at_least(mechanism)
+        turned = mean_angle(operation.loading, points_in_time(count))
+        rigid = rigid_deviation(
+            mechanism.layout, operation.loading.steady, operation.twist[:, None], turned
+        )
+        solution = _solve(mechanism, operation, harmonics_of(rigid, count), operation.load)
     else:
-        solution = _solve(at, now, start.found.harmonic, start.found.load)
-    most = min(MOST, 20_000 // max(1, at.layout.free))
-    while solution.truncation > ACCURACY and solution.count < most:
-        count = min(most, int(np.ceil(GROWTH * solution.count)))
-        solution = _solve(at, now, resized(solution.harmonic, count), solution.load)
+        solution = _solve(mechanism, operation, start.balance.harmonic, start.balance.load)
+    limit = min(MOST, 20_000 // max(1, mechanism.layout.free))
+    while solution.truncation > ACCURACY and solution.count < limit:
+        count = min(limit, int(np.ceil(GROWTH * solution.count)))
+        solution = _solve(mechanism, operation, resized(solution.harmonic, count), solution.load)
 
     # A load that stands for a drive which is not there must come out as nothing.
-    imagined = np.abs(np.where(now.load == 0.0, solution.load, 0.0))[1:]
-    known = float(np.abs(np.append(now.loading.torque, solution.load)).max(initial=0.0))
-    if np.any(imagined > SLIPS * known):
+    imagined = np.abs(np.where(operation.load == 0.0, solution.load, 0.0))[1:]
+    largest = float(np.abs(np.append(operation.loading.torque, solution.load)).max(initial=0.0))
+    if np.any(imagined > SLIPS * largest):
         raise SolveError(
             "a coupling without stiffness would have to carry a mean torque; give it a stiffness"
         )
-    return Orbit(now, solution)
+    return Orbit(operation, solution)
 
 
-def harmonics_at_least(at: Scene) -> int:
+def harmonics_at_least(mechanism: Scene) -> int:
     """Return the harmonics with which to begin: enough for the joints' own errors and for the torques.
 
     Raises SolveError where these are more than can be dealt with.
     """
-    uneven = max((abs(step.joint.unevenness) for step in at.layout.steps), default=0.0)
+    uneven = max((abs(step.joint.unevenness) for step in mechanism.layout.steps), default=0.0)
     rank = int(np.ceil(np.log(1e-10) / np.log(uneven))) if 0 < uneven < 1 else 1
-    first = harmonics_needed(rank, at.layout.orders, [order for order, _ in at.torques])
-    most = min(MOST, (MOST_UNKNOWNS // max(1, at.layout.free) - 1) // 2)
-    if first > most and at.order < 1:
-        raise too_long(at.system.train, rank, most, vibratory=bool(at.torques))
+    first = harmonics_needed(
+        rank, mechanism.layout.orders, [order for order, _ in mechanism.torques]
+    )
+    limit = min(MOST, (MOST_UNKNOWNS // max(1, mechanism.layout.free) - 1) // 2)
+    if first > limit and mechanism.order < 1:
+        raise too_long(mechanism.system.train, rank, limit, vibratory=bool(mechanism.torques))
     return int(min(max(FEWEST, first), MOST))
 
 
-def _solve(at: Scene, now: Operating, harmonic: ComplexArray, load: FloatArray) -> Balance:
+def _solve(
+    mechanism: Scene, operation: Operating, harmonic: ComplexArray, load: FloatArray
+) -> Balance:
     """Return the balance near harmonics of the coordinates; the twists of dampers are unknowns beside them."""
-    w0, count = now.loading.w0, harmonic.shape[1] // 2
-    if at.layout.dampers.size.size:
+    w0, count = operation.loading.w0, harmonic.shape[1] // 2
+    if mechanism.layout.dampers.size.size:
         deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
-        moving = turning(at.layout, deviation, mean_angle(now.loading, deviation.shape[1]))
-        twist = at_bodies(at.layout) @ moving.deviation
+        moving = turning(
+            mechanism.layout, deviation, mean_angle(operation.loading, deviation.shape[1])
+        )
+        twist = at_bodies(mechanism.layout) @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
-    equations = partial(linearised, at.layout, now.loading)
-    solution = balance(equations, harmonic, load, now.loading.steady, w0)
-    return replace(solution, harmonic=solution.harmonic[: at.layout.free])
+    equations = partial(linearised, mechanism.layout, operation.loading)
+    solution = balance(equations, harmonic, load, operation.loading.steady, w0)
+    return replace(solution, harmonic=solution.harmonic[: mechanism.layout.free])
 
 
 def response_of(
-    at: Scene,
+    mechanism: Scene,
     orbits: Sequence[Orbit | None],
     speed: FloatArray,
     why: tuple[str, ...],
@@ -242,33 +252,39 @@ def response_of(
 
     why: of every speed without an orbit.
     """
-    ranks = [int(order / at.order) for order in orders or ()]
-    most = max([*ranks, *(one.found.count for one in orbits if one is not None)], default=0)
-    stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
-    angle = np.full((number, most, stations), np.nan, dtype=complex)
-    torque = np.full((number, most, spans), np.nan, dtype=complex)
+    ranks = [int(order / mechanism.order) for order in orders or ()]
+    count_of_all = max(
+        [*ranks, *(solved.balance.count for solved in orbits if solved is not None)], default=0
+    )
+    stations, spans, number = (
+        len(mechanism.system.stations),
+        len(mechanism.system.spans),
+        len(speed),
+    )
+    angle = np.full((number, count_of_all, stations), np.nan, dtype=complex)
+    torque = np.full((number, count_of_all, spans), np.nan, dtype=complex)
     mean, drive, truncation = np.full((number, spans), np.nan), *np.full((2, number), np.nan)
     harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
     for row, solved in enumerate(orbits):
         if solved is None:
             continue
-        count, courses = solved.found.count, _course(at, solved)
+        count, courses = solved.balance.count, _course(mechanism, solved)
         for amplitude, course in zip((angle, torque), courses, strict=True):
             amplitude[row] = 0.0
             amplitude[row, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
         mean[row] = courses[1].mean(axis=1)
-        drive[row] = solved.found.load[0] if solved.found.load.size else np.nan
-        harmonics[row], truncation[row] = count, solved.found.truncation
+        drive[row] = solved.balance.load[0] if solved.balance.load.size else np.nan
+        harmonics[row], truncation[row] = count, solved.balance.truncation
         status[row] = Found.OK if truncation[row] <= ACCURACY else Found.COARSE
 
     kept = np.array(ranks, dtype=int) - 1
     if orders is None:
-        felt = np.zeros(most, dtype=bool)
+        felt = np.zeros(count_of_all, dtype=bool)
         for amplitude in (angle, torque):
             size = np.nan_to_num(np.abs(amplitude)).max(axis=(0, 2), initial=0.0)
             felt |= size > KEPT * size.max(initial=0.0)
         kept = np.flatnonzero(felt)
-        orders = tuple(at.order * int(rank + 1) for rank in kept)
+        orders = tuple(mechanism.order * int(rank + 1) for rank in kept)
     return PeriodicResponse(
         speed,
         orders,
@@ -284,16 +300,21 @@ def response_of(
     )
 
 
-def _course(at: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
+def _course(mechanism: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
     """Over the common period: deviations of the stations (stations, times) rad at own speed, and torques of the spans.
 
     The torques, (spans, times) N m, are at the driving station's speed, positive when the driving side pushes.
     """
-    layout, system, loading, load = at.layout, at.system, solved.now.stations, solved.found.load
-    times = points_in_time(solved.found.count)
+    layout, system, loading, load = (
+        mechanism.layout,
+        mechanism.system,
+        solved.operation.stations,
+        solved.balance.load,
+    )
+    times = points_in_time(solved.balance.count)
     turned = mean_angle(loading, times)
-    motion = motion_of(solved.found.harmonic, loading.w0, times)
-    moving = state(layout, solved.now.loading, motion, load, turned)
+    motion = motion_of(solved.balance.harmonic, loading.w0, times)
+    moving = state(layout, solved.operation.loading, motion, load, turned)
     ratio = system.speed_ratio[:, None]
     inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
     need = (
@@ -338,7 +359,9 @@ def _fill_rigid_torques(
         need[root] = need[root] + passed
 
 
-def others(at: Scene, response: PeriodicResponse, rows: list[int]) -> PeriodicResponse | None:
+def further_motions(
+    mechanism: Scene, response: PeriodicResponse, rows: list[int]
+) -> PeriodicResponse | None:
     """Return further motions at the speeds of some rows of a response, in its orders; None where there are none.
 
     A speed stands once for every further motion. They are sought from the rigid motion, and from motions a little
@@ -349,32 +372,36 @@ def others(at: Scene, response: PeriodicResponse, rows: list[int]) -> PeriodicRe
         reported, speed = response.orbits[row], float(response.speed[row])
         if reported is None:
             continue
-        known = [reported]
-        starts = [_carry(at, speed * (1.0 + share), None) for share in ASIDE]
+        motions = [reported]
+        starts = [_carry(mechanism, speed * (1.0 + share), None) for share in ASIDE]
         for start in (None, *(start for start in starts if start is not None)):
-            other = _carry(at, speed, start)
-            if other is not None and all(_differ(at, motion, other) for motion in known):
-                known.append(other)
-        speeds += [speed] * (len(known) - 1)
-        orbits += known[1:]
+            candidate = _carry(mechanism, speed, start)
+            if candidate is not None and all(
+                _differ(mechanism, motion, candidate) for motion in motions
+            ):
+                motions.append(candidate)
+        speeds += [speed] * (len(motions) - 1)
+        orbits += motions[1:]
     if not orbits:
         return None
-    return response_of(at, orbits, np.array(speeds), ("",) * len(orbits), response.orders)
+    return response_of(mechanism, orbits, np.array(speeds), ("",) * len(orbits), response.orders)
 
 
-def _carry(at: Scene, speed: float, start: Orbit | None) -> Orbit | None:
+def _carry(mechanism: Scene, speed: float, start: Orbit | None) -> Orbit | None:
     """Return a motion at the speed, carried there in steps from another one; None where the way breaks off."""
     try:
         if start is None:
-            return orbit(at, speed)
-        for ahead in np.linspace(start.now.loading.speed, speed, STEPS + 1)[1:].tolist():
-            start = orbit(at, ahead, start)
+            return orbit(mechanism, speed)
+        for ahead in np.linspace(start.operation.loading.speed, speed, STEPS + 1)[1:].tolist():
+            start = orbit(mechanism, ahead, start)
     except SolveError:
         return None
     return start
 
 
-def _differ(at: Scene, motion: Orbit, other: Orbit) -> bool:
-    both = response_of(at, [motion, other], np.full(2, motion.now.loading.speed), ("", ""))
+def _differ(mechanism: Scene, motion: Orbit, candidate: Orbit) -> bool:
+    both = response_of(
+        mechanism, [motion, candidate], np.full(2, motion.operation.loading.speed), ("", "")
+    )
     size = np.abs(both.torque)
     return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))

@@ -14,10 +14,10 @@ from torsion.analyses.stability.periodic_orbits import (
     Orbit,
     PeriodicResponse,
     continued,
+    further_motions,
     harmonics_at_least,
     nearest,
     orbit,
-    others,
     response_of,
 )
 from torsion.analyses.stability.straight_modes import basis
@@ -45,15 +45,15 @@ EDGE = 1e-3  # the same next to a speed without a periodic motion
 
 def too_long(study: Study, system: System) -> str:
     """Why the exact response takes too long to be computed unrequested; empty where it does not."""
-    at = scene(study, system)
+    mechanism = scene(study, system)
     try:
-        harmonics = harmonics_at_least(at)
+        harmonics = harmonics_at_least(mechanism)
     except SolveError as fault:
         return str(fault)
     if harmonics <= PATIENCE:
         return ""
     return (
-        f"joints and torques repeat together only every {float(1 / at.order):.6g} revolutions of the reference shaft, "
+        f"joints and torques repeat together only every {float(1 / mechanism.order):.6g} revolutions of the reference shaft, "
         f"which takes {harmonics} harmonics or more; request it with `response: {{method: harmonic-balance}}`"
     )
 
@@ -65,56 +65,56 @@ def periodic_over_speed(
 
     Every speed is started from the nearest that is solved.
     """
-    at = scene(study, system)
-    work = max(1.0, at.layout.free * max(1.0, harmonics_at_least(at) / FEW))
+    mechanism = scene(study, system)
+    work = max(1.0, mechanism.layout.free * max(1.0, harmonics_at_least(mechanism) / FEW))
     number = int(np.clip(WORK // work, FEWEST, MOST))
-    known: dict[float, tuple[Orbit | None, str]] = {}
+    solutions: dict[float, tuple[Orbit | None, str]] = {}
 
     def solve(speeds: FloatArray) -> PeriodicResponse:
         for speed in speeds.tolist():
-            if speed not in known:
-                progress("harmonic balance", len(known) / number)
-                solved = (orbit for orbit, _ in known.values() if orbit is not None)
-                known[speed] = continued(at, speed, nearest(speed, solved))
-        orbits, why = zip(*(known[speed] for speed in sorted(known)), strict=True)
-        return response_of(at, orbits, np.array(sorted(known)), why)
+            if speed not in solutions:
+                progress("harmonic balance", len(solutions) / number)
+                solved = (orbit for orbit, _ in solutions.values() if orbit is not None)
+                solutions[speed] = continued(mechanism, speed, nearest(speed, solved))
+        orbits, why = zip(*(solutions[speed] for speed in sorted(solutions)), strict=True)
+        return response_of(mechanism, orbits, np.array(sorted(solutions)), why)
 
     response = solve(start(study, first_order, number))
-    while len(known) < number:
-        more = around_peaks(response)[: number - len(known)]
+    while len(solutions) < number:
+        more = around_peaks(response)[: number - len(solutions)]
         if not more.size:
             break
         response = solve(np.sort(more))
     progress("stability of the periodic motion", 1.0)
-    response = replace(response, growth=growths(at, response))
+    response = replace(response, growth=growths(mechanism, response))
     progress("other periodic motions", 1.0)
     rows = rows_at_peaks(response, max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT)))
-    further = others(at, response, rows)
+    further = further_motions(mechanism, response, rows)
     if further is not None:
-        further = replace(further, growth=growths(at, further))
+        further = replace(further, growth=growths(mechanism, further))
     return replace(response, others=further)
 
 
-def rows_at_peaks(response: PeriodicResponse, most: int) -> list[int]:
+def rows_at_peaks(response: PeriodicResponse, number: int) -> list[int]:
     """Return the rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
     size = np.abs(response.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    rows = (_peak_rows(size) or [int(largest.argmax())])[:most]
+    rows = (_peak_rows(size) or [int(largest.argmax())])[:number]
     if response.growth is not None and response.is_unstable.any():
         rows.append(int(np.nanargmax(response.growth)))
     return list(dict.fromkeys(rows))
 
 
-def growths(at: Scene, response: PeriodicResponse) -> FloatArray:
+def growths(mechanism: Scene, response: PeriodicResponse) -> FloatArray:
     """Return the growth (speeds,) 1/s of small deviations from each periodic motion; NaN where there is none.
 
     It is computed on the lowest modes. With loss factors it is that of the motion near it that dampers in their place
     make (`straight_modes.viscous`): of any other motion the free turning, which neither grows nor dies out, would seem
     to do either.
     """
-    shapes = basis(at.layout)
-    fewer = modes_that_matter(at, shapes, float(response.speed[-1]))
-    lossy = damped(at, fewer)
+    shapes = basis(mechanism.layout)
+    fewer = modes_that_matter(mechanism, shapes, float(response.speed[-1]))
+    lossy = damped(mechanism, fewer)
     search = Search(lossy, shapes, fewer)
     growth = np.full(len(response.speed), np.nan)
     for row, motion in enumerate(response.orbits):
@@ -122,8 +122,8 @@ def growths(at: Scene, response: PeriodicResponse) -> FloatArray:
             continue
         damped_motion = motion
         try:
-            if lossy.layout is not at.layout:
-                damped_motion = orbit(lossy, motion.now.loading.speed, motion)
+            if lossy.layout is not mechanism.layout:
+                damped_motion = orbit(lossy, motion.operation.loading.speed, motion)
         except SolveError:
             continue
         growth[row] = search.exponents(damped_motion, "monodromy").growth
@@ -151,10 +151,10 @@ def around_peaks(response: PeriodicResponse) -> FloatArray:
     for row, line, span in _peaks(size):
         for neighbour in (row - 1, row + 1):
             drop = 1.0 - size[neighbour, line, span] / size[row, line, span]
-            speed, other = float(response.speed[row]), float(response.speed[neighbour])
+            speed, next_speed = float(response.speed[row]), float(response.speed[neighbour])
             closest = EDGE if np.isnan(drop) else CLOSEST
-            if not drop <= RESOLVED and abs(other - speed) > closest * speed:
-                middle = (speed + other) / 2.0
+            if not drop <= RESOLVED and abs(next_speed - speed) > closest * speed:
+                middle = (speed + next_speed) / 2.0
                 worst[middle] = max(worst.get(middle, 0.0), 1.0 if np.isnan(drop) else drop)
     return np.array(sorted(worst, key=lambda speed: -worst[speed]))
 
@@ -174,4 +174,4 @@ def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:
     inner = (middle >= filled[:-2]) & (middle >= filled[2:]) & (middle > WORTH * highest)
     places = np.argwhere(inner) + np.array([1, 0, 0])
     share = filled[tuple(places.T)] / highest[places[:, 2]]
-    return [tuple(place) for place in places[np.argsort(-share, kind="stable")].tolist()]
+    return [tuple(peak) for peak in places[np.argsort(-share, kind="stable")].tolist()]

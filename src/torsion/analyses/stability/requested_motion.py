@@ -225,7 +225,7 @@ def run_stability(work: Work) -> None:
         )
         return
     with log.step("stability", "requested") as step:
-        found = stability(
+        result = stability(
             study,
             system,
             speeds.values(),
@@ -234,11 +234,11 @@ def run_stability(work: Work) -> None:
             progress=work.progress,
         )
         step.method = METHODS[settings.method]
-        requested, kept = int(found.requested.sum()), "all modes"
-        if found.kept is not None:
-            kept = f"{found.kept} of {found.modes.size} elastic modes"
-        step.size = f"{requested} speeds requested, {found.speed.size - requested} more around zones and boundaries; {kept}"
-    if number := found.unsolved.size:
+        requested, kept = int(result.requested.sum()), "all modes"
+        if result.kept is not None:
+            kept = f"{result.kept} of {result.modes.size} elastic modes"
+        step.size = f"{requested} speeds requested, {result.speed.size - requested} more around zones and boundaries; {kept}"
+    if number := result.unsolved.size:
         log.without(
             f"stability at {number} speed{'' if number == 1 else 's'}",
             "no periodic motion was found there",
@@ -247,7 +247,7 @@ def run_stability(work: Work) -> None:
         "vibratory torques, in the stability",
         "only joints and mean torque excite the periodic motion there",
     )
-    work.put(stability=found)
+    work.put(stability=result)
 
 
 def run_map(work: Work) -> None:
@@ -259,7 +259,7 @@ def run_map(work: Work) -> None:
     from torsion.analyses.stability.stability_map import stability_map
 
     with work.log.step("stability map", "requested") as step:
-        found = stability_map(
+        result = stability_map(
             work.study,
             work.system.whole,
             speeds.values(),
@@ -268,8 +268,8 @@ def run_map(work: Work) -> None:
             modes=settings.modes,
             progress=work.progress,
         )
-        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes"
-        step.size = f"{found.speed.size} x {found.value.size} points, {found.checked} of them checked on the whole train"
-    if missing := int(np.isnan(found.growth).sum()):
+        step.method = f"multipliers on {result.modes} of {result.of_modes} elastic modes"
+        step.size = f"{result.speed.size} x {result.value.size} points, {result.checked} of them checked on the whole train"
+    if missing := int(np.isnan(result.growth).sum()):
         work.log.without(f"stability map at {missing} points", "no periodic motion was found there")
-    work.put(stability_map=found)
+    work.put(stability_map=result)

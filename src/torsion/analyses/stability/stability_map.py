@@ -42,9 +42,9 @@ class StabilityMap:
     )
 
 
-def vary_scene(at: Scene, over: Over, value: float) -> Scene:
+def vary_scene(mechanism: Scene, over: Over, value: float) -> Scene:
     """Return the scene with another angle (rad) of its cross joints, or a factor on damping or mean torque."""
-    layout = at.layout
+    layout = mechanism.layout
     if over == "angle":
         steps = tuple(
             step
@@ -59,7 +59,7 @@ def vary_scene(at: Scene, over: Over, value: float) -> Scene:
             )
             for step in layout.steps
         )
-        return replace(at, layout=replace(layout, steps=steps))
+        return replace(mechanism, layout=replace(layout, steps=steps))
     if over == "damping":
         dampers = replace(layout.dampers, size=layout.dampers.size * value)
         layout = replace(
@@ -68,8 +68,8 @@ def vary_scene(at: Scene, over: Over, value: float) -> Scene:
             hysteretic=layout.hysteretic * value,
             dampers=dampers,
         )
-        return replace(at, layout=layout, damping=value)
-    return replace(at, mean=value)
+        return replace(mechanism, layout=layout, damping=value)
+    return replace(mechanism, mean=value)
 
 
 def stability_map(
@@ -86,14 +86,14 @@ def stability_map(
 
     Raises SolveError where the train has no joint, or takes more harmonics than are possible.
     """
-    at = replace(scene(study, system, vibratory=False), laws="negative")
-    if not at.layout.steps:
+    mechanism = replace(scene(study, system, vibratory=False), laws="negative")
+    if not mechanism.layout.steps:
         raise SolveError("a stability map needs a joint; only joints depend on the angle")
-    harmonics_at_least(at)  # raises SolveError before anything is computed
+    harmonics_at_least(mechanism)  # raises SolveError before anything is computed
     speeds = np.asarray(speeds, dtype=float)
-    shapes = basis(at.layout)
-    reduced = modes_that_matter(at, shapes, float(speeds.max()), modes)
-    lossy, whole = damped(at, reduced), damped(at, shapes)
+    shapes = basis(mechanism.layout)
+    reduced = modes_that_matter(mechanism, shapes, float(speeds.max()), modes)
+    lossy, unreduced_scene = damped(mechanism, reduced), damped(mechanism, shapes)
 
     searches = [
         Search(vary_scene(lossy, over, value), shapes, reduced) for value in values.tolist()
@@ -108,9 +108,9 @@ def stability_map(
     for row, column in points_to_check(growth):
         solved, value = searches[column](float(speeds[row])), float(values[column])
         assert solved is not None  # its growth rate is known
-        unreduced = Search(vary_scene(whole, over, value), shapes, None)
+        unreduced = Search(vary_scene(unreduced_scene, over, value), shapes, None)
         try:
-            motion = orbit(unreduced.at, float(speeds[row]), solved[0])
+            motion = orbit(unreduced.mechanism, float(speeds[row]), solved[0])
         except SolveError:
             elsewhere += 1
             continue
@@ -131,11 +131,11 @@ def stability_map(
 
 def points_to_check(growth: FloatArray) -> list[tuple[int, int]]:
     """Return rows and columns of the fastest growing points, of those nearest to a boundary, and of some between."""
-    known = np.flatnonzero(np.isfinite(growth.ravel()))
-    if not known.size:
+    points = np.flatnonzero(np.isfinite(growth.ravel()))
+    if not points.size:
         return []
-    value, third = growth.ravel()[known], CHECKED // 3
-    spread = np.linspace(0, len(known) - 1, third + 2).astype(int)[1:-1]
+    value, third = growth.ravel()[points], CHECKED // 3
+    spread = np.linspace(0, len(points) - 1, third + 2).astype(int)[1:-1]
     places = [np.argsort(value)[-third:], np.argsort(np.abs(value))[:third], spread]
-    rows, columns = np.unravel_index(np.unique(known[np.concatenate(places)]), growth.shape)
+    rows, columns = np.unravel_index(np.unique(points[np.concatenate(places)]), growth.shape)
     return list(zip(rows.tolist(), columns.tolist(), strict=True))

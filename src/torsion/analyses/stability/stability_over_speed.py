@@ -127,12 +127,12 @@ def stability(
     train to as many elastic modes as `modes` says, where it has more.
     """
     search = growth_search(study, system, method=method)
-    harmonics_at_least(search.at)  # raises SolveError before anything is computed
+    harmonics_at_least(search.mechanism)  # raises SolveError before anything is computed
     elastic = search.shapes.frequency[search.shapes.rigid :]
-    longest = 2.0 * np.pi / (float(search.at.order) * float(np.min(speeds)))
-    is_long = search.at.layout.free > WHOLE or search.shapes.highest * longest > TURNED
+    longest = 2.0 * np.pi / (float(search.mechanism.order) * float(np.min(speeds)))
+    is_long = search.mechanism.layout.free > WHOLE or search.shapes.highest * longest > TURNED
     if modes is None and is_long:
-        fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
+        fewer = modes_that_matter(search.mechanism, search.shapes, float(np.max(speeds)))
         modes = fewer.modes - fewer.rigid
     if modes is not None and modes < len(elastic):
         search = growth_search(study, system, method=method, modes=modes)
@@ -148,7 +148,7 @@ def stability(
 
     speed = np.array(sorted(search.known))
     solved = [search.known[w] for w in speed.tolist()]
-    fastest = [(np.nan, np.nan) if found is None else found[1].fastest for found in solved]
+    fastest = [(np.nan, np.nan) if pair is None else pair[1].fastest for pair in solved]
     growth, frequency = np.array(fastest).T
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
@@ -156,10 +156,14 @@ def stability(
     if modes is not None:
         # At the fastest growth and at both ends, with more modes.
         wide = growth_search(study, system, modes=min(MORE * modes, len(elastic)))
-        known = np.flatnonzero(np.isfinite(growth))
+        solved_rows = np.flatnonzero(np.isfinite(growth))
         rows = (
-            {*known[:1], *known[-1:], *known[np.argmax(growth[known])][None]}
-            if known.size
+            {
+                *solved_rows[:1],
+                *solved_rows[-1:],
+                *solved_rows[np.argmax(growth[solved_rows])][None],
+            }
+            if solved_rows.size
             else set()
         )
         changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in sorted(rows)]
@@ -179,23 +183,23 @@ def stability(
         modes,
         drift=np.array([search.drift(w) for w in speed.tolist()]),
         drifts=drifts,
-        doubtful=speed[[found is not None and found[1].is_doubtful for found in solved]],
+        doubtful=speed[[pair is not None and pair[1].is_doubtful for pair in solved]],
         left_out=left_out,
     )
 
 
 def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
     """Search around each combination resonance for zones that fall between the speeds."""
-    uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
+    uneven = max((step.joint.strength for step in search.mechanism.layout.steps), default=0.0)
     if uneven == 0.0 or len(requested) < 2:
         return
     first, last = float(requested[0]), float(requested[-1])
-    seeds = candidates(search.shapes, search.at.layout.orders, first, last)
+    seeds = candidates(search.shapes, search.mechanism.layout.orders, first, last)
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
 
     def height(speed: float) -> float:
-        found = search(speed)
-        return np.inf if found is None else -indicator(found[1], loses=search.loses)
+        pair = search(speed)
+        return np.inf if pair is None else -indicator(pair[1], loses=search.loses)
 
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
@@ -214,12 +218,12 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
         return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
 
     # A narrow drift lies between the speeds: each high local maximum is refined.
-    known = np.array(sorted(search.known))
-    rates = np.array([max(-height(speed), LOWEST) for speed in known.tolist()])
+    tried = np.array(sorted(search.known))
+    rates = np.array([max(-height(speed), LOWEST) for speed in tried.tolist()])
     below, above = rates[1:-1] - rates[:-2], rates[1:-1] - rates[2:]
     inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
-        low, high = float(known[row - 1]), float(known[row + 1])
+        low, high = float(tried[row - 1]), float(tried[row + 1])
         find_minimum(height, low, high, tolerance=PEAK * (high - low))
 
     worst = min(search.known, key=height)
@@ -229,25 +233,25 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     speeds = np.array(sorted(search.known))
     drifts = np.array([search.drift(speed) for speed in speeds.tolist()])
     first, last = drift_ends(search.drift, speeds, drifts)
-    station, name = driver(search.at, worst)
-    ratio2 = float(search.at.system.speed_ratio[station]) ** 2
-    limits = float(known[0]), float(known[-1])
-    slope = missing_slope(search.at, start[0], limits, station) / ratio2
+    station, name = driver(search.mechanism, worst)
+    ratio2 = float(search.mechanism.system.speed_ratio[station]) ** 2
+    limits = float(tried[0]), float(tried[-1])
+    slope = missing_slope(search.mechanism, start[0], limits, station) / ratio2
     given = mean_speed_damping(start[0]) / ratio2
-    slip = slip_slope(search.at, station)
+    slip = slip_slope(search.mechanism, station)
     return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
 
 
 def _compare_methods(search: Search, requested: FloatArray) -> float:
     """Return the largest difference (1/s) between the growth rates of both methods at a few speeds."""
-    other: Method = "monodromy" if search.method == "hill" else "hill"
-    solved = [found for speed in requested.tolist() if (found := search(speed)) is not None]
-    solved = solved or [found for found in search.known.values() if found is not None]
+    second_method: Method = "monodromy" if search.method == "hill" else "hill"
+    solved = [pair for speed in requested.tolist() if (pair := search(speed)) is not None]
+    solved = solved or [pair for pair in search.known.values() if pair is not None]
     differences = list[float]()
-    for place in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):
-        motion, multipliers = solved[place]
+    for row in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):
+        motion, multipliers = solved[row]
         try:
-            growth = search.exponents(motion, other, MOST_CHECKED).growth
+            growth = search.exponents(motion, second_method, MOST_CHECKED).growth
         except SolveError:
             continue
         differences.append(abs(growth - multipliers.growth))

@@ -40,14 +40,14 @@ class Basis:
 
     def share(self, motion: FloatArray) -> FloatArray:
         """(shapes, ...) of each shape in a motion (coordinates, ...)."""
-        found = np.asarray((self.shape.T * self.inertia) @ motion)
+        shares = np.asarray((self.shape.T * self.inertia) @ motion)
         light = np.isnan(self.frequency)
         if light.any():
-            found[light] = (motion - self.shape @ found)[self.inertia == 0]
-        return found
+            shares[light] = (motion - self.shape @ shares)[self.inertia == 0]
+        return shares
 
 
-def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
+def reduced(layout: Layout, shapes: Basis, count: int) -> Basis:
     """The lowest `count` modes with what the joints excite of the others statically.
 
     What a joint's varying ratio adds to the equations of the straight train acts at its coordinate and at those that
@@ -55,16 +55,16 @@ def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     """
     if count >= len(shapes.frequency):
         return _with_light(shapes)
-    at = [step.outer for step in whole.steps]
-    near = np.isin(whole.driving, at) | np.isin(whole.driven, at)
+    bodies = [step.outer for step in layout.steps]
+    near = np.isin(layout.driving, bodies) | np.isin(layout.driven, bodies)
     touched = np.concatenate(
         [
-            whole.coordinate[at],
-            whole.coordinate[whole.driving[near]],
-            whole.coordinate[whole.driven[near]],
+            layout.coordinate[bodies],
+            layout.coordinate[layout.driving[near]],
+            layout.coordinate[layout.driven[near]],
         ]
     )
-    touched = np.unique(touched[touched < whole.free])
+    touched = np.unique(touched[touched < layout.free])
     beyond = shapes.shape[:, count:]
     onto = (beyond[touched] / shapes.frequency[count:] ** 2).T
     left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
@@ -95,11 +95,11 @@ def _with_light(some: Basis) -> Basis:
     )
 
 
-def basis(whole: Layout) -> Basis:
+def basis(layout: Layout) -> Basis:
     """All modes of finite frequency; coordinates without inertia follow the others statically."""
-    free = whole.free
-    mass = gathered(whole, whole.inertia)
-    stiffness, lossy = (_assembled(whole, part) for part in (whole.stiffness, whole.hysteretic))
+    free = layout.free
+    mass = gathered(layout, layout.inertia)
+    stiffness, lossy = (_assembled(layout, part) for part in (layout.stiffness, layout.hysteretic))
     heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
     if not heavy.size:
         raise SolveError("no component has an inertia; nothing can vibrate")
@@ -111,56 +111,58 @@ def basis(whole: Layout) -> Basis:
     root = np.sqrt(mass[heavy])
     square, vector = eigh((follow.T @ stiffness @ follow) / np.outer(root, root))
     frequency = np.sqrt(np.maximum(square, 0.0))
-    frequency[: len(whole.floating)] = 0.0
+    frequency[: len(layout.floating)] = 0.0
     shape = follow @ (vector / root[:, None])
     slow = np.sqrt(np.divide(1.0, frequency, out=np.zeros_like(frequency), where=frequency > 0))
     loss = slow[:, None] * (shape.T @ lossy @ shape) * slow
     return Basis(frequency, shape, mass, loss, len(frequency))
 
 
-def _assembled(whole: Layout, spring: FloatArray) -> FloatArray:
+def _assembled(layout: Layout, spring: FloatArray) -> FloatArray:
     """(free, free) sum over the springs."""
-    number = len(whole.root)
+    number = len(layout.root)
     out = np.zeros((number, number))
-    a, b = whole.coordinate[whole.driving], whole.coordinate[whole.driven]
+    a, b = layout.coordinate[layout.driving], layout.coordinate[layout.driven]
     for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
         np.add.at(out, (row, column), sign * spring)
-    return out[: whole.free, : whole.free]
+    return out[: layout.free, : layout.free]
 
 
-def viscous(whole: Layout, shapes: Basis) -> Layout:
+def viscous(layout: Layout, shapes: Basis) -> Layout:
     """The same with dampers for its loss factors: torque t = Q c Qᵀ (rate of twist), Q = k B φ/w², c = `shapes.loss`.
 
     Qᵀ takes from the twists B y of the springs the share of each shape φ, since φᵀ K φ = w². Of a reduced basis only
     the shapes that it has are damped.
     """
-    if not whole.hysteretic.any():
-        return whole
+    if not layout.hysteretic.any():
+        return layout
     elastic = np.flatnonzero(shapes.frequency > 0)
-    shape = np.zeros((len(whole.root), len(elastic)))
-    shape[: whole.free] = shapes.shape[:, elastic]
-    twist = shape[whole.coordinate[whole.driving]] - shape[whole.coordinate[whole.driven]]
+    shape = np.zeros((len(layout.root), len(elastic)))
+    shape[: layout.free] = shapes.shape[:, elastic]
+    twist = shape[layout.coordinate[layout.driving]] - shape[layout.coordinate[layout.driven]]
     value, vector = eigh(shapes.loss[np.ix_(elastic, elastic)])
     acts = value > NOTHING * value[-1]
     share = vector[:, acts] * np.sqrt(value[acts])
-    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
+    onto = (layout.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
     length = np.linalg.norm(onto, axis=0)
     return replace(
-        whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2)
+        layout,
+        hysteretic=np.zeros_like(layout.hysteretic),
+        dampers=Dampers(onto / length, length**2),
     )
 
 
-def at_bodies(whole: Layout) -> FloatArray:
+def at_bodies(layout: Layout) -> FloatArray:
     """(dampers, bodies): twist of each damper = sum over the bodies times their angles."""
-    out = np.zeros((whole.bodies, whole.dampers.onto.shape[1]))
-    np.add.at(out, whole.driving, whole.dampers.onto)
-    np.subtract.at(out, whole.driven, whole.dampers.onto)
+    out = np.zeros((layout.bodies, layout.dampers.onto.shape[1]))
+    np.add.at(out, layout.driving, layout.dampers.onto)
+    np.subtract.at(out, layout.driven, layout.dampers.onto)
     return out.T
 
 
-def at_coordinates(whole: Layout, slope: FloatArray) -> FloatArray:
+def at_coordinates(layout: Layout, slope: FloatArray) -> FloatArray:
     """(times, dampers, free): twist of each damper over the free coordinates.
 
     slope: (bodies, times), that of each body over its coordinate.
     """
-    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)
+    return gathered(layout, at_bodies(layout).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)

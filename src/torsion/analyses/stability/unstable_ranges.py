@@ -48,7 +48,7 @@ class Zone:
 
     @derived("", (), "its type in words")
     def name(self) -> str:
-        """As the report prints it."""
+        """The name of the resonance as the report prints it."""
         if self.kind == "unexplained":
             return f"unstable in mode {self.modes[0]}" if self.modes else "unstable"
         if self.kind == "principal":
@@ -61,7 +61,9 @@ class Zone:
         )
 
 
-def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
+def modal_energy(
+    multipliers: Multipliers, shapes: Basis, reduced: Basis | None = None
+) -> FloatArray:
     """Return (modes,) the energy of the fastest growing motion in each mode at reference angle zero, largest 1.
 
     reduced: the basis of the motion, with more behind it; None: the coordinates.
@@ -70,7 +72,7 @@ def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None
     if reduced is not None:
         onto = onto @ reduced.shape
     number = onto.shape[1]
-    angle, speed = onto @ found.vector[:number, 0], onto @ found.speed[:number, 0]
+    angle, speed = onto @ multipliers.vector[:number, 0], onto @ multipliers.speed[:number, 0]
     energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
     return np.asarray(energy / max(float(energy.max()), np.finfo(float).tiny))
 
@@ -166,11 +168,11 @@ def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ..
     """Return every range around the unstable speeds that are known; speeds without a periodic motion part them."""
     ranges = list[UnstableRange]()
     while True:
-        known = sorted(search.known)
+        speeds = sorted(search.known)
         seed = next(
             (
                 speed
-                for speed in known
+                for speed in speeds
                 if search.is_unstable(speed)
                 and not any(
                     band.first * (1.0 - NEAR_BOUNDARY) <= speed <= band.last * (1.0 + NEAR_BOUNDARY)
@@ -181,7 +183,7 @@ def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ..
         )
         if seed is None:
             return tuple(sorted(ranges, key=lambda band: band.first))
-        report("boundaries", 0.8 + 0.2 * known.index(seed) / len(known))
+        report("boundaries", 0.8 + 0.2 * speeds.index(seed) / len(speeds))
         ranges.append(_find_range(search, seed))
 
 
@@ -193,9 +195,9 @@ def _find_range(search: Search, seed: float) -> UnstableRange:
         inside = [speed for speed in search.known if low.inner < speed < high.inner]
         if all(search.is_unstable(speed) for speed in inside):
             break
-    found = _multipliers(search, worst)
-    energy = modal_energy(found, search.shapes, search.reduced)
-    named = zone(energy, search.shapes, 2.0 * np.pi / found.period)
+    multipliers = _multipliers(search, worst)
+    energy = modal_energy(multipliers, search.shapes, search.reduced)
+    named = zone(energy, search.shapes, 2.0 * np.pi / multipliers.period)
     return UnstableRange(
         named.kind,
         named.modes,
@@ -203,7 +205,7 @@ def _find_range(search: Search, seed: float) -> UnstableRange:
         low.speed,
         high.speed,
         (low.is_open, high.is_open),
-        found.growth,
+        multipliers.growth,
         worst,
         (low.unknown, high.unknown),
     )
@@ -219,8 +221,8 @@ def _end(search: Search, seed: float, side: int) -> End:
     if not beyond:
         return End(inner, inner, is_open=True)
     if search(beyond[0]) is None:
-        unknown = next((speed for speed in beyond if search(speed) is not None), beyond[-1])
-        return End(inner, inner, unknown=unknown)
+        nearest_known = next((speed for speed in beyond if search(speed) is not None), beyond[-1])
+        return End(inner, inner, unknown=nearest_known)
     try:
         return End(inner, _boundary(search, inner, beyond[0]))
     except NoMotion:
@@ -254,21 +256,21 @@ def _multipliers(search: Search, speed: float) -> Multipliers:
     return solved[1]
 
 
-def indicator(found: Multipliers, meeting: complex | None = None, *, loses: bool) -> float:
+def indicator(multipliers: Multipliers, meeting: complex | None = None, *, loses: bool) -> float:
     """Return what is smooth over speed and positive where unstable.
 
     That is the growth, or without damping the squared gap of two multipliers. meeting: unit complex number near which
     the two meet; None: wherever they lie closest.
     """
-    if loses or (found.growth * found.period > UNSTABLE * 1e3 and meeting is None):
-        return found.growth
-    value = found.multiplier
+    if loses or (multipliers.growth * multipliers.period > UNSTABLE * 1e3 and meeting is None):
+        return multipliers.growth
+    value = multipliers.multiplier
     if meeting is None:
         distance = np.abs(value[:, None] - value) + 10.0 * np.eye(len(value))
         first, second = np.unravel_index(int(np.argmin(distance)), distance.shape)
     else:
         first, second = np.argsort(np.abs(value - meeting))[:2]
-    gap = np.log(value[first] / value[second]) / (2.0 * found.period)
+    gap = np.log(value[first] / value[second]) / (2.0 * multipliers.period)
     return float((gap * gap).real)
 
 

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 import skfem
 from scipy.sparse import coo_array, csc_array
-from scipy.sparse.linalg import splu
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.junction.profile import Profile
 from torsion.assembly.junction.profile_mesh import CLOSE, Meridian, meridian
+from torsion.assembly.triangle_fields import solve_symmetric
 from torsion.errors import SolveError
 from torsion.sources import source
 
@@ -71,12 +71,11 @@ class Solved:
 
     @property
     def excess_length(self) -> float:
-        """The middle of the bounds."""
         return sum(self.excess) / 2.0
 
     @property
     def error(self) -> float:
-        """Half their gap."""
+        """Half the gap between the bounds of the excess length."""
         return (self.excess[1] - self.excess[0]) / 2.0
 
 
@@ -87,95 +86,98 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
 
     Of an excess length beyond a diameter, in a soft hub, `fine` is a share.
     """
-    here, levels = meridian(profile).graded(GRADED), list[Bounds]()
+    mesh, levels = meridian(profile).graded(GRADED), list[Bounds]()
     end = profile.smaller
     unit = end.twist / end.length * end.outer[0]
     while True:
-        bounds, fields = on_mesh(profile, here)
+        bounds, fields = on_mesh(profile, mesh)
         levels.append(bounds)
         if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - profile.plain):
-            return Solved(profile, here, tuple(levels), fields)
+            return Solved(profile, mesh, tuple(levels), fields)
         if bounds.triangles > MOST:
             raise SolveError(
                 "the finite elements of a junction do not converge; look at its dimensions"
             )
-        here = here.refined(skfem.adaptive_theta(bounds.gap, theta=1.0 - SHARE))
+        mesh = mesh.refined(skfem.adaptive_theta(bounds.gap, theta=1.0 - SHARE))
 
 
-def on_mesh(profile: Profile, here: Meridian) -> tuple[Bounds, Fields]:
-    """Both problems on one mesh."""
-    basis, values, slopes, r, modulus = _functions(profile, here)
+def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
+    """Return the bounds and the fields of both problems on one mesh."""
+    basis, values, slopes, r, modulus = functions_of(profile, mesh)
     weight = modulus * r**3
-    twist = _matrix(basis, slopes, weight * basis.dx)
-    end, begin, outer, inner = _boundaries(profile, here, basis)
+    twist = energy_matrix(basis, slopes, weight * basis.dx)
+    end, begin, outer, inner = _boundaries(profile, mesh, basis)
     psi = _solution(twist, basis.N, {0.0: begin, 1.0: end})
     stiffness = float(psi @ (twist @ psi))
-    inside = r < here.core
-    share = np.where(inside, r / here.core, 1.0) ** 4 if here.core else np.ones_like(r)
+    inside = r < mesh.core
+    share = np.where(inside, r / mesh.core, 1.0) ** 4 if mesh.core else np.ones_like(r)
     steep = np.where(inside, 4.0 * share / r, 0.0)  # d share / dr
     flows = slopes * share
     flows[:, 1] += values * steep
-    flow = _matrix(basis, flows, basis.dx / weight)
+    flow = energy_matrix(basis, flows, basis.dx / weight)
     chi = _solution(flow, basis.N, {0.0: inner, 1.0: outer})
     flexibility = float(chi @ (flow @ chi))
-    one, two = (
-        _at(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
+    by_angle, by_function = (
+        _gradient(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
     )
-    apart = np.array([weight * one[0] - two[1], weight * one[1] + two[0]])
-    gap = np.sum(np.sum(apart**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
+    difference = np.array(
+        [weight * by_angle[0] - by_function[1], weight * by_angle[1] + by_function[0]]
+    )
+    gap = np.sum(np.sum(difference**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
     lower, upper = 1.0 / stiffness / (2.0 * math.pi), flexibility / (2.0 * math.pi)
     return Bounds(r.shape[0], lower, upper, gap), Fields(basis, psi / stiffness, chi)
 
 
-def dynamic_matrices(profile: Profile, here: Meridian) -> tuple[csc_array, csc_array]:
-    """Stiffness and consistent inertia of a free line of density 1 and shear modulus 1, for its vibration.
-
-    The unknowns are psi at the points of the elements; 2 pi int G r^3 grad u grad v and 2 pi int rho r^3 u v.
-    """
-    basis, values, slopes, r, modulus = _functions(profile, here)
-    weight = 2.0 * math.pi * r**3 * basis.dx
-    return _matrix(basis, slopes, modulus * weight), _matrix(basis, values[:, None], weight)
-
-
-def _functions(
-    profile: Profile, here: Meridian
+def functions_of(
+    profile: Profile, mesh: Meridian
 ) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
     """The elements; their functions (unknowns, triangles, places) and slopes (.., z and r, ..); radius and modulus."""
-    basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
+    basis = skfem.Basis(mesh.curved, skfem.ElementTriP4(), intorder=ORDER)
     z, r = np.asarray(basis.global_coordinates())
-    values = np.array([np.broadcast_to(np.asarray(one[0]), r.shape) for one in basis.basis])
-    return basis, values, np.array([one[0].grad for one in basis.basis]), r, _modulus(profile, z, r)
+    values = np.array(
+        [np.broadcast_to(np.asarray(function[0]), r.shape) for function in basis.basis]
+    )
+    return (
+        basis,
+        values,
+        np.array([function[0].grad for function in basis.basis]),
+        r,
+        _modulus(profile, z, r),
+    )
 
 
 def _modulus(profile: Profile, z: FloatArray, r: FloatArray) -> FloatArray:
     owner = np.searchsorted(np.array(profile.places[1:-1]), z)
     if profile.seat:
         owner = np.where(r < profile.seat, 0, owner)
-    return np.array([one.modulus for one in profile.lengths])[owner]
+    return np.array([length.modulus for length in profile.lengths])[owner]
 
 
-def _matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_array:
+def energy_matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_array:
     """The energy of every pair of unknowns."""
     left = slopes.transpose(2, 0, 1, 3).reshape(slopes.shape[2], slopes.shape[0], -1)
     right = (slopes * weight).transpose(2, 1, 3, 0).reshape(slopes.shape[2], -1, slopes.shape[0])
-    own, of = left @ right, basis.element_dofs.T
-    row, column = (np.broadcast_to(one, own.shape) for one in (of[:, :, None], of[:, None, :]))
+    energy, unknowns = left @ right, basis.element_dofs.T
+    row, column = (
+        np.broadcast_to(numbers, energy.shape)
+        for numbers in (unknowns[:, :, None], unknowns[:, None, :])
+    )
     return csc_array(
-        coo_array((own.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N))
+        coo_array((energy.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N))
     )
 
 
-def _at(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
+def _gradient(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
     """The gradient (2, triangles, places) of a field."""
     return np.asarray(np.einsum("udtp,ut->dtp", slopes, field[basis.element_dofs]))
 
 
-def _boundaries(profile: Profile, here: Meridian, basis: Any) -> tuple[IntArray, ...]:
+def _boundaries(profile: Profile, meridian_mesh: Meridian, basis: Any) -> tuple[IntArray, ...]:
     """Unknowns where it is fixed, at its begin, on the outer and on the inner surface; the axis is none of them.
 
     Where a hub ends the line its last end is free but for the face of the hub, and continues the inner surface.
     """
-    mesh = here.mesh
+    mesh = meridian_mesh.mesh
     facets = mesh.boundary_facets()
     z, r = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
     places = profile.places
@@ -198,29 +200,23 @@ def _boundaries(profile: Profile, here: Meridian, basis: Any) -> tuple[IntArray,
 
 def _middle(profile: Profile, z: FloatArray) -> FloatArray:
     """A radius (places,) in the material on both sides of every place."""
-    places, found = np.array(profile.places), []
+    places, radii = np.array(profile.places), []
     for nudge in (-1e-7, 1e-7):
         owner = np.clip(
             np.searchsorted(places, z + nudge * places[-1]) - 1, 0, len(profile.lengths) - 1
         )
         share = (z - places[owner]) / np.diff(places)[owner]
         for key in ("outer", "bore"):
-            ends = np.array([getattr(one, key) for one in profile.lengths])[owner]
-            found.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
-    return np.asarray((np.minimum(found[0], found[2]) + np.maximum(found[1], found[3])) / 2.0)
+            ends = np.array([getattr(length, key) for length in profile.lengths])[owner]
+            radii.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
+    return np.asarray((np.minimum(radii[0], radii[2]) + np.maximum(radii[1], radii[3])) / 2.0)
 
 
-def _solution(matrix: Any, number: int, known: dict[float, IntArray]) -> FloatArray:
-    """The field of least energy with some values given."""
+def _solution(matrix: Any, number: int, given: dict[float, IntArray]) -> FloatArray:
+    """Return the field of least energy with some values given."""
     field, free = np.zeros(number), np.ones(number, dtype=bool)
-    for value, unknowns in known.items():
+    for value, unknowns in given.items():
         field[unknowns], free[unknowns] = value, False
     rows = matrix[free]
-    factors = splu(
-        csc_array(rows[:, free]),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    field[free] = factors.solve(-(rows @ field))
+    field[free] = solve_symmetric(rows[:, free], -(rows @ field))
     return field

@@ -5,19 +5,16 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import skfem
 
 from torsion.assembly.junction.axisymmetric import Fields, on_mesh, solved
 from torsion.assembly.junction.profile import Profile
 from torsion.assembly.junction.profile_mesh import Meridian
+from torsion.assembly.triangle_fields import places_along
 from torsion.errors import SolveError
 from torsion.kernels.round_sections import section_modulus
 
 STEADY = 1e-3  # relative error at which the triangles are fine enough
 ROUNDS = 6
-_ALONG = np.linspace(
-    0.0, 1.0, 17
-)  # places on a side of the outline at which the stress is looked at
 
 
 @dataclass(frozen=True)
@@ -41,34 +38,25 @@ def fillet_stress(profile: Profile, steady: float = STEADY, beyond: float = 0.0)
     >>> round(fillet_stress(junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", 0.1))).factor, 2)
     1.39
     """
-    here = solved(profile).meridian
-    if not here.arcs:
+    mesh = solved(profile).meridian
+    if not mesh.arcs:
         raise ValueError("the line has no fillet")
     before = math.inf
     for _ in range(
         ROUNDS
     ):  # the first mesh is as good as the stiffness needs; the stress needs a finer one
-        here = here.refined(np.unique(here.mesh.f2t[0, here.fillets]))
-        found = _largest(profile, here, on_mesh(profile, here)[1], beyond)
-        error = max(found.error, abs(found.factor - before) / found.factor)
+        mesh = mesh.refined(np.unique(mesh.mesh.f2t[0, mesh.fillets]))
+        stress = _largest(profile, mesh, on_mesh(profile, mesh)[1], beyond)
+        error = max(stress.error, abs(stress.factor - before) / stress.factor)
         if error <= steady:
-            return replace(found, error=error)
-        before = found.factor
+            return replace(stress, error=error)
+        before = stress.factor
     raise SolveError("the stress in a fillet does not converge; look at its dimensions")
 
 
-def _largest(profile: Profile, here: Meridian, fields: Fields, beyond: float) -> FilletStress:
-    shape = fields.basis.mesh
-    facets = here.fillets[here.mesh.p[0, here.mesh.facets[:, here.fillets]].mean(axis=0) > beyond]
-    elements = np.unique(shape.f2t[0, facets])
-    zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
-    sides = np.concatenate(
-        [[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1
-    )  # in the order of t2f
-    places = skfem.Basis(
-        shape, fields.basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3))
-    )
-    shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
+def _largest(profile: Profile, mesh: Meridian, fields: Fields, beyond: float) -> FilletStress:
+    facets = mesh.fillets[mesh.mesh.p[0, mesh.mesh.facets[:, mesh.fillets]].mean(axis=0) > beyond]
+    places, shown = places_along(fields.basis, facets)
     z, r = np.asarray(places.global_coordinates())
     slopes = (
         np.hypot(*np.asarray(places.interpolate(field).grad)) for field in (fields.psi, fields.chi)
@@ -80,7 +68,7 @@ def _largest(profile: Profile, here: Meridian, fields: Fields, beyond: float) ->
     end = profile.smaller
     nominal = 2.0 * math.pi / float(section_modulus(end.outer[0], end.bore[0]))
     low, high = sorted(float(stress.max()) / nominal for stress in (by_angle, by_function))
-    at = np.unravel_index(int(np.argmax(by_angle + by_function)), r.shape)
+    worst = np.unravel_index(int(np.argmax(by_angle + by_function)), r.shape)
     return FilletStress(
-        (low + high) / 2.0, (high - low) / (high + low), (float(z[at]), float(r[at]))
+        (low + high) / 2.0, (high - low) / (high + low), (float(z[worst]), float(r[worst]))
     )

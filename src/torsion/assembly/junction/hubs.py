@@ -15,39 +15,44 @@ THIRD = (
 
 def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
     """The train with remarks on its hubs; and by name of a shaft the length (m) of it that does not twist in them."""
-    parts, stiff = list(train.parts), dict[str, float]()
+    stiff = dict[str, float]()
     for bar in train.bars:
-        record = parts[bar.part].shaft
+        record = train.parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
             left, error = seat_length(train, bar, hub)
             source = "of a torque that is handed over evenly"
             if error is not None:
-                of = f" of {hub.material}" if hub.material else ""
-                source = f"by finite elements{of} without slip, within {1e3 * error:.1g} mm"
+                material = f" of {hub.material}" if hub.material else ""
+                source = f"by finite elements{material} without slip, within {1e3 * error:.1g} mm"
             seat = f"its seat of {1e3 * hub.length:g} mm in the hub at its {hub.end} end twists as {1e3 * left:.4g} mm"
             remark = (
                 f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
             )
-            before = parts[bar.part].remark
-            parts[bar.part] = replace(
-                parts[bar.part], remark=f"{before}; {remark}" if before else remark
-            )
+            train = with_remark(train, bar.part, remark)
             stiff[bar.name] = stiff.get(bar.name, 0.0) + hub.length - left
-    return replace(train, parts=tuple(parts)), stiff
+    return train, stiff
+
+
+def with_remark(train: Train, part: int, remark: str) -> Train:
+    """Return the train with one more remark on a part."""
+    parts, before = list(train.parts), train.parts[part].remark
+    parts[part] = replace(parts[part], remark=f"{before}; {remark}" if before else remark)
+    return replace(train, parts=tuple(parts))
 
 
 def seat_length(train: Train, bar: Bar, hub: Hub) -> tuple[float, float | None]:
     """m of the shaft, which twists as much as its seat and the hub; and its error (m), None by formula."""
     if hub.diameter is None:
         return THIRD * hub.length, None
-    unit, own = bar.outer[0], train.shaft(bar).material
+    unit, material = bar.outer[0], train.shaft(bar).material
     modulus = (
-        train.materials[hub.material or own].shear_modulus / train.materials[own].shear_modulus
+        train.materials[hub.material or material].shear_modulus
+        / train.materials[material].shear_modulus
     )
-    found, error = bonded(
+    length, error = bonded(
         hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque, modulus
     )
-    return unit * found, unit * error
+    return unit * length, unit * error
 
 
 @lru_cache(maxsize=256)
@@ -67,5 +72,5 @@ def bonded(
 
     free = Length(REACH * (1.0 - bore) / 2.0, (1.0, 1.0), (bore, bore))
     seat = Length(length, (hub, hub), (bore, bore), modulus)
-    found = solved(Profile((free, seat), (None,), torque))
-    return found.excess_length, found.error
+    solution = solved(Profile((free, seat), (None,), torque))
+    return solution.excess_length, solution.error

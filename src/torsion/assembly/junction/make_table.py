@@ -23,10 +23,10 @@ def of_step(bore: float, height: float, share: float, fine: float = FINE) -> Sol
 
 def computed() -> JunctionTable:
     """The table, with its error at places between its own."""
-    found = [of_step(*map(float, place)) for place in product(*table_places())]
-    table = JunctionTable(np.array([one.excess_length for one in found]).reshape(SIZES), 0.0)
+    steps = [of_step(*map(float, sizes)) for sizes in product(*table_places())]
+    table = JunctionTable(np.array([step.excess_length for step in steps]).reshape(SIZES), 0.0)
     return replace(
-        table, error=float(max(errors_between(table, BETWEEN)) + max(one.error for one in found))
+        table, error=float(max(errors_between(table, BETWEEN)) + max(step.error for step in steps))
     )
 
 
@@ -36,9 +36,9 @@ def errors_between(table: JunctionTable, number: int, seed: int = 1) -> list[flo
     low[1], high[1] = np.log(low[1]), np.log(high[1])
     errors = []
     for bore, height, share in random.uniform(low, high, (number, 3)):
-        place = float(bore), float(np.exp(height)), float(share)
-        known = table.excess_length(place[0], place[1], place[1] * place[2])
-        errors.append(abs((known or 0.0) - of_step(*place).excess_length))
+        sizes = float(bore), float(np.exp(height)), float(share)
+        tabled = table.excess_length(sizes[0], sizes[1], sizes[1] * sizes[2])
+        errors.append(abs((tabled or 0.0) - of_step(*sizes).excess_length))
     return errors
 
 

@@ -64,13 +64,13 @@ class Corner:
         >>> round(Corner("chamfer", 1.0).polar_moment(2.0, 1.0), 9)  # pi/2 ((3^5 - 2^5)/5 - 2^4)
         41.154863762
         """
-        place, weight = np.polynomial.legendre.leggauss(16)
+        point, weight = np.polynomial.legendre.leggauss(16)
         up = min(self.size, height)
         if self.kind == "chamfer":
-            rise, along = 0.5 * up * (1.0 + place), np.full(16, 0.5 * up)
+            rise, along = 0.5 * up * (1.0 + point), np.full(16, 0.5 * up)
         else:
             half = 0.5 * math.acos(1.0 - up / self.size)
-            turned = half * (1.0 + place)
+            turned = half * (1.0 + point)
             rise, along = self.size * (1.0 - np.cos(turned)), self.size * half * np.cos(turned)
         ring = (
             rise * (2.0 * radius + rise) * (radius**2 + (radius + rise) ** 2)
@@ -92,7 +92,7 @@ class Profile:
     def plain(self) -> float:
         """Twist of its lengths each as if it were long; of a hub none."""
         return sum(
-            one.twist for one in (self.lengths if self.fixed == "end" else self.lengths[:-1])
+            length.twist for length in (self.lengths if self.fixed == "end" else self.lengths[:-1])
         )
 
     @property
@@ -104,10 +104,10 @@ class Profile:
     @property
     def places(self) -> tuple[float, ...]:
         """Where the lengths end, from 0 on."""
-        found = [0.0]
-        for one in self.lengths:
-            found.append(found[-1] + one.length)
-        return tuple(found)
+        ends = [0.0]
+        for length in self.lengths:
+            ends.append(ends[-1] + length.length)
+        return tuple(ends)
 
     @property
     def steps(self) -> tuple[tuple[float, float], ...]:
@@ -116,8 +116,7 @@ class Profile:
 
     @property
     def thinnest(self) -> float:
-        """The smallest outer diameter."""
-        return min(min(one.outer) for one in self.lengths)
+        return min(min(length.outer) for length in self.lengths)
 
     @property
     def smaller(self) -> Length:
@@ -151,8 +150,8 @@ def junction(
     lengths = (ends[0], *between, ends[1])
     corners: list[Corner | None] = [None] * (len(lengths) - 1)
     up = [
-        place
-        for place, (before, after) in enumerate(pairwise(lengths))
+        joint
+        for joint, (before, after) in enumerate(pairwise(lengths))
         if after.outer[0] > before.outer[1]
     ]
     if up:
@@ -163,7 +162,7 @@ def junction(
 def mirrored(profile: Profile) -> Profile:
     """The line from its other end."""
     turned = (
-        replace(one, outer=one.outer[::-1], bore=one.bore[::-1])
-        for one in reversed(profile.lengths)
+        replace(length, outer=length.outer[::-1], bore=length.bore[::-1])
+        for length in reversed(profile.lengths)
     )
     return Profile(tuple(turned), profile.corners[::-1])

@@ -38,10 +38,10 @@ class Arc:
         z, r = points
         edge = CLOSE * max(r1, abs(z1))
         inside = outline & (z > z0 + edge) & (z < z1 - edge) & (r > r0 + edge) & (r < r1 - edge)
-        found, center = points.copy(), np.array(self.center)[:, None]
+        moved, center = points.copy(), np.array(self.center)[:, None]
         away = points[:, inside] - center
-        found[:, inside] = center + away * (self.radius / np.hypot(*away))
-        return found
+        moved[:, inside] = center + away * (self.radius / np.hypot(*away))
+        return moved
 
 
 @dataclass(frozen=True)
@@ -61,23 +61,25 @@ class Meridian:
 
     def graded(self, times: int) -> "Meridian":
         """The triangles at sharp corners divided several times."""
-        found = self
+        graded = self
         for _ in range(times if self.sharp else 0):
-            z, r = found.mesh.p
-            here = np.any([np.hypot(z - z0, r - r0) <= CLOSE * r0 for z0, r0 in self.sharp], axis=0)
-            found = found.refined(np.flatnonzero(here[found.mesh.t].any(axis=0)))
-        return found
+            z, r = graded.mesh.p
+            is_sharp = np.any(
+                [np.hypot(z - z0, r - r0) <= CLOSE * r0 for z0, r0 in self.sharp], axis=0
+            )
+            graded = graded.refined(np.flatnonzero(is_sharp[graded.mesh.t].any(axis=0)))
+        return graded
 
     @property
     def fillets(self) -> IntArray:
         """Numbers of the mesh's facets along its fillets."""
         facets = np.asarray(self.mesh.boundary_facets())
         z, r = self.mesh.p[:, self.mesh.facets[:, facets]].mean(axis=1)
-        on = np.zeros(len(facets), dtype=bool)
+        is_round = np.zeros(len(facets), dtype=bool)
         for arc in self.arcs:
             (z0, z1), (r0, r1) = arc.box
-            on |= (z > z0) & (z < z1) & (r > r0) & (r < r1)
-        return facets[on]
+            is_round |= (z > z0) & (z < z1) & (r > r0) & (r < r1)
+        return facets[is_round]
 
     @property
     def curved(self) -> Any:
@@ -122,12 +124,11 @@ class _Fill:
 
     @property
     def below(self) -> float:
-        """r where the patch begins."""
         return self.r - self.depth
 
     @property
     def span(self) -> tuple[float, float]:
-        """z of the patch, ascending."""
+        """Ends of the patch along the axis, ascending."""
         return min(self.begin, self.behind), max(self.begin, self.behind)
 
     @property
@@ -138,22 +139,24 @@ class _Fill:
 
 def meridian(profile: Profile) -> Meridian:
     """The coarse mesh of a line. Raises ValueError where a corner cannot be filled as stated."""
-    core = profile.thinnest / 4.0 if any(0.0 in one.bore for one in profile.lengths) else 0.0
+    core = profile.thinnest / 4.0 if any(0.0 in length.bore for length in profile.lengths) else 0.0
     fills = _fills(profile, core)
     grains, sharp = _grains(profile, fills)
     lines = _lines(profile, fills, grains)
     radii = [_radii(profile, z, core, fills, grains) for z in lines]
     points, triangles = (
-        _Points(max(max(one.outer) for one in profile.lengths)),
+        _Points(max(max(length.outer) for length in profile.lengths)),
         list[tuple[int, int, int]](),
     )
     for (z0, left), (z1, right) in pairwise(zip(lines, radii, strict=True)):
         for (low0, low1), (high0, high1) in _strips(profile, (z0, z1), core, fills):
-            one = [points.at(z0, r) for r in left if low0 * (1 - CLOSE) <= r <= high0 * (1 + CLOSE)]
-            two = [
+            left_points = [
+                points.at(z0, r) for r in left if low0 * (1 - CLOSE) <= r <= high0 * (1 + CLOSE)
+            ]
+            right_points = [
                 points.at(z1, r) for r in right if low1 * (1 - CLOSE) <= r <= high1 * (1 + CLOSE)
             ]
-            triangles += _strip(points, one, two)
+            triangles += _strip(points, left_points, right_points)
     arcs = tuple(arc for fill in fills for arc in _fan(points, triangles, fill))
     mesh = skfem.MeshTri1(np.array(points.found).T.copy(), np.array(triangles).T.copy())
     return Meridian(mesh, arcs, tuple(sharp), core)
@@ -172,62 +175,65 @@ class _Points:
     def at(self, z: float, r: float) -> int:
         """The number of the point there."""
         key = round(z / self.scale / CLOSE), round(r / self.scale / CLOSE)
-        for one in ((key[0] + i, key[1] + k) for i in (0, -1, 1) for k in (0, -1, 1)):
-            if one in self.places:
-                return self.places[one]
+        for neighbour in ((key[0] + i, key[1] + k) for i in (0, -1, 1) for k in (0, -1, 1)):
+            if neighbour in self.places:
+                return self.places[neighbour]
         self.found.append((z, r))
         return self.places.setdefault(key, len(self.found) - 1)
 
 
 def _fills(profile: Profile, core: float) -> list[_Fill]:
-    found = []
-    for place, (corner, (before, after)) in enumerate(
+    fills = []
+    for joint, (corner, (before, after)) in enumerate(
         zip(profile.corners, profile.steps, strict=True)
     ):
         if corner is None or before == after:
             continue
         low, high = sorted((before / 2.0, after / 2.0))
         along, up = corner.legs(high - low)
-        smaller, larger = profile.lengths[place : place + 2][:: 1 if before < after else -1]
+        smaller, larger = profile.lengths[joint : joint + 2][:: 1 if before < after else -1]
         if along >= smaller.length:
             raise ValueError("a fillet or chamfer is longer than the shaft that it begins on")
         inner = max(2.0 * core, *smaller.bore, *larger.bore) / 2.0
         depth = min(along, (low - inner) / 2.0, larger.length / 3.0)
-        z = profile.places[place + 1]
-        found.append(
+        z = profile.places[joint + 1]
+        fills.append(
             _Fill(corner, z, low, z - along if before < after else z + along, low + up, depth)
         )
-    return found
+    return fills
 
 
 def _grains(
     profile: Profile, fills: list[_Fill]
 ) -> tuple[list[tuple[float, float, float]], list[tuple[float, float]]]:
     """Every corner (z, r) with the size of the triangles that it wants; and those corners that are sharp."""
-    found = [(fill.z, fill.r, fill.size) for fill in fills]
+    grains = [(fill.z, fill.r, fill.size) for fill in fills]
     sharp = [(fill.begin, fill.r) for fill in fills if fill.corner.kind == "chamfer"]
     filled = {(fill.z, fill.r) for fill in fills}
     wall = (
-        min(min(o - b for o, b in zip(one.outer, one.bore, strict=True)) for one in profile.lengths)
+        min(
+            min(o - b for o, b in zip(before.outer, before.bore, strict=True))
+            for before in profile.lengths
+        )
         / 2.0
     )
-    for z, (one, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
+    for z, (before, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
         outer, bore = (
-            (one.outer[1] / 2.0, two.outer[0] / 2.0),
-            (one.bore[1] / 2.0, two.bore[0] / 2.0),
+            (before.outer[1] / 2.0, two.outer[0] / 2.0),
+            (before.bore[1] / 2.0, two.bore[0] / 2.0),
         )
         for pair, r in (
             (outer, min(outer)),
             (bore, max(bore)),
         ):  # where a face meets the outside, or the inside
             if pair[0] != pair[1] and (z, r) not in filled:
-                found.append((z, r, min(abs(pair[1] - pair[0]), wall) / 2.0))
+                grains.append((z, r, min(abs(pair[1] - pair[0]), wall) / 2.0))
                 sharp.append((z, r))
     if profile.fixed == "face":
         edge = profile.places[-1], profile.lengths[0].outer[1] / 2.0
-        found.append((*edge, wall / 2.0))
+        grains.append((*edge, wall / 2.0))
         sharp.append(edge)
-    return found, sharp
+    return grains, sharp
 
 
 def _lines(
@@ -241,13 +247,13 @@ def _lines(
         for step in _steps(size)
         for side in (-1, 1)
     ]
-    for begin, one in zip(profile.places, profile.lengths, strict=False):
-        wall = (max(one.outer) - min(one.bore)) / 2.0
-        number = max(int(one.length / wall), 1)
-        wanted += [(begin + one.length * k / number, wall) for k in range(1, number)]
+    for begin, length in zip(profile.places, profile.lengths, strict=False):
+        wall = (max(length.outer) - min(length.bore)) / 2.0
+        number = max(int(length.length / wall), 1)
+        wanted += [(begin + length.length * k / number, wall) for k in range(1, number)]
     closed = [fill.span for fill in fills]
     return _thinned(
-        kept, [one for one in wanted if not any(low < one[0] < high for low, high in closed)]
+        kept, [line for line in wanted if not any(low < line[0] < high for low, high in closed)]
     )
 
 
@@ -272,14 +278,14 @@ def _radii(
     if profile.fixed == "face" and z == profile.places[-1]:
         kept.append(profile.lengths[0].outer[1] / 2.0)
     near = CLOSE * high
-    here = [
+    crossed = [
         fill
         for fill in fills
-        if min(abs(z - at) for at in (fill.begin, fill.z, fill.behind)) <= near
+        if min(abs(z - edge) for edge in (fill.begin, fill.z, fill.behind)) <= near
     ]
     kept += [
         r
-        for fill in here
+        for fill in crossed
         for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))
     ]
     wanted = [
@@ -294,7 +300,7 @@ def _radii(
         [
             (r, step)
             for r, step in wanted
-            if max(low, core) < r < high and not any(fill.below < r < fill.top for fill in here)
+            if max(low, core) < r < high and not any(fill.below < r < fill.top for fill in crossed)
         ],
     )
 
@@ -302,14 +308,14 @@ def _radii(
 def _thinned(kept: list[float], wanted: list[tuple[float, float]]) -> list[float]:
     """All that is kept, and of what is wanted with its spacing what does not crowd; inside of what is kept."""
     low, high = min(kept), max(kept)
-    found: list[float] = []
-    for one in sorted(kept):
-        if not found or one - found[-1] > CLOSE * max(high, high - low):
-            found.append(one)
-    for one, step in sorted(wanted, key=lambda pair: pair[1]):
-        if low < one < high and min(abs(one - other) for other in found) > CROWDED * step:
-            found.append(one)
-    return sorted(found)
+    radii: list[float] = []
+    for radius in sorted(kept):
+        if not radii or radius - radii[-1] > CLOSE * max(high, high - low):
+            radii.append(radius)
+    for radius, step in sorted(wanted, key=lambda pair: pair[1]):
+        if low < radius < high and min(abs(radius - present) for present in radii) > CROWDED * step:
+            radii.append(radius)
+    return sorted(radii)
 
 
 Pair = tuple[float, float]
@@ -326,48 +332,48 @@ def _strips(
         edges.insert(1, (core, core))
     if bore0 < profile.seat < outer0 * (1.0 - CLOSE):
         edges.insert(-1, (profile.seat, profile.seat))
-    found = list(pairwise(edges))
+    strips = list(pairwise(edges))
     for fill in fills:
         if fill.span[0] < amid < fill.span[1]:
-            inner, outer = found.pop()
-            found.append((inner, (fill.below, fill.below)))
+            inner, outer = strips.pop()
+            strips.append((inner, (fill.below, fill.below)))
             if min(fill.z, fill.behind) < amid < max(fill.z, fill.behind) and fill.top < outer0 * (
                 1.0 - CLOSE
             ):
-                found.append(((fill.top, fill.top), outer))
-    return found
+                strips.append(((fill.top, fill.top), outer))
+    return strips
 
 
-def _walls(profile: Profile, inside: float, at: Pair) -> tuple[Pair, Pair]:
+def _walls(profile: Profile, inside: float, ends: Pair) -> tuple[Pair, Pair]:
     """Bore and outer radius at two places of the length that a place is inside of; of both lengths at their joint."""
-    found = list[Pair]()
+    walls = list[Pair]()
     owners = [
-        (begin, one)
-        for begin, one in zip(profile.places, profile.lengths, strict=False)
-        if begin - CLOSE * one.length <= inside <= begin + one.length * (1.0 + CLOSE)
+        (begin, length)
+        for begin, length in zip(profile.places, profile.lengths, strict=False)
+        if begin - CLOSE * length.length <= inside <= begin + length.length * (1.0 + CLOSE)
     ]
-    for (begin, one), z in zip((owners[0], owners[-1]), at, strict=True):
-        share = (z - begin) / one.length
+    for (begin, length), z in zip((owners[0], owners[-1]), ends, strict=True):
+        share = (z - begin) / length.length
         bore, outer = (
-            (pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (one.bore, one.outer)
+            (pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (length.bore, length.outer)
         )
-        found.append((bore, outer))
-    return found[0], found[1]
+        walls.append((bore, outer))
+    return walls[0], walls[1]
 
 
 def _strip(points: _Points, left: list[int], right: list[int]) -> list[tuple[int, int, int]]:
     """Triangles between two rows of points."""
-    found, i, k = list[tuple[int, int, int]](), 0, 0
-    rows = [[points.found[one][1] for one in row] for row in (left, right)]
+    triangles, i, k = list[tuple[int, int, int]](), 0, 0
+    rows = [[points.found[number][1] for number in row] for row in (left, right)]
     share = [[(r - row[0]) / (row[-1] - row[0]) for r in row] for row in rows]
     while i < len(left) - 1 or k < len(right) - 1:
         if k == len(right) - 1 or (i < len(left) - 1 and share[0][i + 1] <= share[1][k + 1]):
-            found.append((left[i], right[k], left[i + 1]))
+            triangles.append((left[i], right[k], left[i + 1]))
             i += 1
         else:
-            found.append((left[i], right[k], right[k + 1]))
+            triangles.append((left[i], right[k], right[k + 1]))
             k += 1
-    return found
+    return triangles
 
 
 def _fan(points: _Points, triangles: list[tuple[int, int, int]], fill: _Fill) -> list[Arc]:
@@ -390,7 +396,7 @@ def _fan(points: _Points, triangles: list[tuple[int, int, int]], fill: _Fill) ->
         *rim,
     ]
     apex = points.at((fill.z + fill.behind) / 2.0, (fill.r + fill.below) / 2.0)
-    loop = [points.at(*one) for one in around]
-    triangles += [(apex, one, two) for one, two in pairwise([*loop, loop[0]])]
+    loop = [points.at(*point) for point in around]
+    triangles += [(apex, corner, two) for corner, two in pairwise([*loop, loop[0]])]
     low, high = sorted((fill.begin, fill.z))
     return [Arc(center, radius, ((low, high), (fill.r, fill.top)))] if is_round else []

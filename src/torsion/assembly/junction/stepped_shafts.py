@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import get_args
 
+from torsion.assembly.junction.hubs import with_hubs, with_remark
 from torsion.assembly.junction.profile import (
     Corner,
     CornerKind,
@@ -41,10 +42,10 @@ class End:
 def with_steps(train: Train) -> Train:
     """The train with a spring at every step that twists, by its own words; raises InputError with every fault."""
     faults = list[Fault]()
-    found = stepped(train, train.steps, faults)
+    result = stepped(train, train.steps, faults)
     if faults:
         raise InputError(faults)
-    return found
+    return result
 
 
 def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool = False) -> Train:
@@ -56,41 +57,43 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
     that a train with `steps` None states are in it already. by_table: no finite elements run; steps that need them
     are left out, and said to be.
     """
-    found, said, shorter = train, set[int](), dict[str, float]()
+    result, considered, shorter = train, set[int](), dict[str, float]()
     taken = {
         bar.name: sum(hub.length for hub in record.hubs)
         for bar in train.bars
         if (record := train.parts[bar.part].shaft) is not None
     }
-    for one, two in _adjoining(train):
-        record, path = train.shaft(one), (*train.parts[one.part].path, "step")
-        said.add(one.part)
+    for before, after in _adjoining(train):
+        record, path = train.shaft(before), (*train.parts[before.part].path, "step")
+        considered.add(before.part)
         if train.steps is None and record.step is not None:
             continue
         step = record.step or Step(
-            form=next((one for one in get_args(StepForm) if one == form), "none")
+            form=next((name for name in get_args(StepForm) if name == form), "none")
         )
         if step.form == "none":
             continue
-        ends = _end(train, one, 1), _end(train, two, 0)
+        ends = _end(train, before, 1), _end(train, after, 0)
         fault, excess, source = _twist(step, ends, path, taken, by_table=by_table)
         if fault or not source:
             if fault and (
                 record.step is not None
-                or max(ends[0].bore, ends[1].bore) >= min(one.outer[1], two.outer[0])
+                or max(ends[0].bore, ends[1].bore) >= min(before.outer[1], after.outer[0])
             ):
                 faults.append(fault)
-            if not _is_smooth(one, two):
+            if not _is_smooth(before, after):
                 why = fault.message if fault else "the table has no such step"
-                found = _remarked(found, one.part, f"its step to '{two.name}' is omitted: {why}")
+                result = with_remark(
+                    result, before.part, f"its step to '{after.name}' is omitted: {why}"
+                )
             continue
         smaller = min(ends, key=lambda end: end.outer)
-        remark = f"its step to '{two.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
-        found = _remarked(found, one.part, f"{remark} beyond both shafts, {source}")
+        remark = f"its step to '{after.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
+        result = with_remark(result, before.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
-        found = _with_inertias(found, step, one.driven, ends)
+        result = _with_inertias(result, step, before.driven, ends)
         if excess > 0.0:
-            found = _with_spring(found, one, two, smaller, excess)
+            result = _with_spring(result, before, after, smaller, excess)
         elif saved <= MOST * smaller.bar.length:
             shorter[smaller.bar.name] = saved
         else:
@@ -99,63 +102,65 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                 Fault(path, message, "give the stiffness of both as a `coupling` in its place")
             )
     if train.steps is not None and train.has_hubs:
-        found, shorter = _hubs(found, shorter, faults)
+        result, shorter = _hubs(result, shorter, faults)
     bars = [
         replace(
             bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length)
         )
-        for bar in found.bars
+        for bar in result.bars
     ]
-    found = replace(found, bars=tuple(bars), steps=None)
+    result = replace(result, bars=tuple(bars), steps=None)
     for number, part in () if train.steps is None else train.of_kind("shaft"):
-        if part.shaft is not None and part.shaft.step is not None and number not in said:
+        if part.shaft is not None and part.shaft.step is not None and number not in considered:
             hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
             faults.append(
                 Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint)
             )
-    return found
+    return result
 
 
 def _hubs(
     train: Train, shorter: dict[str, float], faults: list[Fault]
 ) -> tuple[Train, dict[str, float]]:
     """The train, and what fillets and hubs together take from the length (m) of each shaft."""
-    from torsion.assembly.junction.hubs import with_hubs
-
-    train, found = with_hubs(train)
+    train, saved = with_hubs(train)
     for bar in train.bars:
-        found[bar.name] = found.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
-        if found[bar.name] > MOST_WITH_HUBS * bar.length:
+        saved[bar.name] = saved.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
+        if saved[bar.name] > MOST_WITH_HUBS * bar.length:
             message = f"hubs and fillets take up the complete twist of '{bar.name}'"
             faults.append(
                 Fault(train.parts[bar.part].path, message, "join it with the adjacent shaft")
             )
-            del found[bar.name]
-    return train, found
+            del saved[bar.name]
+    return train, saved
 
 
-def _end(train: Train, bar: Bar, at: int) -> End:
+def _end(train: Train, bar: Bar, end: int) -> End:
     """One end of a shaft, of its material's modulus: what hubs and fillets take from its twist is not there."""
     if bar.section is None:
         bar = replace(bar, shear_modulus=train.materials[train.shaft(bar).material].shear_modulus)
-    return End(bar, bar.outer[at], bar.bore[at])
+    return End(bar, bar.outer[end], bar.bore[end])
 
 
 def has_unstated(train: Train) -> bool:
     """Shafts of unlike diameter or bore meet, and neither says anything of their step."""
     return any(
-        train.shaft(one).step is None and not _is_smooth(one, two) for one, two in _adjoining(train)
+        train.shaft(before).step is None and not _is_smooth(before, after)
+        for before, after in _adjoining(train)
     )
 
 
-def _is_smooth(one: Bar, two: Bar) -> bool:
-    return one.section is two.section and (one.outer[1], one.bore[1]) == (two.outer[0], two.bore[0])
+def _is_smooth(before: Bar, after: Bar) -> bool:
+    return before.section is after.section and (before.outer[1], before.bore[1]) == (
+        after.outer[0],
+        after.bore[0],
+    )
 
 
 def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
     """Every two shafts, the second of which begins where the first ends, with nothing else there."""
     touching = Counter(
-        getattr(one, end)
+        getattr(primitive, end)
         for kind in (
             train.inertias,
             train.springs,
@@ -164,9 +169,9 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
             train.dampers,
             train.torques,
         )
-        for one in kind
+        for primitive in kind
         for end in ENDS
-        if hasattr(one, end)
+        if hasattr(primitive, end)
     )
     ends = {bar.driven: bar for bar in train.bars}
     for bar in train.bars:
@@ -177,7 +182,7 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
             or train.stations[bar.driving].part != before.part
         ):
             continue
-        if all(train.parts[one.part].shaft is not None for one in (before, bar)):
+        if all(train.parts[shaft.part].shaft is not None for shaft in (before, bar)):
             yield before, bar
 
 
@@ -208,13 +213,13 @@ def _fault(
     step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float]
 ) -> Fault | None:
     """taken: m of each shaft under the corners and hubs so far."""
-    one, two = ends
-    names = f"'{one.bar.name}' and '{two.bar.name}'"
+    first, second = ends
+    names = f"'{first.bar.name}' and '{second.bar.name}'"
     if any(end.bar.section is not None for end in ends):
         return Fault(
             path, f"one of {names} has a `section` by mesh", "a step lies between two round shafts"
         )
-    if max(one.bore, two.bore) >= min(one.outer, two.outer):
+    if max(first.bore, second.bore) >= min(first.outer, second.outer):
         return Fault(
             path,
             f"{names} do not touch",
@@ -230,14 +235,14 @@ def _fault(
                 f"the flange is not larger than {names}",
                 "`diameter` is its outer one",
             )
-    elif one.outer == two.outer:
+    elif first.outer == second.outer:
         return Fault(
             path, f"{names} have the same diameter", "leave `step` out, or give a `flange`"
         )
     height, reach = (face - smaller.outer) / 2.0, 0.0
     if step.undercut is not None:
         floor, reach = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
-        if floor <= max(one.bore, two.bore):
+        if floor <= max(first.bore, second.bore):
             return Fault(
                 (*path, "undercut"),
                 "the undercut is deeper than the wall of the shaft",
@@ -264,40 +269,48 @@ def _fault(
     return None
 
 
-def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> tuple[float, str]:
+def excess_length(
+    step: Step, first: End, second: End, *, by_table: bool = False
+) -> tuple[float, str]:
     """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words.
 
     by_table: without words where the table has no such step, in place of finite elements.
     """
-    smaller, larger = sorted((one, two), key=lambda end: end.outer)
+    smaller, larger = sorted((first, second), key=lambda end: end.outer)
     unit = smaller.outer
     if step.form == "handbook":
         return unit * handbook(larger.outer / unit), (
             "by a handbook's table, not checked against the edition in force, to be verified"
         )
     is_plain = step.chamfer is None and step.undercut is None and step.flange is None
-    if is_plain and one.bore == two.bore and one.bar.shear_modulus == two.bar.shear_modulus:
+    if (
+        is_plain
+        and first.bore == second.bore
+        and first.bar.shear_modulus == second.bar.shear_modulus
+    ):
         height = (larger.outer - unit) / 2.0
-        known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
-        if known is not None:
+        tabled = junction_table().excess_length(
+            smaller.bore / unit, height / unit, step.size / unit
+        )
+        if tabled is not None:
             return (
-                unit * known,
+                unit * tabled,
                 f"from the table of finite elements, within {junction_table().error:.1g} diameters",
             )
     if by_table:
         return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
 
-    found = solved(profile_of(step, one, two))
-    own = _between(step, smaller)
+    solution = solved(profile_of(step, first, second))
+    pieces = _between(step, smaller)
     area = float(polar_area_moment(smaller.outer, smaller.bore))
-    beside = sum(
+    beyond = sum(
         piece.length * area / float(polar_area_moment(piece.outer[0], piece.bore[0]))
-        for piece in own
+        for piece in pieces
     )
     inside = step.undercut.width if step.undercut is not None else 0.0
-    excess = unit * found.excess_length + beside - inside
-    return excess, f"by finite elements, within {found.error:.1g} diameters"
+    excess = unit * solution.excess_length + beyond - inside
+    return excess, f"by finite elements, within {solution.error:.1g} diameters"
 
 
 def _between(step: Step, smaller: End) -> tuple[Length, ...]:
@@ -311,16 +324,16 @@ def _between(step: Step, smaller: End) -> tuple[Length, ...]:
     return (Length(length, (size, size), (smaller.bore, smaller.bore)),)
 
 
-def profile_of(step: Step, one: End, two: End) -> Profile:
+def profile_of(step: Step, first: End, second: End) -> Profile:
     """The outline of a step, in units of its smaller diameter."""
-    smaller, larger = sorted((one, two), key=lambda end: end.outer)
+    smaller, larger = sorted((first, second), key=lambda end: end.outer)
     unit = smaller.outer
     corner = (
         Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
     )
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
     moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
-    between = (one.in_units(unit) for one in _between(step, smaller))
+    between = (length.in_units(unit) for length in _between(step, smaller))
     return junction(sizes[0], sizes[1], corner, moduli=moduli, between=tuple(between))
 
 
@@ -330,30 +343,32 @@ def stressed_profile(train: Train, step: Step, smaller: End, larger: End) -> tup
     Both steps of a short shaft between two larger ones are in it, as they share their field.
     """
     profile, bar = profile_of(step, smaller, larger), smaller.bar
-    other = next(
+    opposite = next(
         (
-            (found or Step(form="sharp"), low, high)
-            for found, one, two, low, high in corners(train)
+            (stated or Step(form="sharp"), low, high)
+            for stated, before, after, low, high in corners(train)
             if low.bar.name == bar.name
-            and larger.bar.name not in (one.name, two.name)
+            and larger.bar.name not in (before.name, after.name)
             and high.outer > low.outer
         ),
         None,
     )
     if (
-        other is None
+        opposite is None
         or len({*bar.outer}) > 1
         or len({*bar.bore}) > 1
         or bar.length >= SHORT * smaller.outer
     ):
         return profile, 0.0
-    behind = mirrored(profile_of(*other))
-    grooves = sum(each.undercut.width for each in (step, other[0]) if each.undercut is not None)
+    behind = mirrored(profile_of(*opposite))
+    grooves = sum(
+        detail.undercut.width for detail in (step, opposite[0]) if detail.undercut is not None
+    )
     between = replace(profile.lengths[0], length=(bar.length - grooves) / smaller.outer)
-    whole = Profile(
+    both_steps = Profile(
         (*behind.lengths[:-1], between, *profile.lengths[1:]), (*behind.corners, *profile.corners)
     )
-    return whole, behind.places[-2] + between.length / 2.0
+    return both_steps, behind.places[-2] + between.length / 2.0
 
 
 def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
@@ -362,31 +377,33 @@ def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
     behind = {
         spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)
     }
-    for one in train.bars:
-        two = starts.get(behind.get(one.driven, one.driven))
-        if two is not None and all(train.parts[bar.part].shaft is not None for bar in (one, two)):
-            ends = _end(train, one, 1), _end(train, two, 0)
+    for before in train.bars:
+        after = starts.get(behind.get(before.driven, before.driven))
+        if after is not None and all(
+            train.parts[bar.part].shaft is not None for bar in (before, after)
+        ):
+            ends = _end(train, before, 1), _end(train, after, 0)
             smaller, larger = sorted(ends, key=lambda end: end.outer)
-            yield train.shaft(one).step, one, two, smaller, larger
+            yield train.shaft(before).step, before, after, smaller, larger
 
 
 def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
     """Both shafts at every corner of no stated radius, and what it is: also beside a fillet, and in the bore."""
     wide = {inertia.station for inertia in train.inertias}
-    for step, one, two, smaller, larger in corners(train):
-        if step is not None and (step.round or not _is_smooth(one, two)):
+    for step, before, after, smaller, larger in corners(train):
+        if step is not None and (step.round or not _is_smooth(before, after)):
             if not step.round:
                 yield (
-                    one,
-                    two,
+                    before,
+                    after,
                     "sharp step" if step.form == "sharp" else "step" if step.form else step.words,
                 )
             elif not step.fillet:
-                yield one, two, f"other corner of the {step.words}"
+                yield before, after, f"other corner of the {step.words}"
             if step.round and smaller.bore != larger.bore:
-                yield one, two, f"corner in the bore, at the {step.words},"
-        elif step is None and one.driven not in wide and not _is_smooth(one, two):
-            yield one, two, "step"
+                yield before, after, f"corner in the bore, at the {step.words},"
+        elif step is None and before.driven not in wide and not _is_smooth(before, after):
+            yield before, after, "step"
 
 
 def handbook(larger: float) -> float:
@@ -401,54 +418,51 @@ def handbook(larger: float) -> float:
     raise ValueError("the larger diameter is the smaller one")
 
 
-def _remarked(train: Train, part: int, remark: str) -> Train:
-    parts = list(train.parts)
-    before = parts[part].remark
-    parts[part] = replace(parts[part], remark=f"{before}; {remark}" if before else remark)
-    return replace(train, parts=tuple(parts))
-
-
 def _with_inertias(train: Train, step: Step, station: int, ends: tuple[End, End]) -> Train:
     """The train with the inertia of what fills the corner of a step, and of its flange."""
     smaller, larger = sorted(ends, key=lambda end: end.outer)
-    density, part, found = smaller.bar.density, smaller.bar.part, list[Inertia]()
+    density, part, inertias = smaller.bar.density, smaller.bar.part, list[Inertia]()
     if step.size and step.undercut is None:
         kind: CornerKind = "fillet" if step.round else "chamfer"
         face = larger.outer if step.flange is None else step.flange.diameter
         moment = Corner(kind, step.size).polar_moment(
             smaller.outer / 2.0, (face - smaller.outer) / 2.0
         )
-        found.append(Inertia(station, density * moment, part, kind))
+        inertias.append(Inertia(station, density * moment, part, kind))
     if step.flange is not None:
         area = float(polar_area_moment(step.flange.diameter, smaller.bore))
-        found.append(Inertia(station, density * area * step.flange.thickness, part, "flange"))
-    return replace(train, inertias=(*train.inertias, *found))
+        inertias.append(Inertia(station, density * area * step.flange.thickness, part, "flange"))
+    return replace(train, inertias=(*train.inertias, *inertias))
 
 
-def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) -> Train:
+def _with_spring(
+    train: Train, before_step: Bar, after_step: Bar, smaller: End, excess: float
+) -> Train:
     """The train with a spring between two of its shafts; excess: m of the smaller shaft."""
     area = float(polar_area_moment(smaller.outer, smaller.bore))
     flexibility = excess / smaller.bar.shear_modulus / area
-    before, new = train.stations[one.driven], len(train.stations)
+    before, new = train.stations[before_step.driven], len(train.stations)
     spring = Spring(
-        f"{one.name}{STEP}",
-        one.part,
-        one.driven,
+        f"{before_step.name}{STEP}",
+        before_step.part,
+        before_step.driven,
         new,
         flexibility,
         loss_factor=smaller.bar.loss_factor,
     )
     parts = list(train.parts)
-    parts[two.part] = replace(parts[two.part], stations=(new, *parts[two.part].stations[1:]))
+    parts[after_step.part] = replace(
+        parts[after_step.part], stations=(new, *parts[after_step.part].stations[1:])
+    )
     return replace(
         train,
         springs=(*train.springs, spring),
         parts=tuple(parts),
         bars=tuple(
-            replace(bar, driving=new) if bar.name == two.name else bar for bar in train.bars
+            replace(bar, driving=new) if bar.name == after_step.name else bar for bar in train.bars
         ),
         stations=(
             *train.stations,
-            Station(f"{two.name} start", two.part, before.ratio, before.sense),
+            Station(f"{after_step.name} start", after_step.part, before.ratio, before.sense),
         ),
     )

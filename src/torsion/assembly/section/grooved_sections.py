@@ -21,9 +21,9 @@ from torsion.assembly.section.section_torsion import (
     largest_slope,
     plane_forms,
     shape_of,
-    solution,
     stress_function,
 )
+from torsion.assembly.triangle_fields import solve_symmetric
 from torsion.errors import SolveError
 
 STEADY = 1e-3  # relative error at which the triangles are fine enough
@@ -47,25 +47,14 @@ class Piece:
     within: tuple[float, float]  # angles on the circle within to which its ends are joined
     sides: tuple[float, ...]  # shares of it at which its sides end, from 0 to 1
     center: tuple[float, float] | None = None  # of an arc, taken the shorter way around
-    base: float = 0.0  # radius of the base circle of an involute that goes away from the groove's axis; 0 for none
 
     def at(self, share: FloatArray) -> FloatArray:
-        """(2, shares) the points there; along an involute by shares of the string, which keeps it smooth."""
-        if self.base:
-            first, last = (
-                math.sqrt(math.hypot(*one) ** 2 - self.base**2) for one in (self.start, self.end)
-            )
-            string = first + (last - first) * share
-            turns = string / self.base - np.arctan(string / self.base)
-            angle = math.atan2(*self.start) + turns - involute(first / self.base)
-            return np.asarray(
-                np.hypot(string, self.base) * np.array([np.sin(angle), np.cos(angle)])
-            )
+        """Return the points there, (2, shares)."""
         start, end = np.array(self.start), np.array(self.end)
         if self.center is None:
             return np.asarray(start[:, None] + np.outer(end - start, share))
         center = np.array(self.center)
-        turn = [math.atan2(*(one - center)[::-1]) for one in (start, end)]
+        turn = [math.atan2(*(point - center)[::-1]) for point in (start, end)]
         swept = math.remainder(turn[1] - turn[0], math.tau) * share
         return np.asarray(
             center[:, None]
@@ -131,54 +120,6 @@ def splines(root: float, tooth: float, fillet: float, number: int, bore: float =
     return _grooved(points, fillet, number, bore, is_flat=False)
 
 
-def involute(tangent: float) -> float:
-    """tan a - a, by the tangent of the pressure angle.
-
-    >>> round(involute(math.tan(math.radians(30.0))), 7)
-    0.0537515
-    """
-    return tangent - math.atan(tangent)
-
-
-def involute_splines(
-    module: float,
-    number: int,
-    root: float,
-    fillet: float,
-    *,
-    angle: float = math.pi / 6.0,
-    shift: float = 0.0,
-    bore: float = 0.0,
-) -> Grooved:
-    """Involute splines with a round fillet; lengths in radii of the shaft, which is that over the teeth.
-
-    angle: of pressure (rad) on the reference circle, module * number / 2, where a tooth is module * (pi/2 + 2 shift tan
-    angle) wide. The fillet touches the root circle and the flank: its centre is on the involute of the same base circle
-    whose string is longer by its radius. DIN 5480 (from memory, to be verified) has 30 degrees, a shaft of module
-    (number + 2 shift + 0.9), a root of module (number + 2 shift - 1.2) by hobbing and a fillet of 0.16 modules.
-    Raises ValueError where the fillet reaches below the base circle or above the teeth.
-    """
-    pitch, base = math.pi / number, 0.5 * module * number * math.cos(angle)
-    at_base = (0.5 * math.pi + 2.0 * shift * math.tan(angle)) / number + involute(math.tan(angle))
-    long = math.sqrt(max((root + fillet) ** 2 - base**2, 0.0))  # string of the fillet's centre
-    if long < fillet or math.hypot(base, long - fillet) >= 1.0:
-        raise ValueError("the fillet does not end on the flank")
-
-    def turned(radius: float, half: float) -> tuple[float, float]:
-        return radius * math.sin(pitch - half), radius * math.cos(pitch - half)
-
-    own, top = ((string / base) for string in (long - fillet, math.sqrt(1.0 - base**2)))
-    points = [
-        (0.0, root),
-        turned(root, at_base + fillet / base - involute(long / base)),
-        turned(math.hypot(base, long - fillet), at_base - involute(own)),
-        turned(1.0, at_base - involute(top)),
-    ]
-    if points[1][0] < 0.0 or at_base <= involute(top):
-        raise ValueError("the fillets do not fit between the teeth, or the teeth are pointed")
-    return _grooved(points, fillet, number, bore, is_flat=False, base=base)
-
-
 def _grooved(
     points: list[tuple[float, float]],
     fillet: float,
@@ -186,7 +127,6 @@ def _grooved(
     bore: float,
     *,
     is_flat: bool,
-    base: float = 0.0,
 ) -> Grooved:
     """Floor, fillet, flank and circumference, from the groove's axis on; a floor that is not flat is round.
 
@@ -194,13 +134,15 @@ def _grooved(
     one.
     """
     (_, root), (x, y), (half, _), _ = points
-    least = max(bore, half) if is_flat else bore
+    innermost = max(bore, half) if is_flat else bore
     within = (
-        least + (root - least) * 0.5
+        innermost + (root - innermost) * 0.5
     )  # between the floor and what is below it, wide enough for the flanks
     if not is_flat:
         within = max(within, root * (1.0 - BELOW * math.pi / number))
-    angles = [math.asin(one[0] / within) if is_flat else math.atan2(*one) for one in points[1:3]]
+    angles = [
+        math.asin(point[0] / within) if is_flat else math.atan2(*point) for point in points[1:3]
+    ]
     center = (x, y + fillet) if is_flat else (x * (1.0 + fillet / root), y * (1.0 + fillet / root))
     floor = None if is_flat else (0.0, 0.0)
     last = math.pi / number
@@ -222,34 +164,34 @@ def _grooved(
         Piece(
             points[1], points[2], (low, high), tuple(np.linspace(0.0, 1.0, IN_FILLET + 1)), center
         ),
-        Piece(points[2], points[3], (high, top), graded(lengths[2], fine), base=base),
+        Piece(points[2], points[3], (high, top), graded(lengths[2], fine)),
         Piece(
             points[3],
             (math.sin(last), math.cos(last)),
             (top, last),
-            graded(arc, max(fine, lengths[2] / 4.0), most=WIDEST),
+            graded(arc, max(fine, lengths[2] / 4.0), longest=WIDEST),
             (0.0, 0.0),
         ),
     ]
-    kept = tuple(one for one in pieces if math.dist(one.start, one.end) > CLOSE)
+    kept = tuple(piece for piece in pieces if math.dist(piece.start, piece.end) > CLOSE)
     foot, below = points[2], (within * math.sin(high), within * math.cos(high))
     return Grooved(kept, number, within, bore, min(fine / math.dist(foot, below), 0.5))
 
 
 def graded(
-    length: float, first: float, *, at_end: bool = False, most: float = math.inf
+    length: float, first: float, *, at_end: bool = False, longest: float = math.inf
 ) -> tuple[float, ...]:
     """Shares of a piece at which its sides end, each twice as long as the one before it.
 
     >>> graded(7.0, 1.0), graded(3.0, 1.0, at_end=True)
     ((0.0, 0.14285714285714285, 0.42857142857142855, 1.0), (0.0, 0.6666666666666667, 1.0))
     """
-    found, step = [0.0], first
-    while found[-1] + 1.5 * step < length:
-        found.append(found[-1] + step)
-        step = min(2.0 * step, most)
-    shares = [one / length if length else 0.0 for one in found] + [1.0]
-    return tuple(1.0 - one for one in reversed(shares)) if at_end else tuple(shares)
+    ends, step = [0.0], first
+    while ends[-1] + 1.5 * step < length:
+        ends.append(ends[-1] + step)
+        step = min(2.0 * step, longest)
+    shares = [end / length if length else 0.0 for end in ends] + [1.0]
+    return tuple(1.0 - share for share in reversed(shares)) if at_end else tuple(shares)
 
 
 @lru_cache(maxsize=256)
@@ -264,11 +206,11 @@ def groove_stress(section: Grooved) -> GrooveStress:
     """
     before = math.inf
     for halved in range(ROUNDS):
-        found = on_mesh(section, 2**halved)
-        error = max(found.error, abs(found.factor - before) / found.factor)
+        stress = on_mesh(section, 2**halved)
+        error = max(stress.error, abs(stress.factor - before) / stress.factor)
         if error <= STEADY:
-            return GrooveStress(found.factor, error, found.constant, found.slope)
-        before = found.factor
+            return GrooveStress(stress.factor, error, stress.constant, stress.slope)
+        before = stress.factor
     raise SolveError("the stress in a groove does not converge", "look at its dimensions")
 
 
@@ -290,13 +232,13 @@ def on_mesh(section: Grooved, divided: int) -> GrooveStress:
     lower, phi = stress_function(basis, stiffness, edge, facets)
     free = np.setdiff1d(np.arange(basis.N), basis.get_dofs(mirrors).all())
     warping = np.zeros(basis.N)
-    warping[free] = solution(stiffness[free][:, free], turning[free])
+    warping[free] = solve_symmetric(stiffness[free][:, free], turning[free])
     upper = polar - float(turning @ warping)
-    low, high = (2.0 * section.number * one for one in (lower, upper))
+    low, high = (2.0 * section.number * bound for bound in (lower, upper))
     slopes = largest_slope(basis, phi)[0], largest_slope(basis, warping, turning=1.0)[0]
-    slope, apart = sum(slopes) / 2.0, abs(slopes[1] - slopes[0]) / sum(slopes)
+    slope, difference = sum(slopes) / 2.0, abs(slopes[1] - slopes[0]) / sum(slopes)
     plain = math.pi / 2.0 * (1.0 - section.bore**4)
-    return GrooveStress(slope * plain / ((low + high) / 2.0), apart, (low, high), slope)
+    return GrooveStress(slope * plain / ((low + high) / 2.0), difference, (low, high), slope)
 
 
 def _facets(section: Grooved, shape: "skfem.MeshTri2") -> tuple[IntArray, ...]:
@@ -334,8 +276,8 @@ def sector(section: Grooved, divided: int) -> Triangles:
     if not section.bore:
         places[:, -1] = places[0, -1]
     nodes = _triangles(places, is_solid=not section.bore)
-    used, place = np.unique(nodes, return_inverse=True)
-    return Triangles(points.reshape(2, -1).T[used], place.reshape(nodes.shape).astype(np.int64))
+    used, position = np.unique(nodes, return_inverse=True)
+    return Triangles(points.reshape(2, -1).T[used], position.reshape(nodes.shape).astype(np.int64))
 
 
 def _nodes(breaks: Sequence[float], divided: int) -> FloatArray:
@@ -347,21 +289,24 @@ def _nodes(breaks: Sequence[float], divided: int) -> FloatArray:
 
 def _triangles(number: IntArray, *, is_solid: bool) -> IntArray:
     """(triangles, 6) of a grid of nodes, two to a cell of three by three; one where its last side is a point."""
-    whole = slice(None, -1) if is_solid else slice(None)
+    cells = slice(None, -1) if is_solid else slice(None)
     rows, columns = number.shape
     grid = {
         (i, k): number[i : rows - 2 + i : 2, k : columns - 2 + k : 2]
         for i in range(3)
         for k in range(3)
     }
-    one = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)]
+    lower_half = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)]
     two = [(0, 0), (2, 2), (0, 2), (1, 1), (1, 2), (0, 1)]
-    found = [np.stack([grid[key][:, whole].ravel() for key in keys], axis=1) for keys in (one, two)]
+    triangles = [
+        np.stack([grid[key][:, cells].ravel() for key in keys], axis=1)
+        for keys in (lower_half, two)
+    ]
     if is_solid:
-        found.append(
+        triangles.append(
             np.stack(
                 [grid[key][:, -1] for key in [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (0, 1)]],
                 axis=1,
             )
         )
-    return np.concatenate(found)
+    return np.concatenate(triangles)

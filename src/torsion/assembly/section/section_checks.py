@@ -74,8 +74,10 @@ def _counterclockwise(mesh: Triangles) -> Triangles:
         raise _triangle(mesh, turned, "is turned inside out by a node amid its sides", "mesh anew")
     inverted = twice[:, 0] < 0
     if np.any(inverted):
-        less = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
-        raise _triangle(mesh, less, "is inverted", "the corners of all triangles turn the same way")
+        minority = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
+        raise _triangle(
+            mesh, minority, "is inverted", "the corners of all triangles turn the same way"
+        )
     return mesh
 
 
@@ -110,8 +112,10 @@ def _refuse_broken_sides(mesh: Triangles) -> None:
     np.minimum.at(low, edge, sides[:, 2])
     torn = sides[:, 2] != low[edge]
     if np.any(torn):
-        at = mesh.points[sides[np.argmax(torn), 2]]
-        raise SectionFault("two triangles do not share the node amid their side", "mesh anew", at)
+        point = mesh.points[sides[np.argmax(torn), 2]]
+        raise SectionFault(
+            "two triangles do not share the node amid their side", "mesh anew", point
+        )
 
 
 def _refuse_pieces(mesh: Triangles) -> None:
@@ -125,9 +129,9 @@ def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
     """No point of the boundary is passed twice."""
     count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
     if np.any(count > 1):
-        at = mesh.points[np.argmax(count)]
+        point = mesh.points[np.argmax(count)]
         raise SectionFault(
-            "the parts of the section meet only in a point", "a cross-section is one piece", at
+            "the parts of the section meet only in a point", "a cross-section is one piece", point
         )
 
 
@@ -140,38 +144,51 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
     for begin in range(0, len(start), _BLOCK):
         block = slice(begin, begin + _BLOCK)
         near = np.all((low[block, None] <= high) & (low <= high[block, None]), axis=2)
-        one, other = np.nonzero(
+        side, facing = np.nonzero(
             near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None])
         )
-        one = one + begin
+        side = side + begin
         meets = _meet(
-            np.stack([start[one], end[one]]),
-            np.stack([start[other], end[other]]),
+            np.stack([start[side], end[side]]),
+            np.stack([start[facing], end[facing]]),
             mesh.points,
             tolerance,
         )
         if np.any(meets):
             hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
             raise SectionFault(
-                "the boundary of the section meets itself", hint, p[one[np.argmax(meets)]]
+                "the boundary of the section meets itself", hint, p[side[np.argmax(meets)]]
             )
 
 
-def _meet(one: IntArray, other: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
+def _meet(first: IntArray, second: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
     """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
-    found = np.zeros(one.shape[1], dtype=bool)
-    for end, (a, b) in ((one[0], other), (one[1], other), (other[0], one), (other[1], one)):
-        found |= (
+    touches = np.zeros(first.shape[1], dtype=bool)
+    for end, (a, b) in (
+        (first[0], second),
+        (first[1], second),
+        (second[0], first),
+        (second[1], first),
+    ):
+        touches |= (
             (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
         )
     side = [
         np.sign(_cross(points[b] - points[a], points[c] - points[a]))
-        for a, b, c in ((*one, other[0]), (*one, other[1]), (*other, one[0]), (*other, one[1]))
+        for a, b, c in (
+            (*first, second[0]),
+            (*first, second[1]),
+            (*second, first[0]),
+            (*second, first[1]),
+        )
     ]
     shared = (
-        (one[0] == other[0]) | (one[0] == other[1]) | (one[1] == other[0]) | (one[1] == other[1])
+        (first[0] == second[0])
+        | (first[0] == second[1])
+        | (first[1] == second[0])
+        | (first[1] == second[1])
     )
-    return np.asarray(found | (~shared & (side[0] * side[1] < 0) & (side[2] * side[3] < 0)))
+    return np.asarray(touches | (~shared & (side[0] * side[1] < 0) & (side[2] * side[3] < 0)))
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

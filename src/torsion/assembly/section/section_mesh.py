@@ -25,8 +25,10 @@ _GAUSS = np.polynomial.legendre.leggauss(2)  # exact for the area under a parabo
 class SectionFault(Exception):
     """What is wrong with a mesh as a cross-section, what would be right, and at which point it is."""
 
-    def __init__(self, message: str, hint: str = "", at: FloatArray | None = None) -> None:
-        self.message = message if at is None else f"{message} at ({at[0]:.6g}, {at[1]:.6g})"
+    def __init__(self, message: str, hint: str = "", point: FloatArray | None = None) -> None:
+        self.message = (
+            message if point is None else f"{message} at ({point[0]:.6g}, {point[1]:.6g})"
+        )
         self.hint = hint
         super().__init__(self.message)
 
@@ -81,17 +83,17 @@ def read_triangles(file: str | Path) -> Triangles:
     ).astype(np.int64)
     if nodes.min() < 0 or nodes.max() >= len(mesh.points):
         raise SectionFault("a triangle of the mesh names a point that is not there")
-    used, place = np.unique(nodes, return_inverse=True)
-    flat, nodes = _flat(np.asarray(mesh.points, dtype=float)[used]), place.reshape(nodes.shape)
+    used, position = np.unique(nodes, return_inverse=True)
+    flat, nodes = _flat(np.asarray(mesh.points, dtype=float)[used]), position.reshape(nodes.shape)
     return Triangles(flat, nodes) if PLANE[kinds[0]] == 6 else with_middles(flat, nodes)
 
 
 def with_middles(points: FloatArray, corners: IntArray) -> Triangles:
     """Straight triangles (triangles, 3) with a node in the middle of every side."""
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges, _, place = edges_of(sides)
+    edges, _, edge = edges_of(sides)
     middles = points[edges].mean(axis=1)
-    nodes = np.concatenate([corners, len(points) + place.reshape(-1, 3)], axis=1)
+    nodes = np.concatenate([corners, len(points) + edge.reshape(-1, 3)], axis=1)
     return Triangles(np.concatenate([points, middles]), nodes)
 
 
@@ -156,10 +158,10 @@ def _flat(points: FloatArray) -> FloatArray:
 
 def edges_of(sides: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Every edge (edges, 2) once, by its ends in ascending order; the first side of each; the edge of every side."""
-    edges, first, place = np.unique(
+    edges, first, edge = np.unique(
         np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True
     )
-    return edges, first, place.ravel()
+    return edges, first, edge.ravel()
 
 
 def boundary(mesh: Triangles) -> Boundary:
@@ -177,21 +179,21 @@ def _area_under(points: FloatArray, sides: IntArray) -> FloatArray:
     """(sides,) int (x dy - y dx)/2 along each parabola."""
     first, last, amid = (points[sides[:, k]] for k in range(3))
     slope, bend = (last - first) / 2.0, (first + last) / 2.0 - amid
-    found = np.zeros(len(sides))
+    area = np.zeros(len(sides))
     for t, weight in zip(*_GAUSS, strict=True):
-        at, along = amid + slope * t + bend * t**2, slope + 2.0 * bend * t
-        found += weight * (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0]) / 2.0
-    return found
+        point, along = amid + slope * t + bend * t**2, slope + 2.0 * bend * t
+        area += weight * (point[:, 0] * along[:, 1] - point[:, 1] * along[:, 0]) / 2.0
+    return area
 
 
 def refined(mesh: Triangles) -> Triangles:
     """Every triangle divided into four, of the same, straight or curved, outline."""
     points, nodes = mesh.points, mesh.nodes
-    edges, first, place = edges_of(mesh.sides)
+    edges, first, edge_of_side = edges_of(mesh.sides)
     (low, high), amid = points[edges.T], points[mesh.sides[first, 2]]
     quarters = [_quarter(low, amid, high), _quarter(high, amid, low)]
     inner = [_inner(points[nodes], corner) for corner in range(3)]
-    edge = place.reshape(-1, 3)
+    edge = edge_of_side.reshape(-1, 3)
     turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
     at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
     within = (
@@ -206,7 +208,7 @@ def refined(mesh: Triangles) -> Triangles:
     ]
     return Triangles(
         np.concatenate([points, *quarters, *inner]),
-        np.concatenate([np.stack(one, 1) for one in new]),
+        np.concatenate([np.stack(triangle, 1) for triangle in new]),
     )
 
 
@@ -215,8 +217,8 @@ def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:
     return np.asarray(0.375 * near + 0.75 * amid - 0.125 * far)
 
 
-def _inner(at: FloatArray, corner: int) -> FloatArray:
+def _inner(nodes: FloatArray, corner: int) -> FloatArray:
     """(triangles, 2) the point halfway between the nodes amid the two sides at a corner; `at` (triangles, 6, 2)."""
     b, c = (corner + 1) % 3, (corner + 2) % 3
-    beside, across = at[:, 3 + corner] + at[:, 3 + c], at[:, 3 + b]
-    return np.asarray(0.5 * beside + 0.25 * across - 0.125 * (at[:, b] + at[:, c]))
+    adjacent, across = nodes[:, 3 + corner] + nodes[:, 3 + c], nodes[:, 3 + b]
+    return np.asarray(0.5 * adjacent + 0.25 * across - 0.125 * (nodes[:, b] + nodes[:, c]))

@@ -42,7 +42,7 @@ class SectionResult:
 
     @property
     def torsion_constant(self) -> float:
-        """m4."""
+        """Middle of the bounds on the finest level, m4."""
         return (self.levels[-1].lower + self.levels[-1].upper) / 2.0
 
     @property
@@ -111,14 +111,17 @@ def _stamp(file: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=64)
 def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
-    found = read_triangles(mesh.file)
-    refuse_size(float(np.ptp(found.points, axis=0).max()) * mesh.scale, mesh.widest)
-    found = sound(found)
-    scaled = Triangles(found.points * mesh.scale, found.nodes)
-    known = moments(scaled)
-    apart, gyration2 = np.hypot(*known.centroid), known.polar / known.area
-    if apart > OFF_AXIS * np.sqrt(gyration2 - apart**2):
-        x, y = (value / mesh.scale for value in known.centroid)
+    mesh_as_drawn = read_triangles(mesh.file)
+    refuse_size(float(np.ptp(mesh_as_drawn.points, axis=0).max()) * mesh.scale, mesh.widest)
+    mesh_as_drawn = sound(mesh_as_drawn)
+    scaled = Triangles(mesh_as_drawn.points * mesh.scale, mesh_as_drawn.nodes)
+    section_moments = moments(scaled)
+    eccentricity, gyration2 = (
+        np.hypot(*section_moments.centroid),
+        section_moments.polar / section_moments.area,
+    )
+    if eccentricity > OFF_AXIS * np.sqrt(gyration2 - eccentricity**2):
+        x, y = (value / mesh.scale for value in section_moments.centroid)
         raise SectionFault(
             f"the centroid of the section, ({x:.6g}, {y:.6g}), is not on the axis of the shaft",
             "the origin of the mesh is the axis; a keyway may move the centroid, but little",
@@ -128,15 +131,15 @@ def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
 
 @lru_cache(maxsize=64)
 def _solved(mesh: SectionMesh, stamp: tuple[int, int]) -> SectionResult:
-    here = _checked(mesh, stamp)
-    known, degree = moments(here), 4 if len(here.nodes) <= FEW else 2
-    levels = [solve_level(here, degree)]
+    triangles = _checked(mesh, stamp)
+    section_moments, degree = moments(triangles), 4 if len(triangles.nodes) <= FEW else 2
+    levels = [solve_level(triangles, degree)]
     while len(levels) < 2 or (
-        len(levels) < LEVELS and 4 * len(here.nodes) <= QUICK and not _fine(levels)
+        len(levels) < LEVELS and 4 * len(triangles.nodes) <= QUICK and not _fine(levels)
     ):
-        here = refined(here)
-        levels.append(solve_level(here, degree))
-    return SectionResult(mesh.file, known, tuple(levels), degree)
+        triangles = refined(triangles)
+        levels.append(solve_level(triangles, degree))
+    return SectionResult(mesh.file, section_moments, tuple(levels), degree)
 
 
 def _fine(levels: list[Level]) -> bool:

@@ -14,16 +14,13 @@ from typing import Any
 import numpy as np
 import skfem
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
+from torsion.assembly.triangle_fields import places_along, solve_symmetric
 from torsion.sources import source
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
-_ALONG = np.linspace(
-    0.0, 1.0, 17
-)  # places on a side of the boundary at which the stress is looked at
 
 
 @dataclass(frozen=True)
@@ -63,9 +60,9 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
     stiffness, turning, polar = plane_forms(basis)
     lower, phi = stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
     turning = turning[1:]  # omega is known but for a constant, so one unknown is left out
-    upper = polar - float(turning @ solution(stiffness[1:, 1:], turning))
-    stress, at = largest_slope(basis, phi)
-    return Level(len(mesh.nodes), lower, upper, stress, at)
+    upper = polar - float(turning @ solve_symmetric(stiffness[1:, 1:], turning))
+    stress, point = largest_slope(basis, phi)
+    return Level(len(mesh.nodes), lower, upper, stress, point)
 
 
 def plane_forms(basis: Any) -> tuple[Any, FloatArray, float]:
@@ -93,11 +90,11 @@ def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
     """(sides,) scikit-fem's number of every side of the boundary."""
     corners = np.unique(mesh.nodes[:, :3])
     ends = np.sort(np.searchsorted(corners, edge.sides[:, :2]), axis=1)
-    known, wanted = (
+    present, wanted = (
         np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends)
     )
-    order = np.argsort(known)
-    return np.asarray(order[np.searchsorted(known[order], wanted)])
+    order = np.argsort(present)
+    return np.asarray(order[np.searchsorted(present[order], wanted)])
 
 
 def stress_function(
@@ -109,21 +106,12 @@ def stress_function(
     for loop in range(holes + 1):
         column[basis.get_dofs(facets[edge.loop == loop]).all()] = loop - 1
     free = np.flatnonzero(column >= 0)
-    used, place = np.unique(column[free], return_inverse=True)
-    spread = csc_array((np.ones(len(free)), (free, place)), shape=(number, len(used)))
+    used, position = np.unique(column[free], return_inverse=True)
+    spread = csc_array((np.ones(len(free)), (free, position)), shape=(number, len(used)))
     force = spread.T @ skfem.LinearForm(lambda v, _: 2.0 * v).assemble(basis)
     force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
-    answer = solution(spread.T @ stiffness @ spread, force)
+    answer = solve_symmetric(spread.T @ stiffness @ spread, force)
     return float(force @ answer), np.asarray(spread @ answer)
-
-
-def solution(matrix: Any, force: FloatArray) -> FloatArray:
-    """The answer of a symmetric positive definite system."""
-    symmetric = {"SymmetricMode": True}
-    factors = splu(
-        csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric
-    )
-    return np.asarray(factors.solve(force))
 
 
 def largest_slope(
@@ -133,17 +121,9 @@ def largest_slope(
 
     turning: that times (-y, x) is added, 1 where the field is the warping.
     """
-    shape = basis.mesh
-    facets = shape.boundary_facets()
-    elements = np.unique(shape.f2t[0, facets])
-    zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
-    sides = np.concatenate(
-        [[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1
-    )  # in the order of t2f
-    places = skfem.Basis(shape, basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3)))
-    shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
+    places, shown = places_along(basis, basis.mesh.boundary_facets())
     x, y = places.default_parameters()["x"]
     grad = np.asarray(places.interpolate(field).grad) + turning * np.stack([-y, x])
     slope = np.where(shown, np.hypot(*grad), 0.0)
-    at = np.unravel_index(int(np.argmax(slope)), slope.shape)
-    return float(slope[at]), (float(x[at]), float(y[at]))
+    worst = np.unravel_index(int(np.argmax(slope)), slope.shape)
+    return float(slope[worst]), (float(x[worst]), float(y[worst]))

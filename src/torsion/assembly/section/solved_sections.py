@@ -25,8 +25,8 @@ def resolved(train: Train) -> Train:
     if faults:
         raise InputError(faults)
     bars = {bar.name: bar for bar in train.bars}
-    for name, found in section_results(train).items():
-        section, bar = found.section, bars[name]
+    for name, result in section_results(train).items():
+        section, bar = result.section, bars[name]
         across = (32.0 / math.pi * section.polar_moment) ** 0.25
         modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
         bars[name] = replace(
@@ -42,7 +42,7 @@ def _meshes(train: Train) -> list[tuple[Bar, SectionMesh]]:
 
 def mesh_faults(train: Train) -> list[Fault]:
     """What is wrong with the meshes of a train, each stated where its shaft names it."""
-    found = []
+    faults = []
     for bar, section in _meshes(train):
         from torsion.assembly.section.section_mesh import SectionFault
         from torsion.assembly.section.section_result import section_mesh
@@ -50,10 +50,10 @@ def mesh_faults(train: Train) -> list[Fault]:
         try:
             section_mesh(section)
         except SectionFault as fault:
-            found.append(
+            faults.append(
                 Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint)
             )
-    return found
+    return faults
 
 
 def section_results(train: Train) -> "dict[str, SectionResult]":

@@ -12,9 +12,9 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
+from torsion.kernels.elimination import EPS, Layout, layout
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.spanning_forest import connected
-from torsion.kernels.sweeps import EPS, Layout, layout
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 
@@ -67,11 +67,11 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     Rigid spans are merged, massless stations are eliminated: where dampers act on them by their speeds, else by
     the balance of torques. All eigenvalues are returned, the structural zeros among them.
     """
-    tree, known = train.tree, rigidity(train.tree)
-    moving = np.unique(known.body[~known.fixed])
+    tree, bodies = train.tree, rigidity(train.tree)
+    moving = np.unique(bodies.body[~bodies.fixed])
     count = len(moving)
     body = np.where(
-        known.fixed, count, np.searchsorted(moving, known.body)
+        bodies.fixed, count, np.searchsorted(moving, bodies.body)
     )  # the last one is the ground
     inertia, ground = np.zeros((2, count + 1))
     np.add.at(inertia, body, tree.inertia)
@@ -84,11 +84,12 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     )
     if train.laws:
         ends, flexibility, viscous = _with_states(train, span, (ends, flexibility, viscous), count)
-        more = sum(len(law.terms) for law in train.laws.values())
+        extra_states = sum(len(law.terms) for law in train.laws.values())
         inertia, ground = (
-            np.concatenate([one[:-1], np.zeros(more), one[-1:]]) for one in (inertia, ground)
+            np.concatenate([values[:-1], np.zeros(extra_states), values[-1:]])
+            for values in (inertia, ground)
         )
-        count += more
+        count += extra_states
     twist = np.subtract(*np.eye(count + 1)[ends])[:, :count]
     elastic = np.isfinite(flexibility)
     G = twist[elastic] / np.sqrt(flexibility[elastic])[:, None]
@@ -99,22 +100,22 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
 
 
 def _with_states(
-    train: DampedTree, span: IntArray, known: tuple[IntArray, FloatArray, FloatArray], count: int
+    train: DampedTree, span: IntArray, spans: tuple[IntArray, FloatArray, FloatArray], count: int
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Ends, flexibility and viscous damping of the spans, and of a spring and a damper in a row for every term.
 
     Between the two of a term is a station without inertia of its own, numbered from `count` on; the ground is last.
     """
-    ends, flexibility, viscous = known
-    more = sum(len(law.terms) for law in train.laws.values())
-    ends = np.where(ends == count, count + more, ends)
-    flexibility, viscous, place, extra = flexibility.copy(), viscous.copy(), count, []
+    ends, flexibility, viscous = spans
+    extra_states = sum(len(law.terms) for law in train.laws.values())
+    ends = np.where(ends == count, count + extra_states, ends)
+    flexibility, viscous, state, extra = flexibility.copy(), viscous.copy(), count, []
     for station, law in train.laws.items():
-        (at,) = np.flatnonzero(span == station)
-        flexibility[at], viscous[at] = 1.0 / law.static, 0.0
+        (row,) = np.flatnonzero(span == station)
+        flexibility[row], viscous[row] = 1.0 / law.static, 0.0
         for k, tau in law.terms:
-            extra += [(ends[0, at], place, 1.0 / k, 0.0), (place, ends[1, at], np.inf, k * tau)]
-            place += 1
+            extra += [(ends[0, row], state, 1.0 / k, 0.0), (state, ends[1, row], np.inf, k * tau)]
+            state += 1
     first, second, soft, damping = np.array(extra).T
     ends = np.hstack([ends, np.array([first, second], dtype=np.int64)])
     return ends, np.append(flexibility, soft), np.append(viscous, damping)
@@ -127,8 +128,8 @@ def _condense(
     heavy = np.flatnonzero(inertia > 0)
     torques = np.eye(len(G))
     if len(balanced):
-        whole, _ = np.linalg.qr(G @ balanced.T, mode="complete")
-        torques = whole[:, len(balanced) :]
+        basis, _ = np.linalg.qr(G @ balanced.T, mode="complete")
+        torques = basis[:, len(balanced) :]
     root = 1 / np.sqrt(inertia[heavy])
     speed_speed = C[np.ix_(heavy, heavy)] * np.outer(root, root)
     torque_speed = torques.T @ G[:, heavy] * root
@@ -215,13 +216,13 @@ def polish_together(
 
     mirrored: the conjugates are roots as well and are kept away from. Raises SolveError if some do not settle.
     """
-    root = _apart(start)
+    root = _separate(start)
     active = np.ones(len(root), dtype=bool)
     step = np.full(len(root), np.inf, dtype=np.complex128)
     for _ in range(SWEEPS):
         moving = np.flatnonzero(active)
-        others = np.append(root, root.conj()) if mirrored else root
-        step[moving] = _steps(train, root[moving], others, zeros, lossy)
+        kept_away = np.append(root, root.conj()) if mirrored else root
+        step[moving] = _steps(train, root[moving], kept_away, zeros, lossy)
         root[moving] += step[moving]
         active[moving] = ~(np.abs(step[moving]) <= CONVERGED * np.abs(root[moving]))
         if not active.any():
@@ -231,28 +232,28 @@ def polish_together(
 
 
 def _steps(
-    train: DampedTree, here: ComplexArray, others: ComplexArray, zeros: int, lossy: float
+    train: DampedTree, roots: ComplexArray, kept_away: ComplexArray, zeros: int, lossy: float
 ) -> ComplexArray:
     """Step of each root (moving,) to where p is 0 but none of `others` (roots,) is."""
     with np.errstate(all="ignore"):
-        slope = log_derivative(train, here, lossy)
+        slope = log_derivative(train, roots, lossy)
         lost = ~np.isfinite(slope)
         if lost.any():  # exactly on a pole of the elimination: a few eps aside there is none
-            slope[lost] = log_derivative(train, here[lost] * (1 + 8 * EPS), lossy)
-        gap = here[:, None] - others
+            slope[lost] = log_derivative(train, roots[lost] * (1 + 8 * EPS), lossy)
+        gap = roots[:, None] - kept_away
         gap[gap == 0] = np.inf
-        step: ComplexArray = -1 / (slope - ((1 / gap).sum(axis=1) + zeros / here))
+        step: ComplexArray = -1 / (slope - ((1 / gap).sum(axis=1) + zeros / roots))
     step[np.isinf(slope)] = 0
-    step[~np.isfinite(step)] = 0.01 * np.abs(here[~np.isfinite(step)])
+    step[~np.isfinite(step)] = 0.01 * np.abs(roots[~np.isfinite(step)])
     return step
 
 
-def _apart(start: ComplexArray) -> ComplexArray:
+def _separate(start: ComplexArray) -> ComplexArray:
     """Starts of which no two are equal, none is zero: equal ones are moved by some 1e-7 of themselves."""
     root = np.array(start, dtype=np.complex128)
     root[root == 0] = 1e-3 * np.abs(root[root != 0]).min() if root.any() else 1.0
-    same = np.abs(root[:, None] - root) <= 1e-9 * np.abs(root)
-    copies = np.tril(same, -1).sum(axis=1)
+    is_equal = np.abs(root[:, None] - root) <= 1e-9 * np.abs(root)
+    copies = np.tril(is_equal, -1).sum(axis=1)
     root *= 1 + 1e-7 * copies * np.exp(0.7j * copies)
     return root
 

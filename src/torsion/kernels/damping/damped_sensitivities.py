@@ -56,7 +56,7 @@ def root_sensitivity(
     across, loss = (per_station(tree, values) for values in (viscous, loss_factor))
     train, root = DampedTree(tree, ground, across, loss, laws or {}), modes.eigenvalue
     with np.errstate(all="ignore"):
-        at = both_sides(train, root)
-    over = 1.0 / slope_at(train, at, root, modes.angle, modes.torque)
+        seen = both_sides(train, root)
+    over = 1.0 / slope_at(train, seen, root, modes.angle, modes.torque)
     motion = modes.angle**2 * over
     return RootSensitivity(modes.torque**2 * over, -(root**2) * motion, -root * motion)

@@ -5,7 +5,7 @@ Shapes and torques follow from the dynamic stiffness of both sides of every span
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +17,8 @@ from torsion.kernels.damping.damped_roots import (
     number_of_roots,
     polish_together,
 )
-from torsion.kernels.layers import share
+from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate
 from torsion.kernels.spanning_forest import connected
-from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
@@ -50,12 +49,11 @@ class DampedTreeModes:
 
 @dataclass(frozen=True)
 class BothSides:
-    """Dynamic stiffness at each root; rows over roots, None where infinite."""
+    """Dynamic stiffness of the train at each root, (stations, roots)."""
 
-    compliance: ComplexArray  # (stations, roots) hc, rad/(N m)
-    branch: Rows  # z, N m/rad: of a station and all beyond it
-    rest: Rows  # zd: of all but that branch, at the parent
-    whole: ComplexArray  # (stations, roots) Z, N m/rad, of the whole train at a station; infinite where prescribed
+    compliance: ComplexArray  # hc, rad/(N m)
+    sides: SpanSides
+    whole: ComplexArray  # Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
 def damped_modes(
@@ -81,9 +79,9 @@ def damped_modes(
     ground = per_station(tree, ground_damping, may_drive=True)
     across, loss = (per_station(tree, values) for values in (viscous, loss_factor))
     train = DampedTree(tree, ground, across, loss, laws or {})
-    zeros, others = number_of_roots(train)
+    zeros, number = number_of_roots(train)
     if start is None:
-        upper, real = _all_roots(train, zeros, others)
+        upper, real = _all_roots(train, zeros, number)
     else:
         upper, real = _roots_from(train, zeros, np.asarray(start, dtype=np.float64))
     return _with_shapes(train, upper, np.sort(real)[::-1])
@@ -105,7 +103,7 @@ def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = Fals
     return result
 
 
-def _all_roots(train: DampedTree, zeros: int, others: int) -> tuple[ComplexArray, FloatArray]:
+def _all_roots(train: DampedTree, zeros: int, number: int) -> tuple[ComplexArray, FloatArray]:
     movable = int(np.count_nonzero(~np.array(train.plan.prescribed)))
     if movable > LARGEST_FIRST_ORDER:
         raise SolveError(
@@ -113,7 +111,7 @@ def _all_roots(train: DampedTree, zeros: int, others: int) -> tuple[ComplexArray
             "give undamped frequencies as start"
         )
     rough: ComplexArray = first_order_eigenvalues(train).astype(np.complex128)
-    rough = rough[np.argsort(np.abs(rough))[len(rough) - others :]]
+    rough = rough[np.argsort(np.abs(rough))[len(rough) - number :]]
     root = polish_together(train, rough, zeros, lossy=0.0)
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = (root.imag > 0) & ~real
@@ -148,17 +146,19 @@ def _with_loss(train: DampedTree, root: ComplexArray, zeros: int) -> ComplexArra
 def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> DampedTreeModes:
     root = root[np.argsort(np.abs(root), kind="stable")]
     with np.errstate(all="ignore"):
-        at, root, angle, torque = _polished(train, root)
+        seen, root, angle, torque = _polished(train, root)
         first = connected(
             len(root), *np.nonzero(np.abs(root[:, None] - root) <= REPEATED * np.abs(root))
         )
-        for group in (np.flatnonzero(first == one) for one in np.unique(first)):
+        for group in (
+            np.flatnonzero(first == representative) for representative in np.unique(first)
+        ):
             if len(group) > 1:
                 several = independent_shapes(train, complex(root[group].mean()), len(group))
                 if several is not None:
                     angle[:, group], torque[:, group] = several
         light = np.abs(root.real) <= LIGHT * np.abs(root)
-        root = np.where(light, decay(train, at, root, angle, torque) + 0.0 + 1j * root.imag, root)
+        root = np.where(light, decay(train, seen, root, angle, torque) + 0.0 + 1j * root.imag, root)
     largest = angle[np.argmax(np.abs(angle), axis=0), np.arange(len(root))]
     return DampedTreeModes(root, real, angle / largest, torque / largest)
 
@@ -167,15 +167,15 @@ def _polished(
     train: DampedTree, root: ComplexArray
 ) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
     """Dynamic stiffness, roots, angles and torques after a few Newton steps, each of which must stay where it is."""
-    apart = np.abs(root[:, None] - root)
-    np.fill_diagonal(apart, np.inf)
-    gap = apart.min(axis=1, initial=np.inf)
+    distance = np.abs(root[:, None] - root)
+    np.fill_diagonal(distance, np.inf)
+    gap = distance.min(axis=1, initial=np.inf)
     repeated = gap <= REPEATED * np.abs(root)
     for _ in range(NEWTON_STEPS):
-        at = both_sides(train, root)
-        pushed = most_active(train.tree, at.whole)
-        angle, torque = shapes_from(train.plan, at, pushed)
-        step = newton_step(train, at, root, pushed, angle, torque)
+        seen = both_sides(train, root)
+        pushed = most_active(train.tree, seen.whole)
+        angle, torque = shapes_from(train.plan, seen, pushed)
+        step = newton_step(train, seen, root, pushed, angle, torque)
         size = np.abs(step)
         root = np.where(
             (size <= NEWTON_REACH * np.abs(root)) & (repeated | (size <= 0.1 * gap)),
@@ -189,66 +189,57 @@ def _polished(
         raise SolveError(
             f"damped modes: the root near {root[unsettled][0]:.6g} rad/s is not settled; try other start values"
         )
-    return at, root, angle, torque
+    return seen, root, angle, torque
 
 
 def both_sides(train: DampedTree, root: ComplexArray) -> BothSides:
     """Dynamic stiffness l^2 J + l C + K(1 + i eta) of the train as every station sees it."""
     plan, size, soft = train.plan, train.plan.size, train.tree.flexibility > 0
-    own = train.ground[:, None] * root + train.tree.inertia[:, None] * root * root
+    station_stiffness = train.ground[:, None] * root + train.tree.inertia[:, None] * root * root
     hc = np.zeros((size, len(root)), dtype=np.complex128)
     stiffness = (1 + 1j * train.loss_factor[soft]) / train.tree.flexibility[soft]
     hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
     for station, law in train.laws.items():
         hc[station] = 1 / law.at_root(root)[0]
-    found = branches(plan, list(own), list(hc), [0.0] * size, guard=True)
-    rest: Rows = [None] * size
-    whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
+    sides = eliminate(plan, station_stiffness, hc, guard=True)
+    total = np.full((size, len(root)), np.inf, dtype=np.complex128)
     for station in range(size):
-        parent, z = plan.parent[station], found.stiffness[station]
-        if plan.prescribed[station]:
-            continue
-        through: Any = 0.0
-        if parent >= 0 and plan.prescribed[parent]:
-            through = 1 / hc[station]
-        elif parent >= 0:
-            through = rest[station] / guarded_sum(hc[station] * rest[station], guard=True)
-        whole[station] = z + through
-        share(plan.children[station], found.stiffness_through, rest, own[station] + through)
-    return BothSides(hc, found.stiffness, rest, whole)
+        if not plan.prescribed[station]:
+            through = sides.rest[station] / sides.divisor[station]
+            total[station] = sides.branch[station] + through
+    return BothSides(hc, sides, total)
 
 
-def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexArray, ComplexArray]:
+def shapes_from(
+    plan: Layout, seen: BothSides, pushed: IntArray
+) -> tuple[ComplexArray, ComplexArray]:
     """Angles and torques, both (stations, roots), when station `pushed` (roots,) turns by 1."""
-    size, count = plan.size, len(pushed)
-    angle, torque = (np.zeros((size, count), dtype=np.complex128) for _ in range(2))
+    size, count, sides = plan.size, len(pushed), seen.sides
+    angle, torque = np.zeros((2, size, count), dtype=np.complex128)
     reached = np.zeros((size, count), dtype=bool)
     angle[pushed, np.arange(count)] = 1
     reached[pushed, np.arange(count)] = True
+
+    # Toward the root the rest of the train turns each parent, toward the leaves each parent its branch.
     for i in range(size - 1, -1, -1):
-        parent, on = plan.parent[i], reached[i]
-        if parent < 0 or plan.prescribed[i] or not on.any():
+        parent, is_reached = plan.parent[i], reached[i]
+        if parent < 0 or plan.prescribed[i] or not is_reached.any():
             continue
-        hc = at.compliance[i][on]
-        if plan.prescribed[parent]:
-            torque[i, on] = -angle[i, on] / hc
-            continue
-        zd = at.rest[i][on]
-        turned = angle[i, on] / guarded_sum(hc * zd, guard=True)
-        angle[parent, on] = turned
-        reached[parent] |= on
-        torque[i, on] = -zd * turned
+        turned = angle[i, is_reached] / sides.divisor[i][is_reached]
+        torque[i, is_reached] = -sides.rest[i][is_reached] * turned
+        if not plan.prescribed[parent]:
+            angle[parent, is_reached] = turned
+            reached[parent] |= is_reached
     for i in range(size):
         parent = plan.parent[i]
         if parent < 0 or plan.prescribed[parent]:
             continue
-        hc, x = at.compliance[i], angle[parent]
         if plan.held[i]:
-            torque[i] = x / hc
+            torque[i] = angle[parent] / seen.compliance[i]
             continue
-        turned = x / guarded_sum(hc * at.branch[i], guard=True)
+        turned = angle[parent] * sides.transfer[i]
         angle[i] = np.where(reached[i], angle[i], turned)
-        torque[i] = np.where(reached[i], torque[i], at.branch[i] * turned)
+        torque[i] = np.where(reached[i], torque[i], sides.branch[i] * turned)
     for i in range(
         size - 1, -1, -1
     ):  # a rigid span to a fixed station carries what the spans beyond it carry
@@ -257,11 +248,11 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
     return angle, torque
 
 
-def most_active(tree: Tree, whole: ComplexArray) -> IntArray:
+def most_active(tree: Tree, total: ComplexArray) -> IntArray:
     """The station of least |Z|/J at each root, (roots,): where the mode is best seen."""
     inertia = np.where(tree.held, 0.0, tree.inertia)[:, None]
     with np.errstate(all="ignore"):
-        ease = inertia / np.abs(whole)
+        ease = inertia / np.abs(total)
     ease[np.isnan(ease) & (inertia > 0)] = 0
     best: IntArray = np.argmax(np.nan_to_num(ease, nan=0.0, posinf=np.inf), axis=0)
     return best
@@ -269,24 +260,28 @@ def most_active(tree: Tree, whole: ComplexArray) -> IntArray:
 
 def newton_step(
     train: DampedTree,
-    at: BothSides,
+    seen: BothSides,
     root: ComplexArray,
     pushed: IntArray,
     shape: ComplexArray,
     torque: ComplexArray,
 ) -> ComplexArray:
     """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
-    step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope_at(
-        train, at, root, shape, torque
+    step: ComplexArray = -seen.whole[pushed, np.arange(len(root))] / slope_at(
+        train, seen, root, shape, torque
     )
     return step
 
 
 def slope_at(
-    train: DampedTree, at: BothSides, root: ComplexArray, shape: ComplexArray, torque: ComplexArray
+    train: DampedTree,
+    seen: BothSides,
+    root: ComplexArray,
+    shape: ComplexArray,
+    torque: ComplexArray,
 ) -> ComplexArray:
     """x' (dT/dl) x at each root (roots,), N m s/rad."""
-    wound = at.compliance * torque
+    wound = seen.compliance * torque
     slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(
         axis=0
     )
@@ -306,10 +301,10 @@ def independent_shapes(
     from scipy.linalg import qr, solve_triangular
 
     tree, size = train.tree, train.plan.size
-    at = both_sides(train, np.full(size, root))
-    angle, torque = shapes_from(train.plan, at, np.arange(size))
+    seen = both_sides(train, np.full(size, root))
+    angle, torque = shapes_from(train.plan, seen, np.arange(size))
     weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
-    receptance = np.diag(at.whole)
+    receptance = np.diag(seen.whole)
     floor = EPS * np.abs(root * root) * tree.inertia
     push = weight / np.where(
         np.abs(receptance) <= floor, np.maximum(floor, np.finfo(float).tiny), receptance
@@ -327,13 +322,17 @@ def independent_shapes(
 
 
 def decay(
-    train: DampedTree, at: BothSides, root: ComplexArray, shape: ComplexArray, torque: ComplexArray
+    train: DampedTree,
+    seen: BothSides,
+    root: ComplexArray,
+    shape: ComplexArray,
+    torque: ComplexArray,
 ) -> FloatArray:
     """Real part of each root, (roots,) 1/s, to full relative accuracy however small: x* T(l) x = 0 is a quadratic.
 
     l^2 m + l c + k(1 + i eta) = 0 with m, c, k sums of positive terms gives Re l = -(c + sum k eta |.|^2/Im l)/(2m).
     """
-    wound = np.abs(at.compliance * torque) ** 2
+    wound = np.abs(seen.compliance * torque) ** 2
     inertia = (train.tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
     lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (
         train.viscous[:, None] * wound

@@ -109,16 +109,16 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
     turn = np.ones((number, unknowns))
     turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
-    other = turn - bend
+    inner_bend = turn - bend
     lower = np.linalg.cholesky(inside)
     half = np.linalg.solve(lower, m[:, 2:, 2:])
     held = np.linalg.solve(lower, half.transpose(0, 2, 1))
     modes, vectors = np.linalg.eigh(0.5 * (held + held.transpose(0, 2, 1)))
     shapes = np.linalg.solve(lower.transpose(0, 2, 1), vectors)
-    both = np.stack([other, bend], axis=1)
+    both = np.stack([inner_bend, bend], axis=1)
     return CondensedElements(
         np.einsum("bi,bij,bj->b", bend, k, bend),
-        np.einsum("bi,bij,bj->b", other, m, bend),
+        np.einsum("bi,bij,bj->b", inner_bend, m, bend),
         np.einsum("bei,bij,bj->be", both, m, turn),
         np.maximum(modes, 0.0),
         np.einsum("bji,bjl,bel->bei", shapes, m[:, 2:], both),

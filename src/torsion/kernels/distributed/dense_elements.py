@@ -20,7 +20,6 @@ from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
 from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
-_LEAST = 1e-11  # of the largest singular value; one that is less is not right to 1e-4
 _SPREAD_OF_SQUARE = (
     1e6  # of the squares of singular values, whose vectors the square leaves right to about 1e-9
 )
@@ -44,7 +43,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
 
     `lower` and `upper` are the frequencies themselves and `certified` is False. Raises ValueError for other shafts.
     """
-    shafts = _of(tree)
+    shafts = _shafts_of(tree)
     (element,) = shafts.laws if len(shafts.laws) == 1 else (None,)
     if not isinstance(element, CondensedElements):
         raise ValueError(
@@ -88,22 +87,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     )
 
 
-def estimated_frequencies(tree: Tree, count: int) -> FloatArray:
-    """The lowest `count` elastic frequencies rad/s, ascending, of shafts of any law with a finite limit.
-
-    With one mode inside each shaft: too high by less than 0.08 (w/limit)^4 where shafts are alike (measured). Fewer
-    where there are fewer, or where the others are too far from the first to be estimated.
-    """
-    shafts = _of(tree)
-    element = _one_mode_elements(shafts)
-    mass = _rows_of_inertia(
-        tree, shafts, static_bends(tree, shafts, element), _local_inertia(element)
-    )
-    values = np.linalg.svd(mass, compute_uv=False)[: _number(tree, element, count)]
-    return np.asarray(1.0 / values[values > _LEAST * values.max(initial=0.0)])
-
-
-def _of(tree: Tree) -> Shafts:
+def _shafts_of(tree: Tree) -> Shafts:
     if tree.shafts is None:
         raise ValueError("the dense way is for a tree with distributed shafts")
     return tree.shafts
@@ -141,8 +125,8 @@ def _rows_of_inertia(
     row = np.arange(unknowns)[None, :, None]
     rows[np.arange(number)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
     stations = np.flatnonzero(tree.moving_inertia > 0.0)
-    own = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
-    return np.concatenate((rows.reshape(number * unknowns, -1), own))
+    station_rows = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
+    return np.concatenate((rows.reshape(number * unknowns, -1), station_rows))
 
 
 def _ends(tree: Tree, shafts: Shafts) -> IntArray:
@@ -162,46 +146,22 @@ def _fill_rigid(
             torque[i] = outer[i] = needed
 
 
-def _one_mode_elements(shafts: Shafts) -> CondensedElements:
-    """Elements with one mode inside that are near to shafts of a finite limit, up to half of it.
-
-    Their values and slopes at frequency 0 are those of the shafts, which gives the coupling of the mode; its own
-    frequency follows from the end inertias at half the limit.
-    """
-    middle = 0.25 * shafts.limit**2
-    at, (_, inner, outer) = shafts.slopes(np.zeros(1)), shafts.at(np.array([middle]))
-    coupled, ends = np.hstack([at.inner_slope, at.outer_slope]), np.hstack([at.inner, at.outer])
-    turn = coupled.sum(axis=1)
-    rise = inner[:, 0] - ends[:, 0] + (outer[:, 0] - ends[:, 1])
-    mode = 1.0 / middle - np.divide(
-        turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0
-    )
-    root = np.sqrt(np.maximum(turn, 0.0))
-    share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
-    inside = np.clip(mode, 0.0, 1.0 / shafts.limit**2)[:, None]
-    across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
-    coupling = (coupled * share[:, None])[:, :, None]
-    return CondensedElements(
-        1.0 / at.flexibility[:, 0], across, ends, inside, coupling, root[:, None]
-    )
-
-
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
     """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
     tree = train.static
-    known = rigidity(tree)
+    rigid_bodies = rigidity(tree)
     spring = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
     root = np.sqrt(tree.flexibility[spring])
-    bodies = np.unique(known.body[known.fixed])
-    first = np.unique(known.component[bodies], return_index=True)[1]
-    angle = _angles(tree, known.component, spring, bodies[first]) * root
+    bodies = np.unique(rigid_bodies.body[rigid_bodies.fixed])
+    first = np.unique(rigid_bodies.component[bodies], return_index=True)[1]
+    angle = _angles(tree, rigid_bodies.component, spring, bodies[first]) * root
     bend, ties = np.eye(len(spring)), angle[np.delete(bodies, first)]
     if len(ties):
         ties = ties / np.linalg.norm(ties, axis=1, keepdims=True)
         bend = np.linalg.qr(ties.T, mode="complete")[0][:, len(ties) :]
         angle = angle @ bend
-    angle = np.concatenate((angle, _balance(tree, known, shafts, element)), axis=1)
-    angle[known.fixed] = 0.0
+    angle = np.concatenate((angle, _balance(tree, rigid_bodies, shafts, element)), axis=1)
+    angle[rigid_bodies.fixed] = 0.0
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
     return Bends(spring, root, bend, angle, inside)
@@ -217,9 +177,9 @@ def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) 
     beyond = _beyond(tree)[:, spring]
     before = (component[:, None] == component[spring]) & ~beyond
     outer, inner = weight @ beyond, weight @ before
-    whole = outer + inner
-    whole[whole == 0.0] = 1.0
-    return np.where(beyond, inner / whole, 0.0) - np.where(before, outer / whole, 0.0)
+    total = outer + inner
+    total[total == 0.0] = 1.0
+    return np.where(beyond, inner / total, 0.0) - np.where(before, outer / total, 0.0)
 
 
 def _beyond(tree: Tree) -> BoolArray:
@@ -231,10 +191,12 @@ def _beyond(tree: Tree) -> BoolArray:
     return beyond.T
 
 
-def _balance(tree: Tree, known: Rigidity, shafts: Shafts, element: CondensedElements) -> FloatArray:
+def _balance(
+    tree: Tree, bodies: Rigidity, shafts: Shafts, element: CondensedElements
+) -> FloatArray:
     """Angle (stations, modes) by which a free part turns back as a whole, lest a mode inside carry it along."""
     inertia = tree.moving_inertia
-    part = known.component[:, None] == known.component[known.free_roots]
+    part = bodies.component[:, None] == bodies.component[bodies.free_roots]
     share = part / (inertia @ part)
     turned = share @ part[shafts.node].T
     balance: FloatArray = -np.repeat(
@@ -258,11 +220,11 @@ def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
         return np.asarray(np.linalg.svd(matrix, full_matrices=False)[2][:number].T)
     image = matrix @ vectors
     products = image[:, kept:].T @ image[:, :kept]
-    found = vectors[:, :kept] + vectors[:, kept:] @ (
+    corrected = vectors[:, :kept] + vectors[:, kept:] @ (
         products / (square[:kept] - square[kept:, None])
     )
-    turn = np.linalg.svd(matrix @ found, full_matrices=False)[2][:number]
-    return np.asarray(found @ turn.T)
+    turn = np.linalg.svd(matrix @ corrected, full_matrices=False)[2][:number]
+    return np.asarray(corrected @ turn.T)
 
 
 def _before_gap(square: FloatArray, number: int) -> int:

@@ -35,12 +35,12 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     degree = np.arange(points)
     x = legendre.leggauss(points)[0].astype(np.longdouble)
     for _ in range(2):  # Newton
-        at, slope = _legendre(x, points)
-        x = x - at[:, points] / slope
-    at, slope = _legendre(x, points)
+        values, slope = _legendre(x, points)
+        x = x - values[:, points] / slope
+    values, slope = _legendre(x, points)
     weight = 2 / ((1 - x) * (1 + x) * slope**2)
-    to_series = (0.5 + degree)[:, None] * (at[:, :points] * weight[:, None]).T
-    from_start = np.column_stack([x + 1, (at[:, 2:] - at[:, :-2]) / (2 * degree[1:] + 1)])
+    to_series = (0.5 + degree)[:, None] * (values[:, :points] * weight[:, None]).T
+    from_start = np.column_stack([x + 1, (values[:, 2:] - values[:, :-2]) / (2 * degree[1:] + 1)])
     rule = 0.5 * (x + 1), 0.5 * weight, 0.5 * from_start @ to_series
     places, weights, integrals = (part.astype(np.float64) for part in rule)
     return places, weights, integrals
@@ -48,8 +48,8 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _legendre(x: NDArray[Any], degree: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Legendre's polynomials to `degree` at `x` (points, degree + 1), and the slope of the last."""
-    at = legendre.legvander(x, degree)
-    return at, degree * (at[:, degree - 1] - x * at[:, degree]) / ((1 - x) * (1 + x))
+    values = legendre.legvander(x, degree)
+    return values, degree * (values[:, degree - 1] - x * values[:, degree]) / ((1 - x) * (1 + x))
 
 
 def profile_points(points: int = POINTS) -> FloatArray:
@@ -121,29 +121,31 @@ def profile_shafts(
         for a in (flexibility_per_length, inertia_per_length)
     )
     _, weight, from_start = _rule(f.shape[1])
-    whole, mass = f @ weight, m @ weight
-    f, m = f / whole[:, None], m / np.where(mass > 0.0, mass, 1.0)[:, None]
+    flexibility, mass = f @ weight, m @ weight
+    f, m = f / flexibility[:, None], m / np.where(mass > 0.0, mass, 1.0)[:, None]
     inner = _series(m @ from_start.T, f, m, weight, from_start)
     outer = _series(m[:, ::-1] @ from_start.T, f[:, ::-1], m[:, ::-1], weight, from_start)
     spring = _series(np.ones_like(f), f, m, weight, from_start)
-    found = ProfileShafts(whole * long, mass * long, spring, np.stack([inner, outer], axis=1))
-    if math.isfinite(found.limit):
-        last = spring[:, -1] * ((found.limit * found.limit) * found._travel) ** (TERMS - 1)
+    shafts = ProfileShafts(
+        flexibility * long, mass * long, spring, np.stack([inner, outer], axis=1)
+    )
+    if math.isfinite(shafts.limit):
+        last = spring[:, -1] * ((shafts.limit * shafts.limit) * shafts._travel) ** (TERMS - 1)
         worst = int(np.argmax(last))
         if not last[worst] < _LARGEST_LEFT_OUT or not (spring > 0.0).all():
             raise ValueError(
                 f"shaft {worst} has too steep a profile for its series; divide it more finely"
             )
-    return found
+    return shafts
 
 
 def _series(
     running: FloatArray, f: FloatArray, m: FloatArray, weight: FloatArray, from_start: FloatArray
 ) -> FloatArray:
     """Coefficients (shafts, TERMS): whole integrals of f times `running`, which then goes through f and m in turn."""
-    whole = []
+    coefficients = []
     for _ in range(TERMS):
         product = f * running
-        whole.append(product @ weight)
+        coefficients.append(product @ weight)
         running = (m * (product @ from_start.T)) @ from_start.T
-    return np.stack(whole, axis=1)
+    return np.stack(coefficients, axis=1)

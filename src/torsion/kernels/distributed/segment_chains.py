@@ -30,9 +30,9 @@ class SegmentChains(Law):
     def limit(self) -> float:
         """rad/s that no frequency of a row with both ends fixed lies below (Dunkerley's bound)."""
         before = np.cumsum(self.flexibility, axis=1)
-        whole = before[:, -1:]
+        total = before[:, -1:]
         held = np.divide(
-            before * (whole - before), whole, out=np.zeros_like(before), where=whole > 0.0
+            before * (total - before), total, out=np.zeros_like(before), where=total > 0.0
         )
         slowest = float((self.inertia * held).sum(axis=1).max(initial=0.0))
         return 1.0 / math.sqrt(slowest) if slowest > 0.0 else math.inf
@@ -50,10 +50,10 @@ class SegmentChains(Law):
         return self._from_inside(h, inner, outer)
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """What cancels in every h."""
-        whole = self.flexibility.sum(axis=1).max(initial=0.0)
+        """As of a `Law`: by how much every flexibility is less than the sum of its springs."""
+        total = self.flexibility.sum(axis=1).max(initial=0.0)
         h = self.at(square)[0]
-        growth = whole / np.maximum(np.abs(h).min(axis=0, initial=whole), UNIT_ROUNDOFF * whole)
+        growth = total / np.maximum(np.abs(h).min(axis=0, initial=total), UNIT_ROUNDOFF * total)
         return np.asarray(_ROUNDINGS * self.flexibility.shape[1] * UNIT_ROUNDOFF * growth)
 
     def turned(self, which: BoolArray) -> "SegmentChains":

@@ -49,7 +49,6 @@ class Law(ABC):
 
     @property
     def size(self) -> int:
-        """Number of shafts."""
         return len(next(iter(vars(self).values())))
 
     @property
@@ -60,7 +59,7 @@ class Law(ABC):
     @property
     def figures(self) -> FloatArray:
         """All numbers of all shafts (figures,), one field after another."""
-        return np.concatenate([own.ravel() for own in self.columns.values()])
+        return np.concatenate([column.ravel() for column in self.columns.values()])
 
     @property
     @abstractmethod
@@ -117,7 +116,7 @@ class Law(ABC):
         """The different shafts, and which one each shaft is."""
         columns = self.columns
         first, position = distinct(
-            np.concatenate([one.reshape(self.size, -1) for one in columns.values()], axis=1)
+            np.concatenate([column.reshape(self.size, -1) for column in columns.values()], axis=1)
         )
         return replace(self, **{name: column[first] for name, column in columns.items()}), position
 
@@ -133,10 +132,12 @@ class Columns(Law):
     def of(cls, law: Law, factors: FloatArray) -> "Columns":
         """Those of `law` with its `figures` multiplied by `factors` (figures, trains)."""
         trains, begin, values = factors.shape[1], 0, {}
-        for name, own in law.columns.items():
-            part = factors[begin : begin + own.size].reshape(*own.shape, trains)
-            values[name] = np.moveaxis(own[..., None] * part, -1, 1).reshape(-1, *own.shape[1:])
-            begin += own.size
+        for name, figures in law.columns.items():
+            part = factors[begin : begin + figures.size].reshape(*figures.shape, trains)
+            values[name] = np.moveaxis(figures[..., None] * part, -1, 1).reshape(
+                -1, *figures.shape[1:]
+            )
+            begin += figures.size
         return cls(replace(law, **values), trains)
 
     @property
@@ -152,12 +153,13 @@ class Columns(Law):
         return self.rows.reach
 
     def chosen(self, trains: NDArray[Any]) -> "Columns":
-        """Those of some trains."""
-        place = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
+        """Return the shafts of some trains, by their positions."""
+        position = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
         rows = replace(
-            self.rows, **{name: own[place.ravel()] for name, own in self.rows.columns.items()}
+            self.rows,
+            **{name: column[position.ravel()] for name, column in self.rows.columns.items()},
         )
-        return Columns(rows, place.shape[1])
+        return Columns(rows, position.shape[1])
 
     def at(self, square: NDArray[Any]) -> Pi:
         return self._pi(square[None])
@@ -166,8 +168,8 @@ class Columns(Law):
         return self.rows.rounding(square)
 
     def _pi(self, s: NDArray[Any]) -> Pi:
-        found = self.rows._pi(np.broadcast_to(s, (self.size, self.trains)).reshape(-1, 1))
-        h, inner, outer = (one.reshape(self.size, self.trains) for one in found)
+        rows = self.rows._pi(np.broadcast_to(s, (self.size, self.trains)).reshape(-1, 1))
+        h, inner, outer = (values.reshape(self.size, self.trains) for values in rows)
         return h, inner, outer
 
 
@@ -180,7 +182,6 @@ class Shafts:
 
     @property
     def size(self) -> int:
-        """Number of shafts."""
         return len(self.node)
 
     @cached_property
@@ -195,7 +196,7 @@ class Shafts:
 
     @cached_property
     def parts(self) -> tuple[slice, ...]:
-        """The shafts of each law."""
+        """Where the shafts of each law stand among all shafts."""
         edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
         if edges[-1] != self.size:
             raise ValueError(f"the laws are for {edges[-1]} shafts; expected {self.size}")
@@ -204,12 +205,12 @@ class Shafts:
     def at(self, square: ArrayLike) -> Pi:
         """As of a `Law`; `square` (m,), or (shafts, m), real or complex, rad2/s2."""
         s = np.asarray(square)
-        found = [
+        values = [
             law.at(s if s.ndim == 1 else s[part])
             for law, part in zip(self.laws, self.parts, strict=True)
         ]
         flexibility, inner, outer = (
-            found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+            values[0] if len(values) == 1 else map(np.concatenate, zip(*values, strict=True))
         )
         return flexibility, inner, outer
 
@@ -223,16 +224,16 @@ class Shafts:
         return flexibility, inner, outer
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """As of a `Law`."""
-        found = [list(vars(law.slopes(square)).values())[1:] for law in self.laws]
-        return Slopes(square, *map(np.concatenate, zip(*found, strict=True)))
+        """Return what `Law.slopes` does, for the shafts of all laws."""
+        slopes = [list(vars(law.slopes(square)).values())[1:] for law in self.laws]
+        return Slopes(square, *map(np.concatenate, zip(*slopes, strict=True)))
 
     def rounding(self, square: FloatArray) -> FloatArray:
         """As of a `Law`, the largest of any."""
         return np.asarray(np.max([law.rounding(square) for law in self.laws], axis=0))
 
     def turned(self, which: BoolArray) -> "Shafts":
-        """As of a `Law`."""
+        """Return what `Law.turned` does, for the shafts of all laws."""
         laws = tuple(
             law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)
         )

@@ -56,7 +56,6 @@ class CrankSlider:
 
     @cached_property
     def stroke(self) -> float:
-        """Way of the piston, m."""
         return float(self.piston(0.0)[0] - self.piston(self.bottom)[0])
 
     def piston(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -128,6 +127,6 @@ class Rod:
 
 def of_samples(values: FloatArray, count: int) -> ComplexArray:
     """(count + 1,) harmonics C_k of evenly spaced samples of one period: C_0 + Re sum C_k exp(i k angle)."""
-    found = np.fft.rfft(values)[: count + 1] / len(values)
-    found[1:] *= 2.0
-    return np.asarray(found)
+    harmonics = np.fft.rfft(values)[: count + 1] / len(values)
+    harmonics[1:] *= 2.0
+    return np.asarray(harmonics)

@@ -52,11 +52,11 @@ class GasLaw:
             if motored is None:
                 raise ValueError("the motored harmonics are not known")
             return motored
-        found = self._along(self.firing, number, where)
+        torque = self._along(self.firing, number, where)
         if share == 1.0:
-            return found
+            return torque
         none = 0.0 if motored is None else motored
-        return np.asarray(none + share * (found - none))
+        return np.asarray(none + share * (torque - none))
 
     def _where(self, load: FloatArray | None, speed: FloatArray) -> FloatArray:
         if self.over == "speed":
@@ -67,15 +67,15 @@ class GasLaw:
 
     def _along(self, values: ComplexArray, number: int, where: FloatArray) -> ComplexArray:
         """(places,) one harmonic of values (points or 1, harmonics), straight between the points."""
-        own = values[:, number]
-        if len(own) == 1 or self.over == "nothing":
-            return np.full(len(where), own[-1])
-        found = np.interp(where, self.at, own)
+        harmonic = values[:, number]
+        if len(harmonic) == 1 or self.over == "nothing":
+            return np.full(len(where), harmonic[-1])
+        inside = np.interp(where, self.at, harmonic)
         if self.goes_on:
-            for beyond, one, two in ((where < self.at[0], 0, 1), (where > self.at[-1], -1, -2)):
-                slope = (own[two] - own[one]) / (self.at[two] - self.at[one])
-                found = np.where(beyond, own[one] + slope * (where - self.at[one]), found)
-        return np.asarray(found, dtype=np.complex128)
+            for beyond, edge, two in ((where < self.at[0], 0, 1), (where > self.at[-1], -1, -2)):
+                slope = (harmonic[two] - harmonic[edge]) / (self.at[two] - self.at[edge])
+                inside = np.where(beyond, harmonic[edge] + slope * (where - self.at[edge]), inside)
+        return np.asarray(inside, dtype=np.complex128)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,6 @@ class Cylinder:
 
     @property
     def swept(self) -> float:
-        """Volume of a stroke, m3."""
         return self.area * self.crank.stroke
 
     @property
@@ -89,14 +88,14 @@ def harmonics(
 ) -> ComplexArray:
     """(count + 1,) harmonics of a torque over a cycle: of four strokes number k is of order k/2, of two of order k."""
     angle, weighted = panels.angle.ravel(), (torque(panels.angle) * panels.weight).ravel()
-    found, number = np.zeros(count + 1, dtype=np.complex128), np.arange(count + 1)
+    harmonics, number = np.zeros(count + 1, dtype=np.complex128), np.arange(count + 1)
     length = max(BLOCK // (count + 1), 1)
     for start in range(0, len(angle), length):
         part = slice(start, start + length)
-        found += np.exp(-1j / revolutions * np.outer(number, angle[part])) @ weighted[part]
-    found /= 2.0 * math.pi * revolutions
-    found[1:] *= 2.0
-    return found
+        harmonics += np.exp(-1j / revolutions * np.outer(number, angle[part])) @ weighted[part]
+    harmonics /= 2.0 * math.pi * revolutions
+    harmonics[1:] *= 2.0
+    return harmonics
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ class Diagram:
         )
 
     def at(self, angle: FloatArray, period: float) -> FloatArray:
-        """Pa at any crank angles."""
+        """Return the pressure (Pa) at crank angles (rad) of any shape."""
         first = self.angle[0]
         return np.asarray(np.interp((angle - first) % period + first, self.angle, self.pressure))
 

@@ -66,9 +66,9 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
         raise NoLoop(None, "the rows do not form a loop of two branches", hint)
     wrong = np.flatnonzero((np.diff(travel[rows]) > 0) != (np.arange(len(rows) - 1) < turn))
     if wrong.size:
-        place, turns = int(rows[wrong[0] + 1]), "it rises once and falls once"
+        fault_row, turns = int(rows[wrong[0] + 1]), "it rises once and falls once"
         raise NoLoop(
-            place, "the volume turns back between its ends", f"in the order of motion {turns}"
+            fault_row, "the volume turns back between its ends", f"in the order of motion {turns}"
         )
     angle = angle_of_travel(crank, travel[rows])
     angle[turn + 1 :] = 2.0 * math.pi - angle[turn + 1 :]

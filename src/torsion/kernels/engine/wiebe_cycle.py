@@ -52,7 +52,6 @@ class Cycle:
 
     @property
     def is_two_stroke(self) -> bool:
-        """A cycle is one revolution."""
         return self.cylinder.revolutions == 1
 
     @property
@@ -90,8 +89,8 @@ class Cycle:
     @cached_property
     def _before(self) -> FloatArray:
         """(panels + 1,) integral of the rate up to every edge of the panels."""
-        each = (self._rate(self.burning.angle) * self.burning.weight).sum(axis=1)
-        return np.append(0.0, np.cumsum(each))
+        integral = (self._rate(self.burning.angle) * self.burning.weight).sum(axis=1)
+        return np.append(0.0, np.cumsum(integral))
 
     def _released(self, angle: FloatArray) -> FloatArray:
         """Integral of the rate up to any angles."""
@@ -112,23 +111,23 @@ class Cycle:
     def pressure(self, angle: FloatArray) -> FloatArray:
         """Pa at crank angles from closing on, over one cycle."""
         inside = np.clip(angle, self.closes, self.opens)
-        found = self.closed(inside)
+        pressure = self.closed(inside)
         if self.is_two_stroke:
             end = float(self.closed(np.array(self.opens)))
             share = np.clip(
                 (angle - self.opens) / max(self.scavenge_opens - self.opens, 1e-12), 0.0, 1.0
             )
-            return np.where(angle <= self.opens, found, end + (self.charge - end) * share)
+            return np.where(angle <= self.opens, pressure, end + (self.charge - end) * share)
         open_ = np.where(angle < 2.0 * math.pi, self.exhaust, self.charge)
-        return np.where(angle <= self.opens, found, open_)
+        return np.where(angle <= self.opens, pressure, open_)
 
     @property
     def corners(self) -> FloatArray:
         """rad of one cycle from closing on, between which the pressure is smooth."""
         middle = self.scavenge_opens if self.is_two_stroke else 2.0 * math.pi
-        every = [self.start, self.start + self.duration, self.opens, middle]
+        corners = [self.start, self.start + self.duration, self.opens, middle]
         ends = self.closes, self.closes + self.cylinder.period
-        return np.unique([*ends, *(one for one in every if ends[0] < one < ends[1])])
+        return np.unique([*ends, *(corner for corner in corners if ends[0] < corner < ends[1])])
 
     def torque(self, count: int, around: float = 0.0) -> ComplexArray:
         """(count + 1,) N m: harmonics of the gas torque."""
@@ -136,17 +135,16 @@ class Cycle:
 
     @property
     def motored(self) -> "Cycle":
-        """The same without heat."""
         return replace(self, heat=0.0)
 
     @property
     def peak(self) -> float:
-        """Largest pressure, Pa."""
+        """Largest pressure of the cycle (Pa), refined between samples."""
         angle = np.linspace(min(self.start, -0.1), min(self.start + self.duration, self.opens), 241)
-        at = int(np.argmax(self.closed(angle)))
-        ends = angle[max(at - 1, 0)], angle[min(at + 1, len(angle) - 1)]
-        _, least = find_minimum(lambda x: -float(self.closed(np.array(x))), *ends, tolerance=1e-9)
-        return -float(least)
+        highest = int(np.argmax(self.closed(angle)))
+        ends = angle[max(highest - 1, 0)], angle[min(highest + 1, len(angle) - 1)]
+        _, lowest = find_minimum(lambda x: -float(self.closed(np.array(x))), *ends, tolerance=1e-9)
+        return -float(lowest)
 
 
 @lru_cache(maxsize=32)
@@ -166,7 +164,7 @@ def timed(cycle: Cycle, imep: float, start: float) -> Cycle:
 
 @lru_cache(maxsize=8)
 def _mean(cycle: Cycle) -> float:
-    """N m, mean gas torque."""
+    """Return the mean gas torque (N m) of a cycle."""
     return float(cycle.torque(0)[0].real)
 
 
@@ -178,12 +176,12 @@ def fitted(cycle: Cycle, imep: float, peak: float) -> Cycle:
     starts = np.arange(EARLIEST, LATEST, STEP)
     starts = starts[starts + cycle.duration < cycle.opens]
     over = np.empty(len(starts))
-    for place in reversed(range(len(starts))):
-        over[place] = timed(cycle, imep, starts[place]).peak - peak
-        if over[place] >= 0 and place + 1 < len(starts) and over[place + 1] < 0:
+    for number in reversed(range(len(starts))):
+        over[number] = timed(cycle, imep, starts[number]).peak - peak
+        if over[number] >= 0 and number + 1 < len(starts) and over[number + 1] < 0:
             break
     else:
         raise UnreachablePressure(float(over.min()) + peak, float(over.max()) + peak)
-    low, high = starts[place], starts[place + 1]
+    low, high = starts[number], starts[number + 1]
     root = find_root(lambda x: timed(cycle, imep, x).peak - peak, low, high, tolerance=1e-13)
     return timed(cycle, imep, float(root))

@@ -81,7 +81,9 @@ def greatest_curvature(angle: ArrayLike) -> FloatArray:
     bend = np.asarray(angle, dtype=float)
     cosine, square = np.cos(bend), np.sin(bend) ** 2
     root = np.sqrt(4.0 * cosine**2 + 9.0 * square**2)
-    whole = 1.0 + cosine**2 + root
-    less = cosine**2 * (2.0 + 4.0 / (root + 3.0 * square)) / whole  # 1 + cos 2x of convention N
-    steepest = np.arctan2(np.sqrt(1.0 + 4.0 * square / whole), np.sqrt(less))
+    denominator = 1.0 + cosine**2 + root
+    cosine_term = (
+        cosine**2 * (2.0 + 4.0 / (root + 3.0 * square)) / denominator
+    )  # 1 + cos 2x of convention N
+    steepest = np.arctan2(np.sqrt(1.0 + 4.0 * square / denominator), np.sqrt(cosine_term))
     return transfer(steepest, bend, "N").curvature

@@ -60,12 +60,12 @@ class Resultant:
 
     @property
     def greatest(self) -> FloatArray:
-        """Greatest speed ratio."""
+        """Greatest speed of the last shaft / speed of the first."""
         return np.exp(self.rapidity)
 
     @property
     def least(self) -> FloatArray:
-        """Least speed ratio."""
+        """Least speed of the last shaft / speed of the first."""
         return np.exp(-self.rapidity)
 
     @property
@@ -86,7 +86,7 @@ def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) ->
         np.asarray(plane, dtype=float),
         np.asarray(phase, dtype=float),
     )
-    angles, planes, phases = (np.array(each) for each in np.broadcast_arrays(*given))
+    angles, planes, phases = (np.array(values) for values in np.broadcast_arrays(*given))
     if np.any(planes[..., 0] != 0.0):
         raise ValueError("the first joint of a line defines the plane; its own `plane` must be 0")
     return Line(angles, planes, phases)
@@ -95,10 +95,14 @@ def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) ->
 def motion(driving: ArrayLike, line: Line) -> Transfer:
     """What one line does to its driving angle up to behind each joint; arrays of shape (joints, *driving.shape)."""
     turned = np.asarray(driving, dtype=float)
-    found = [Transfer(np.zeros_like(turned), np.ones_like(turned), np.zeros_like(turned))]
+    transfers = [Transfer(np.zeros_like(turned), np.ones_like(turned), np.zeros_like(turned))]
     for angle, offset in zip(line.angle, np.cumsum(line.offset), strict=True):
-        found.append(behind(found[-1], transfer(turned + (found[-1].error + offset), angle)))
-    return Transfer(*np.stack([(one.error, one.ratio, one.curvature) for one in found[1:]], axis=1))
+        transfers.append(
+            behind(transfers[-1], transfer(turned + (transfers[-1].error + offset), angle))
+        )
+    return Transfer(
+        *np.stack([(part.error, part.ratio, part.curvature) for part in transfers[1:]], axis=1)
+    )
 
 
 @source("Ma2011", "eq. 3, 6")
@@ -111,14 +115,14 @@ def resultant(line: Line) -> Resultant:
 def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
     """A, B of the line's disk map (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1; shape (...)."""
     scale, turn = np.sqrt(np.cos(line.angle)), np.exp(1j * line.offset)
-    less, more = (
+    sinh_half, cosh_half = (
         np.sin(line.angle / 2.0) ** 2 / scale,
         np.cos(line.angle / 2.0) ** 2 / scale,
     )  # sinh, cosh rapidity/2
     first = np.ones(line.angle.shape[:-1], dtype=complex)
     second = np.zeros_like(first)
     for rank in range(line.angle.shape[-1]):
-        small, large = less[..., rank], more[..., rank]
+        small, large = sinh_half[..., rank], cosh_half[..., rank]
         ahead, aside = turn[..., rank] * first, turn[..., rank] * second
         first, second = (
             large * ahead - small * np.conj(aside),
@@ -166,7 +170,9 @@ def optimise(
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
     """Index of fluctuation of the line, shape (values,), as one joint's phase, plane or angle takes the values, rad."""
-    many = Line(*(np.tile(each, (values.size, 1)) for each in (line.angle, line.plane, line.phase)))
+    many = Line(
+        *(np.tile(angles, (values.size, 1)) for angles in (line.angle, line.plane, line.phase))
+    )
     getattr(many, variable)[:, joint] = values
     return resultant(many).index
 
@@ -175,14 +181,16 @@ def _pair(line: Line, variable: Variable, joint: int) -> Line:
     """Two joints: misphase 0 (modulo 180 degrees, nearest to the given), or tanh a = tanh b cos 2 misphase."""
     misphase = line.phase[1] - line.plane[1]
     if variable == "angle":
-        other = np.sin(line.angle[1 - joint]) ** 2  # tanh of its rapidity is other/(2 - other)
-        tangent = max(0.0, float(other / (2.0 - other) * np.cos(2.0 * misphase)))
-        return _with(
+        square_sine = (
+            np.sin(line.angle[1 - joint]) ** 2
+        )  # tanh of its rapidity is other/(2 - other)
+        tangent = max(0.0, float(square_sine / (2.0 - square_sine) * np.cos(2.0 * misphase)))
+        return _changed(
             line, variable, (joint,), np.arctan2(np.sqrt([2.0 * tangent]), np.sqrt(1.0 - tangent))
         )
     nearest = misphase - np.pi * np.round(misphase / np.pi)
     value = line.phase[1] - nearest if variable == "phase" else line.plane[1] + nearest
-    return _with(line, variable, (joint,), np.array([value]))
+    return _changed(line, variable, (joint,), np.array([value]))
 
 
 def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
@@ -190,7 +198,7 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     from scipy.optimize import least_squares
 
     def lack(values: FloatArray) -> FloatArray:
-        _, closing = _disk_map(_with(line, variable, free, values))
+        _, closing = _disk_map(_changed(line, variable, free, values))
         return np.array([closing.real, closing.imag])
 
     def slope(
@@ -211,7 +219,7 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     )
     rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(sizes.sum() / 2.0))
     spread = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, (_STARTS, len(free)))
-    found: list[tuple[float, FloatArray]] = []
+    answers: list[tuple[float, FloatArray]] = []
     for start in (getattr(line, variable)[list(free)], *spread):
         answer = least_squares(
             lack,
@@ -222,10 +230,10 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
             ftol=1e-15,
             gtol=None,
         )
-        found.append((float(np.hypot(*answer.fun)), np.asarray(answer.x, dtype=float)))
-        if found[-1][0] <= bound + rounding:
+        answers.append((float(np.hypot(*answer.fun)), np.asarray(answer.x, dtype=float)))
+        if answers[-1][0] <= bound + rounding:
             break
-    return _with(line, variable, free, min(found, key=lambda pair: pair[0])[1])
+    return _changed(line, variable, free, min(answers, key=lambda pair: pair[0])[1])
 
 
 def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...]) -> FloatArray:
@@ -240,7 +248,7 @@ def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...]) -> Float
     return np.array(worst)
 
 
-def _with(line: Line, variable: Variable, joints: tuple[int, ...], values: FloatArray) -> Line:
+def _changed(line: Line, variable: Variable, joints: tuple[int, ...], values: FloatArray) -> Line:
     """The line with other values at some joints."""
     changed = np.array(getattr(line, variable))
     changed[list(joints)] = values

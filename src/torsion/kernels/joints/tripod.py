@@ -70,7 +70,7 @@ def exact_motion(
     Raises SolveError if the end of the shaft cannot run around (radius tan(angle) not small against arm).
     """
     given = np.broadcast_arrays(driving, angle, radius, arm)
-    turned, nominal, offset, length = (np.asarray(each, dtype=float) for each in given)
+    turned, nominal, offset, length = (np.asarray(value, dtype=float) for value in given)
     sine, share = np.sin(nominal), offset / (2.0 * length)
     gain, yaw = _standing(turned, sine, share)
     bend = np.arcsin(gain * sine)
@@ -80,11 +80,11 @@ def exact_motion(
     gaining, yawing = _solve(
         (turned, sine, share, gain, yaw), by_angle
     )  # derivatives by the driving angle
-    half, rest = np.tan(bend / 2.0), np.tan(nominal / 2.0)
-    above, below = half * rest * np.sin(yaw), 1.0 + half * rest * np.cos(yaw)
+    half, half_nominal = np.tan(bend / 2.0), np.tan(nominal / 2.0)
+    above, below = half * half_nominal * np.sin(yaw), 1.0 + half * half_nominal * np.cos(yaw)
     opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
-    rising = rest * (opening * np.sin(yaw) + half * np.cos(yaw) * yawing)
-    falling = rest * (opening * np.cos(yaw) - half * np.sin(yaw) * yawing)
+    rising = half_nominal * (opening * np.sin(yaw) + half * np.cos(yaw) * yawing)
+    falling = half_nominal * (opening * np.cos(yaw) - half * np.sin(yaw) * yawing)
     slope = -2.0 * (below * rising - above * falling) / (above**2 + below**2)
     centre = np.exp(1j * yaw) * (np.tan(bend) * np.cos(local) + 1j * np.sin(bend) * np.sin(local))
     centre = offset / 2.0 * half * centre
@@ -97,14 +97,17 @@ def exact_statics(
     driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike, torque: ArrayLike
 ) -> TripodStatics:
     """Couples of the three contact forces, each square to its arm and its line, with moments balanced at the pivot."""
-    place = exact_motion(driving, angle, radius, arm)
-    given = np.broadcast_arrays(driving, angle, radius, arm, torque, place.bend)
+    motion = exact_motion(driving, angle, radius, arm)
+    given = np.broadcast_arrays(driving, angle, radius, arm, torque, motion.bend)
     turned, nominal, offset, length, carried = (
-        np.asarray(each, dtype=float) for each in given[:-1]
+        np.asarray(value, dtype=float) for value in given[:-1]
     )
-    shaft, outgoing = _direction(place.bend, place.yaw), _direction(nominal, np.zeros_like(nominal))
+    shaft, outgoing = (
+        _direction(motion.bend, motion.yaw),
+        _direction(nominal, np.zeros_like(nominal)),
+    )
     contact, push = _contacts(
-        turned, offset, length[..., None] * (outgoing - shaft), shaft, place.yaw
+        turned, offset, length[..., None] * (outgoing - shaft), shaft, motion.yaw
     )
     about = np.cross(contact - (length[..., None] * outgoing)[..., None, :], push)
     passed = (shaft + outgoing) / (1.0 + np.sum(shaft * outgoing, axis=-1, keepdims=True))
@@ -160,21 +163,21 @@ def _pivot(
 
 
 def _solve(
-    place: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]
+    standing: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Solution of the pivot's conditions, made linear in (gain, yaw), for a right side."""
-    turned, sine, _, gain, yaw = place
-    _, _, near, far = _pivot(*place)
+    turned, sine, _, gain, yaw = standing
+    _, _, near, far = _pivot(*standing)
     cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
     bending = gain * sine**2 / cosine  # minus the derivative of cosine by gain
     growth = 2.0 * near / gain + near * bending / (1.0 + cosine)
     spread = growth / cosine + near * bending / cosine**2
     corner = 1.0 - growth * np.sin(local), np.sin(yaw) + 3.0 * near * np.cos(local)
-    other = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
-    whole = corner[0] * other[1] - corner[1] * other[0]
-    return (right[0] * other[1] - right[1] * corner[1]) / whole, (
-        right[1] * corner[0] - right[0] * other[0]
-    ) / whole
+    second_row = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
+    determinant = corner[0] * second_row[1] - corner[1] * second_row[0]
+    return (right[0] * second_row[1] - right[1] * corner[1]) / determinant, (
+        right[1] * corner[0] - right[0] * second_row[0]
+    ) / determinant
 
 
 def _direction(bend: FloatArray, yaw: FloatArray) -> FloatArray:
@@ -188,11 +191,11 @@ def _contacts(
 ) -> tuple[FloatArray, FloatArray]:
     """Where the three arms meet the three lines and the directions of their forces on the arms; each (..., 3, 3)."""
     node = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
-    place = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
-    local = (place - yaw[..., None])[..., None]
+    arm_angle = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
+    local = (arm_angle - yaw[..., None])[..., None]
     spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
     flat = (
-        radius[..., None, None] * np.stack((np.cos(place), np.sin(place)), axis=-1)
+        radius[..., None, None] * np.stack((np.cos(arm_angle), np.sin(arm_angle)), axis=-1)
         - centre[..., None, :2]
     )
     square = np.sum(spoke[..., :2] ** 2, axis=-1)

@@ -62,7 +62,7 @@ class Balance:
 
     @property
     def count(self) -> int:
-        """Highest harmonic kept."""
+        """Highest harmonic that is kept."""
         return int(self.harmonic.shape[1] - 1) // 2
 
 
@@ -116,25 +116,25 @@ def balance(
         )
     times = points_in_time(count)
     harmonic, load = np.array(start, dtype=complex), np.array(load, dtype=float)
-    here = equations(motion_of(harmonic, w0, times), load, count)
-    size = _norm(here, count)
+    linear = equations(motion_of(harmonic, w0, times), load, count)
+    size = _norm(linear, count)
     last = False
     for step in range(1, steps + 1):
-        move, change = _newton(here, held, w0, count)
-        part, found = 1.0, None
+        move, change = _newton(linear, held, w0, count)
+        part, accepted = 1.0, None
         for _ in range(HALVINGS):
             trial, trial_load = harmonic + part * move, load + part * change
-            there = equations(motion_of(trial, w0, times), trial_load, count)
-            reached = _norm(there, count)
+            tried = equations(motion_of(trial, w0, times), trial_load, count)
+            reached = _norm(tried, count)
             if last or reached < size or _is_small(part * move, trial):
-                found = there
+                accepted = tried
                 break
             part /= 2.0
-        if found is None:
+        if accepted is None:
             break
-        harmonic, load, here, size = trial, trial_load, found, reached
+        harmonic, load, linear, size = trial, trial_load, accepted, reached
         if last:
-            return Balance(harmonic, load, step, _truncation(here, harmonic, w0, count))
+            return Balance(harmonic, load, step, _truncation(linear, harmonic, w0, count))
         last = _is_small(move, harmonic) and part == 1.0
     raise SolveError(
         "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
@@ -152,95 +152,102 @@ def _amplitude(harmonic: ComplexArray) -> float:
     return float(np.abs(np.delete(harmonic, harmonic.shape[1] // 2, axis=1)).max(initial=0.0))
 
 
-def _norm(at: Linearised, count: int) -> float:
-    return float(np.linalg.norm(harmonics_of(at.residual, count)))
+def _norm(linear: Linearised, count: int) -> float:
+    return float(np.linalg.norm(harmonics_of(linear.residual, count)))
 
 
 def _newton(
-    at: Linearised, held: IntArray, w0: float, count: int
+    linear: Linearised, held: IntArray, w0: float, count: int
 ) -> tuple[ComplexArray, FloatArray]:
     """One step of Newton's method: the change of the harmonics and of the loads."""
-    size, number, loads = len(at.residual), 2 * count + 1, len(held)
+    size, number, loads = len(linear.residual), 2 * count + 1, len(held)
     upper = np.arange(count + 1)
     row, column, blocks = (
-        at.entries.row,
-        at.entries.column,
-        hill_blocks(at.entries, w0, count, upper),
+        linear.entries.row,
+        linear.entries.column,
+        hill_blocks(linear.entries, w0, count, upper),
     )
-    if at.extra:
-        row = np.append(row, [one[0] for one in at.extra])
-        column = np.append(column, [one[1] for one in at.extra])
-        blocks = np.concatenate([blocks, [one[2][count:] for one in at.extra]])
-    right = -real_parts(harmonics_of(at.residual, count)).ravel()
-    force = real_parts(harmonics_of(at.force, count)).reshape(loads, size * number).T
-    found = _solve((row, column, real_blocks(blocks)), force, held * number, right)
-    return from_real_parts(found[: size * number].reshape(size, number)), found[size * number :]
+    if linear.extra:
+        row = np.append(row, [block[0] for block in linear.extra])
+        column = np.append(column, [block[1] for block in linear.extra])
+        blocks = np.concatenate([blocks, [block[2][count:] for block in linear.extra]])
+    right = -real_parts(harmonics_of(linear.residual, count)).ravel()
+    force = real_parts(harmonics_of(linear.force, count)).reshape(loads, size * number).T
+    move = _solve((row, column, real_blocks(blocks)), force, held * number, right)
+    return from_real_parts(move[: size * number].reshape(size, number)), move[size * number :]
 
 
-def _solve(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
+def _solve(
+    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
+) -> FloatArray:
     """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
     total, loads = force.shape
     size = float(np.abs(entries[2]).max())
     scaled = (entries[0], entries[1], entries[2] / size)
     right = np.append(right / size, np.zeros(loads))
     try:
-        found = (_dense if total <= DENSE else _sparse)(scaled, force, place, right)
+        solution = (_dense if total <= DENSE else _sparse)(scaled, force, held_means, right)
     except (np.linalg.LinAlgError, RuntimeError):
-        found = np.full(total + loads, np.nan)
-    found[total:] *= size
-    if not np.isfinite(found).all():
+        solution = np.full(total + loads, np.nan)
+    solution[total:] *= size
+    if not np.isfinite(solution).all():
         raise SolveError(
             "the harmonic balance is singular; the train is in resonance without damping"
         )
-    return found
+    return solution
 
 
-def _dense(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
+def _dense(
+    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
+) -> FloatArray:
     total, loads = force.shape
-    whole = np.zeros((total + loads, total + loads))
-    whole[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
-    whole[:total, total:] = force
-    whole[total + np.arange(loads), place] = 1.0
-    return np.asarray(np.linalg.solve(whole, right))
+    matrix = np.zeros((total + loads, total + loads))
+    matrix[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
+    matrix[:total, total:] = force
+    matrix[total + np.arange(loads), held_means] = 1.0
+    return np.asarray(np.linalg.solve(matrix, right))
 
 
-def _sparse(entries: Entries, force: FloatArray, place: IntArray, right: FloatArray) -> FloatArray:
+def _sparse(
+    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
+) -> FloatArray:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
     total, loads = force.shape
     values, row, column = scattered(*entries)
-    unknown, load = np.nonzero(force)
-    values = np.concatenate([values, force[unknown, load], np.ones(loads)])
-    row = np.concatenate([row, unknown, total + np.arange(loads)])
-    column = np.concatenate([column, total + load, place])
+    rows, load = np.nonzero(force)
+    values = np.concatenate([values, force[rows, load], np.ones(loads)])
+    row = np.concatenate([row, rows, total + np.arange(loads)])
+    column = np.concatenate([column, total + load, held_means])
     matrix = sparse.csc_matrix((values, (row, column)), shape=(total + loads, total + loads))
     return np.asarray(splu(matrix).solve(right))
 
 
-def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:
+def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:
     """The largest harmonic left out / the largest kept, by what its residual moves each coordinate alone.
 
     A residual below the rounding of the forces it is the sum of says nothing and is left out.
     """
-    size = len(at.residual)
-    spectrum = np.fft.rfft(at.residual, axis=1)[:, count + 1 :] / at.residual.shape[1]
+    size = len(linear.residual)
+    spectrum = np.fft.rfft(linear.residual, axis=1)[:, count + 1 :] / linear.residual.shape[1]
     w = w0 * np.arange(count + 1, count + 1 + spectrum.shape[1])
-    own = at.entries.row == at.entries.column
+    is_diagonal = linear.entries.row == linear.entries.column
     mass, damping, stiffness = (np.zeros(size) for _ in range(3))
     for total, part in (
-        (mass, at.entries.mass),
-        (damping, at.entries.damping),
-        (stiffness, at.entries.stiffness),
+        (mass, linear.entries.mass),
+        (damping, linear.entries.damping),
+        (stiffness, linear.entries.stiffness),
     ):
-        np.add.at(total, at.entries.row[own], part[own].mean(axis=1))
+        np.add.at(total, linear.entries.row[is_diagonal], part[is_diagonal].mean(axis=1))
     alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
     floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
     noise = np.zeros(size)  # rounding of the forces that each residual is the sum of
     acts = (
-        np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
+        np.abs(linear.entries.stiffness).max(axis=1)
+        * np.abs(harmonic).sum(axis=1)[linear.entries.column]
     )
-    np.add.at(noise, at.entries.row, ROUNDING * acts)
+    np.add.at(noise, linear.entries.row, ROUNDING * acts)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
     amplitude = _amplitude(harmonic)
     return float(missed / amplitude) if amplitude > 0 else 0.0

@@ -50,12 +50,12 @@ def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
     are made of them are as sparse as the train is where it does not change over the period.
     """
     times, rank = samples.shape[-1], np.arange(-count, count + 1)
-    found = np.zeros((*samples.shape[:-1], 2 * count + 1), dtype=complex)
-    found[..., count] = samples[..., 0]
+    harmonic = np.zeros((*samples.shape[:-1], 2 * count + 1), dtype=complex)
+    harmonic[..., count] = samples[..., 0]
     varies = (samples != samples[..., :1]).any(axis=-1)
-    found[varies] = (np.fft.fft(samples[varies]) / times)[..., rank % times]
-    found[..., np.abs(rank) > (times - 1) // 2] = 0.0
-    return found
+    harmonic[varies] = (np.fft.fft(samples[varies]) / times)[..., rank % times]
+    harmonic[..., np.abs(rank) > (times - 1) // 2] = 0.0
+    return harmonic
 
 
 def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> ComplexArray:
@@ -141,7 +141,7 @@ class Exponents:
 
 
 def hill_exponents(
-    entries: Couplings, w0: float, count: int, size: int, known: ComplexArray | None = None
+    entries: Couplings, w0: float, count: int, size: int, repeated: ComplexArray | None = None
 ) -> Exponents:
     """Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
 
@@ -159,20 +159,22 @@ def hill_exponents(
         assembled(entries.row, entries.column, blocks, size)
         for blocks in (hill_blocks(entries, w0, count), damp + 2.0 * w * mass, mass)
     )
-    own = entries.row == entries.column
+    is_diagonal = entries.row == entries.column
     heavy = np.zeros(size)
-    np.add.at(heavy, entries.row[own], entries.mass[own].min(axis=1))
+    np.add.at(heavy, entries.row[is_diagonal], entries.mass[is_diagonal].min(axis=1))
     left = np.zeros((2 * total, 2 * total), dtype=complex)
     left[:total, total:] = w0 * np.eye(total)
     left[total:, :total], left[total:, total:] = -constant / w0, -linear
-    apart = _solving(constant, np.abs(np.diag(constant)) + w0**2 * np.abs(np.diag(inert)), known)
+    solving = _solving(
+        constant, np.abs(np.diag(constant)) + w0**2 * np.abs(np.diag(inert)), repeated
+    )
     right: ComplexArray | None = None
     if np.all(heavy > 0):
         left[total:] = np.linalg.solve(inert, left[total:])
     else:  # a coordinate without inertia has infinite exponents
         right = np.eye(2 * total, dtype=complex)
         right[total:, total:] = inert
-    value, vector = _eigen(np.asarray(left / w0, dtype=complex), right, apart)
+    value, vector = _eigen(np.asarray(left / w0, dtype=complex), right, solving)
     scale = np.abs(value) < 10.0 * number  # of w0; what lies beyond is infinite or not resolved
     value, shape = value[scale] * w0, vector[:total, scale].T.reshape(-1, size, number)
     weight = (np.abs(shape) ** 2).sum(axis=1)
@@ -181,47 +183,49 @@ def hill_exponents(
     return Exponents(value[kept], shape[kept])
 
 
-def _solving(constant: ComplexArray, size: FloatArray, known: ComplexArray | None) -> ComplexArray:
+def _solving(
+    constant: ComplexArray, size: FloatArray, repeated: ComplexArray | None
+) -> ComplexArray:
     """(2 total, motions) orthonormal: those of the known motions that solve the equations constant u = 0.
 
     size: (total,) of each equation's own coefficient, by which what a motion leaves becomes a deviation.
     """
     total = len(constant)
-    found = np.zeros((2 * total, 0), dtype=complex)
-    for one in [] if known is None else known.reshape(-1, total):
-        if (np.abs(constant @ one) / size).max() > KEPT * np.abs(one).max():
+    basis = np.zeros((2 * total, 0), dtype=complex)
+    for motion in [] if repeated is None else repeated.reshape(-1, total):
+        if (np.abs(constant @ motion) / size).max() > KEPT * np.abs(motion).max():
             continue
-        rest = np.append(one, np.zeros(total)) / np.linalg.norm(one)
-        rest = rest - found @ (found.conj().T @ rest)
-        if np.linalg.norm(rest) > APART:
-            found = np.column_stack([found, rest / np.linalg.norm(rest)])
-    return found
+        vector = np.append(motion, np.zeros(total)) / np.linalg.norm(motion)
+        vector = vector - basis @ (basis.conj().T @ vector)
+        if np.linalg.norm(vector) > APART:
+            basis = np.column_stack([basis, vector / np.linalg.norm(vector)])
+    return basis
 
 
 def _eigen(
-    left: ComplexArray, right: ComplexArray | None, apart: ComplexArray
+    left: ComplexArray, right: ComplexArray | None, solving: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Values and vectors (columns) of left x = value right x (right None: 1), without the null vectors `apart`."""
-    known = apart.shape[1]
-    if not known:
+    number = solving.shape[1]
+    if not number:
         return _eig(left, right)
-    turned = np.linalg.qr(apart, mode="complete")[0]
+    turned = np.linalg.qr(solving, mode="complete")[0]
     if right is None:
         left, weight = turned.conj().T @ left @ turned, np.eye(len(left))
-        value, rest = _eig(left[known:, known:], None)
+        value, rest_vector = _eig(left[number:, number:], None)
     else:
-        onto = np.linalg.qr(right @ apart, mode="complete")[0].conj().T
+        onto = np.linalg.qr(right @ solving, mode="complete")[0].conj().T
         left, weight = onto @ left @ turned, onto @ right @ turned
-        value, rest = _eig(left[known:, known:], weight[known:, known:])
+        value, rest_vector = _eig(left[number:, number:], weight[number:, number:])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.linalg.solve(
-            weight[:known, :known],
-            left[:known, known:] @ rest / value - weight[:known, known:] @ rest,
+            weight[:number, :number],
+            left[:number, number:] @ rest_vector / value - weight[:number, number:] @ rest_vector,
         )
     share = np.where(
         np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0
     )  # a double one has none of its own
-    return value, turned @ np.concatenate([share, rest])
+    return value, turned @ np.concatenate([share, rest_vector])
 
 
 def _eig(left: ComplexArray, right: ComplexArray | None) -> tuple[ComplexArray, ComplexArray]:

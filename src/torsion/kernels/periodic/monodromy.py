@@ -40,19 +40,21 @@ def radau(stages: int = STAGES) -> Collocation:
     """The nodes (roots of P_{s-1} - P_s on (-1, 1], mapped to (0, 1]) and the matrix of the method."""
     from numpy.polynomial import legendre
 
-    one = np.zeros(stages + 1)
-    one[-2], one[-1] = 1.0, -1.0
-    root = np.sort(legendre.legroots(one).real)
-    slope = legendre.legder(one)
-    inner = root[:-1] - legendre.legval(root[:-1], one) / legendre.legval(root[:-1], slope)
+    coefficients = np.zeros(stages + 1)
+    coefficients[-2], coefficients[-1] = 1.0, -1.0
+    root = np.sort(legendre.legroots(coefficients).real)
+    slope = legendre.legder(coefficients)
+    inner = root[:-1] - legendre.legval(root[:-1], coefficients) / legendre.legval(root[:-1], slope)
     node = (np.append(inner, 1.0) + 1.0) / 2.0
     x, weight = legendre.leggauss(stages)
-    at = node[:, None] * (x + 1.0) / 2.0  # (upper limit, point)
-    apart = node[:, None] - node + np.eye(stages)
+    points = node[:, None] * (x + 1.0) / 2.0  # (upper limit, point)
+    distance = node[:, None] - node + np.eye(stages)
     polynomials = np.empty((stages, stages, stages))
     for k in range(stages):
-        others = np.delete(np.arange(stages), k)
-        polynomials[k] = np.prod((at[..., None] - node[others]) / apart[k, others], axis=-1)
+        other_nodes = np.delete(np.arange(stages), k)
+        polynomials[k] = np.prod(
+            (points[..., None] - node[other_nodes]) / distance[k, other_nodes], axis=-1
+        )
     matrix = np.einsum("kip,p->ik", polynomials, weight) * node[:, None] / 2.0
     return Collocation(node, matrix)
 
@@ -128,15 +130,15 @@ def through_steps(
         mass.shape[-4],
         int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2,
     )
-    whole, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
+    product, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
     for first in range(0, steps, chunk):
         some = np.s_[..., first : first + chunk, :, :, :]
-        each = step_matrices(mass[some], damping[some], stiffness[some], h, rule)
-        for k in range(each.shape[-3]):
+        step_products = step_matrices(mass[some], damping[some], stiffness[some], h, rule)
+        for k in range(step_products.shape[-3]):
             if visited is not None and (first + k) % (steps // FEWEST_STEPS) == 0:
-                visited.append(whole)
-            whole = each[..., k, :, :] @ whole
-    return whole
+                visited.append(product)
+            product = step_products[..., k, :, :] @ product
+    return product
 
 
 def step_matrices(
@@ -151,20 +153,20 @@ def step_matrices(
     twice = once @ once
     blocks = h * once[:, None, :, None] * damping[..., :, :, None, :]
     blocks += h**2 * twice[:, None, :, None] * stiffness[..., :, :, None, :]
-    place = np.arange(stages)
-    blocks[..., place, :, place, :] += np.moveaxis(mass, -3, 0)
+    diagonal = np.arange(stages)
+    blocks[..., diagonal, :, diagonal, :] += np.moveaxis(mass, -3, 0)
     matrix = blocks.reshape(*lead, stages * size, stages * size)
     from_speed = damping + h * rule.node[:, None, None] * stiffness
     right = -np.concatenate([stiffness, from_speed], axis=-1).reshape(
         *lead, stages * size, 2 * size
     )
-    found = np.linalg.solve(matrix, right).reshape(*lead, stages, size, 2 * size)
+    accelerations = np.linalg.solve(matrix, right).reshape(*lead, stages, size, 2 * size)
     out = np.zeros((*lead, 2 * size, 2 * size))
-    one = np.eye(size)
-    out[..., :size, :size], out[..., size:, size:] = one, one
-    out[..., :size, size:] = h * one
-    out[..., :size, :] += h**2 * np.einsum("j,...jab->...ab", twice[-1], found)
-    out[..., size:, :] += h * np.einsum("j,...jab->...ab", once[-1], found)
+    unit = np.eye(size)
+    out[..., :size, :size], out[..., size:, size:] = unit, unit
+    out[..., :size, size:] = h * unit
+    out[..., :size, :] += h**2 * np.einsum("j,...jab->...ab", twice[-1], accelerations)
+    out[..., size:, :] += h * np.einsum("j,...jab->...ab", once[-1], accelerations)
     return out
 
 

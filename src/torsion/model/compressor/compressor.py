@@ -75,7 +75,24 @@ class CompressorThrow(Declared):
 
 
 class Compressor(Crankshaft, keyword="compressor"):
-    """A reciprocating compressor or pump with its crankshaft; it absorbs the mean torque."""
+    """A compressor is a crankshaft with pistons that absorb the mean torque."""
+
+    title = "reciprocating compressor or pump with crankshaft"
+    example = """\
+- compressor:
+    name: compressor
+    stroke: 180 mm
+    rod_length: 430 mm
+    throws:
+    - {angle: 0 deg, bore: 400 mm, piston_rod: 60 mm, reciprocating: 128 kg,
+       head_end: reciprocating_compressor_1_head.csv, crank_end: reciprocating_compressor_1_crank.csv}
+    - {angle: 0 deg, bore: 235 mm, piston_rod: 60 mm, reciprocating: 128 kg,
+       head_end: reciprocating_compressor_2_head.csv, crank_end: 3.1 bar}
+    absolute: true
+    mechanical_efficiency: 94 %
+    crank_inertia: 1.4 kg*m**2
+    stiffness: 5 MN*m/rad
+    loss_factor: 1 %"""
 
     stroke: Length = required("way of the pistons")
     rod_length: Length = required("connecting rod, between the centres of its eyes")

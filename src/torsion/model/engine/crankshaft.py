@@ -2,8 +2,7 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from typing import Annotated
 
 from torsion import fields
 from torsion.fields import OneOrMany, Quantity, exclusive, given, refuse
@@ -51,14 +50,6 @@ class Crankshaft(Component, sort="line"):
     @abstractmethod
     def moving_inertia(self, throw: int) -> float:
         """Return the mean inertia (kg m2) of the moving masses on a throw."""
-
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterator[str]:
-        for point in ("throw", "cylinder"):
-            count = body.get(f"{point}s")
-            count = len(count) if isinstance(count, list) else count
-            if isinstance(count, int):
-                yield from (f"{name} {point} {number}" for number in range(1, min(count, 99) + 1))
 
     def refuse_clashes(self) -> None:
         throws = len(self.throw_names)

@@ -45,7 +45,37 @@ TWICE = 1e-9  # rad: firing angles that differ by less are one
 
 
 class Engine(Crankshaft, keyword="engine"):
-    """A reciprocating engine with its crankshaft, from its free end to its last throw."""
+    """An engine is a crankshaft from its free end to its last throw, with gas and mass torques."""
+
+    title = "reciprocating engine with crankshaft, gas torque and misfire"
+    example = """\
+- engine:
+    name: main engine
+    cylinders: 6
+    strokes: 4
+    firing_order: [1, 5, 3, 6, 2, 4]
+    inertia: [0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487]
+    stiffness: [1.253e6, 1.253e6, 1.678e6, 1.253e6, 1.253e6]
+    damping: 2 N*m*s/rad
+    loss_factor: 3.5 %
+    journal: {diameter: 90 mm}
+    geometry: {bore: 105 mm, stroke: 137 mm, rod_length: 207 mm}
+    masses: {reciprocating: 2.521 kg}
+    gas: {cycle: wiebe, compression_ratio: 17, charge: 2.4 bar, exhaust: 2 bar, imep: 18 bar, p_max: 150 bar,
+          duration: 60 deg}
+    misfire: 3"""
+    groups = (
+        (
+            "Cylinders and firing",
+            "cylinders strokes firing_order firing_angles throws reverse phase",
+        ),
+        (
+            "Crankshaft",
+            "inertia crank_inertia stiffness damping loss_factor journal pin material web",
+        ),
+        ("Excitation", "geometry masses gas power mechanical_efficiency orders"),
+        ("Misfire and imbalance", "misfire cut_out keep_power imbalance"),
+    )
 
     cylinders: Annotated[int, Field(ge=1, le=40)] = required("number of cylinders")
     strokes: Literal[2, 4] = required("of a cycle")

@@ -43,7 +43,7 @@ def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:
 
 
 def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
-    """The chapters that an analysis declares, else its results as they are declared; nothing where it has none."""
+    """Yield the chapters that an analysis declares, else its results as they are declared; nothing where it has none."""
     analysis = ANALYSES[key]
     if any(findings.results.get(name) is not None for name in analysis.results):
         if analysis.chapters:
@@ -53,7 +53,7 @@ def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
 
 
 def _function(name: str) -> Chapter:
-    """`natural_frequencies`, `joint_motion:summary`, or the function of another module."""
+    """Return the function of `natural_frequencies`, `joint_motion:summary`, or of another module."""
     module, _, function = name.partition(":")
     path = module if "." in module else f"{__name__}.{module}"
     made: Chapter = getattr(import_module(path), function or "chapter")

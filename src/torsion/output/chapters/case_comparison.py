@@ -59,7 +59,7 @@ def _all(cases: Cases) -> Iterator[Block]:
 def _checks(cases: Cases) -> Iterator[Block]:
     """Yield tables with a row for each check and a column for each case, the last the worst case."""
     ranked, names = side_by_side(cases), list(cases)
-    rows = [row for place, row in enumerate(ranked) if check_words.is_listed(row.check, place)]
+    rows = [row for index, row in enumerate(ranked) if check_words.is_listed(row.check, index)]
     for first in range(0, len(names) if rows else 0, MOST_COLUMNS):
         shown = names[first : first + MOST_COLUMNS]
         columns = ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case")
@@ -157,8 +157,8 @@ def _loads(cases: Cases) -> Iterator[Figure]:
     component = _largest(stresses or torque_over_rating or torque)
     if stresses:
         caption = f"Vibratory shear stress of {component} in the cases"
-        of = "case-stress", caption, stresses[component], "shear stress amplitude", "N/mm²"
-        yield case_curves.curves(*of)
+        content = "case-stress", caption, stresses[component], "shear stress amplitude", "N/mm²"
+        yield case_curves.curves(*content)
     elif torque:
         unit = torques(values for _, values in torque[component].values())
         drawn = {

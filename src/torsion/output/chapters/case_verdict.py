@@ -55,7 +55,7 @@ class Row:
 
     @property
     def check(self) -> Check:
-        """The worst of its checks."""
+        """The check of the worst case."""
         return self.checks[self.worst]
 
 

@@ -16,7 +16,7 @@ from torsion.rules.verdict_line import Checks
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """The conclusion, and the measurements that would confirm it, if anything was judged or excited."""
+    """Yield the conclusion, and the measurements that would confirm it, if anything was judged or excited."""
     response = findings.get(Response)
     if not findings.need(Checks).lines and response is None:
         return
@@ -28,7 +28,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def conclusion(findings: Findings) -> Iterator[Block]:
-    """The headline of the verdict, its notes, and the restrictions of operation."""
+    """Yield the headline of the verdict, its notes, and the restrictions of operation."""
     (_, words), kind = overall_headline(findings)
     yield Paragraph(f"{words}.", kind)
     yield from notes(findings)
@@ -37,7 +37,7 @@ def conclusion(findings: Findings) -> Iterator[Block]:
 
 
 def _measurements(findings: Findings, response: Response) -> Iterator[str]:
-    """What to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 is largest."""
+    """Yield what to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 is largest."""
     speeds = findings.study.operation.speeds
     ends = (
         "over the speed range"

@@ -109,7 +109,7 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
         ],
         "Couplings and dampers with tables: input data",
     )
-    for place, law in enumerate(tables, 1):
+    for count, law in enumerate(tables, 1):
         unit = scale("N m/rad", law.stiffness.tolist())
         marks = [
             (
@@ -124,7 +124,7 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
         ]
         axis = AXES[law.over]
         yield coupling_table(
-            f"coupling-table-{place}",
+            f"coupling-table-{count}",
             f"{law.coupling}: stiffness and loss factor over {axis.quantity}",
             over=axis,
             at=np.asarray(law.at),
@@ -206,7 +206,7 @@ def temperatures(findings: Findings) -> Iterator[Block]:
         "Equilibrium temperatures of couplings, at the worst speed and at speeds with several equilibria",
         short="Temperatures of couplings",
     )
-    for place, coupling in enumerate(couplings, 1):
+    for count, coupling in enumerate(couplings, 1):
         curves = ("lowest", coupling.lowest), ("highest", coupling.highest)
         panel = Panel(
             SPEED,
@@ -220,7 +220,7 @@ def temperatures(findings: Findings) -> Iterator[Block]:
             ),
         )
         caption = f"{coupling.coupling}: equilibrium temperatures"
-        yield Figure(f"coupling-temperature-{place}", caption, (panel,))
+        yield Figure(f"coupling-temperature-{count}", caption, (panel,))
 
 
 def vibratory_torques(findings: Findings) -> Iterator[Block]:
@@ -254,7 +254,7 @@ def vibratory_torques(findings: Findings) -> Iterator[Block]:
         "Couplings with a table over vibratory torque, at the worst speeds and over the range",
         short="Couplings with a table over vibratory torque",
     )
-    for place, coupling in enumerate(couplings, 1):
+    for count, coupling in enumerate(couplings, 1):
         torque, stiffness = (
             scale(unit, values.tolist())
             for unit, values in (("N m", coupling.torque), ("N m/rad", coupling.stiffness))
@@ -265,7 +265,7 @@ def vibratory_torques(findings: Findings) -> Iterator[Block]:
             lines.append(Line("smallest solution", speed, coupling.smallest * torque.factor, 1))
         curve = Line("k", speed, coupling.stiffness * stiffness.factor, 0)
         yield Figure(
-            f"coupling-vibration-{place}",
+            f"coupling-vibration-{count}",
             f"{coupling.coupling}: total vibratory torque and stiffness",
             (
                 Panel(SPEED, Axis("total vibratory torque", torque.unit, low=0.0), tuple(lines)),

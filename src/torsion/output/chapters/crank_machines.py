@@ -43,7 +43,7 @@ def engines(findings: Findings) -> Iterator[Block]:
     """Yield the chapter of all engines; nothing without one."""
     result = findings.get(Engines)
 
-    def engine_blocks(engine: EngineFound, place: int) -> Iterator[Block]:
+    def engine_blocks(engine: EngineFound, number_of_machine: int) -> Iterator[Block]:
         yield KeyValues(tuple(_engine_sheet(engine)))
         yield table(
             "number: < Cylinder | station: < Throw | firing: Fires at [deg]:g | state: < State | "
@@ -54,9 +54,11 @@ def engines(findings: Findings) -> Iterator[Block]:
         yield from _engine_balance(engine)
         if engine.curves:
             caption = f"Pressure of a cylinder of {engine.name}, and tangential pressure of its gas (torque / A r)"
-            yield crank_curves.diagram(f"engine-{place}-pressure", caption, engine.curves)
+            yield crank_curves.diagram(
+                f"engine-{number_of_machine}-pressure", caption, engine.curves
+            )
         yield from _varying_inertia(engine)
-        yield from _misfires(findings, engine, place)
+        yield from _misfires(findings, engine, number_of_machine)
         if engine.remarks:
             yield Paragraph(" ".join(engine.remarks), "note")
 
@@ -118,10 +120,10 @@ def _machines(
     """Yield the heading and the blocks of every machine, under its name where there are several."""
     if machines:
         yield Heading(title if len(machines) == 1 else f"{title}s")
-    for place, machine in enumerate(machines, 1):
+    for number_of_machine, machine in enumerate(machines, 1):
         if len(machines) > 1:
             yield Heading(machine.name, 2)
-        yield from blocks(machine, place)
+        yield from blocks(machine, number_of_machine)
 
 
 def _at_speed(machine: EngineFound | CompressorFound) -> str:
@@ -269,7 +271,7 @@ def _varying_inertia(machine: EngineFound | CompressorFound) -> Iterator[Block]:
     )
 
 
-def _misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[Block]:
+def _misfires(findings: Findings, engine: EngineFound, number_of_machine: int) -> Iterator[Block]:
     """Yield the worst misfire of every element, and curves of the most loaded and of the most raised element."""
     if not engine.misfires:
         return
@@ -317,7 +319,7 @@ def _misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[B
         dict.fromkeys([int(highest.argmax()), int(ratio.argmax())]), 1
     ):
         yield crank_curves.misfires(
-            f"engine-{place}-misfires-{number_drawn}",
+            f"engine-{number_of_machine}-misfires-{number_drawn}",
             f"Vibratory torque in {elastic[k].name} with misfire of one cylinder of {engine.name}",
             speed * RPM,
             dict(zip(names[:MOST_CURVES], torque[:MOST_CURVES, k] * unit.factor, strict=True)),
@@ -325,7 +327,7 @@ def _misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[B
         )
 
 
-def _compressor_blocks(compressor: CompressorFound, place: int) -> Iterator[Block]:
+def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> Iterator[Block]:
     efficiency = "Mechanical efficiency", f"{given(100 * compressor.efficiency)} %"
     yield KeyValues((("Compressor", compressor.name), *compressor.words, efficiency))
     yield table(
@@ -357,7 +359,7 @@ def _compressor_blocks(compressor: CompressorFound, place: int) -> Iterator[Bloc
         )
         yield from _compressor_balance(compressor)
         yield crank_curves.pressures(
-            f"compressor-{place}-pressure",
+            f"compressor-{number_of_machine}-pressure",
             f"Pressures of {compressor.name}",
             [
                 (f"throw {throw}, {end.end}", np.degrees(end.angle), end.pressure * BAR)
@@ -367,7 +369,7 @@ def _compressor_blocks(compressor: CompressorFound, place: int) -> Iterator[Bloc
     unit = scale("N m", [float(np.abs(compressor.effort).max())])
     names = [f"throw {throw.number}" for throw in compressor.throws]
     yield crank_curves.effort(
-        f"compressor-{place}-effort",
+        f"compressor-{number_of_machine}-effort",
         f"Torque of {compressor.name} on the crankshaft{_at_speed(compressor)}, gas and moving masses",
         np.degrees(compressor.turned),
         dict(zip(names, compressor.effort * unit.factor, strict=True)),

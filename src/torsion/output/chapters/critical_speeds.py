@@ -125,7 +125,7 @@ def _in_range(findings: Findings, inside: list[CriticalSpeed]) -> Table:
     if len(inside) > MOST_IN_SUMMARY:
         lowest[-1] += f", and {len(inside) - MOST_IN_SUMMARY} more"
     has_rated = rated_rpm(findings) is not None
-    rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
+    omitted = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
     return table(
         f"Critical speed [rpm] -> rpm | Order:o -> | Mode -> | Frequency [Hz] | "
         f"{'Distance from rated [%]:3 | ' * has_rated}< Excited by ->",
@@ -140,7 +140,7 @@ def _in_range(findings: Findings, inside: list[CriticalSpeed]) -> Table:
             )
             for crossing, name in zip(inside[:MOST_ROWS], names, strict=False)
         ],
-        IN_RANGE + rest,
+        IN_RANGE + omitted,
         short=IN_RANGE,
         summary=f"{IN_RANGE}: {', '.join(lowest)}",
     )

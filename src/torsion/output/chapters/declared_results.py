@@ -17,7 +17,7 @@ MOST_COLUMNS = 5  # of a table on the terminal
 
 
 def chapter(analysis: Analysis, findings: Findings) -> list[Block]:
-    """Nothing where none of its results was found."""
+    """Return the blocks of an analysis; none if none of its results was found."""
     chosen = Selection(findings.system)
     results = [(name, findings.results.get(name)) for name in analysis.results]
     blocks = [
@@ -27,7 +27,7 @@ def chapter(analysis: Analysis, findings: Findings) -> list[Block]:
 
 
 def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
-    """Single values in one table, arrays in one for each axis, then the results that this one consists of."""
+    """Yield single values in one table, arrays in one for each axis, then the inner results."""
     single: list[tuple[Any, ...]] = []
     arrays: dict[tuple[str, int], list[tuple[Quantity, Any]]] = {}
     left, inner = list[str](), list[tuple[str, Any]]()
@@ -64,7 +64,7 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
 
 
 def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> Table:
-    """Quantities over one axis, a row each place of it."""
+    """Return quantities over one axis, a row each place of it."""
     axis = columns[0][0].printed[0]
     heads = [texts(axis.capitalize(), axis)]
     for number, (quantity, _) in enumerate(columns, start=2):
@@ -82,7 +82,7 @@ def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> 
 
 
 def _names(axis: str, count: int, chosen: Selection) -> list[str]:
-    """What stands at the places of an axis: names of stations, spans and elements, else numbers."""
+    """Return the names of stations, spans and elements at the places of an axis, else numbers."""
     stations = [chosen.system.stations[k].name for k in chosen.groups.stations.tolist()]
     names_by_axis = {
         "station": stations,

@@ -34,135 +34,127 @@ AMOUNTS = {"mass": ("mass", "kg"), "cost": ("cost", "")}
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """The choice, its rivals and figures of all that was tried."""
-    found = findings.need(Design)
+    """Yield the choice, the best candidates and figures of all that were tried."""
+    design = findings.need(Design)
     yield Heading("Design")
-    kept = f"; constraints: {'; '.join(found.kept)}" if found.kept else ""
-    worst = f", {found.solves:,} trains" if found.solves != found.evaluations else ""
-    over = _judged(found, findings).removeprefix("; ")
+    kept = f"; constraints: {'; '.join(design.kept)}" if design.kept else ""
+    trains = f", {design.solves:,} trains" if design.solves != design.evaluations else ""
+    over = _over_cases(design, findings).removeprefix("; ")
     yield Paragraph(
         (f"{over[:1].upper()}{over[1:]}. " if over else "")
-        + f"Objective: {found.aim}{kept}. {counted(found.evaluations, 'candidate')}{worst}: {found.method}."
-        + (f" {WHAT}" if not _is_frequency(found) else "")
+        + f"Objective: {design.aim}{kept}. {counted(design.evaluations, 'candidate')}{trains}: {design.method}."
+        + (f" {WHAT}" if not _is_frequency(design) else "")
     )
-    yield _said(found)
-    if found.unsolved:
+    yield _choice(design)
+    if design.unsolved:
+        why = "; ".join(design.faults)
+        yield Paragraph(f"{counted(design.unsolved, 'candidate')} not solved: {why}", "note")
+    if design.uncounted:
         yield Paragraph(
-            f"{counted(found.unsolved, 'candidate')} not solved: {'; '.join(found.faults)}", "note"
-        )
-    if found.uncounted:
-        yield Paragraph(
-            f"Unconfirmed limits do not enter the objective: {listed(found.uncounted, '; ')}. Candidates that exceed "
+            f"Unconfirmed limits do not enter the objective: {listed(design.uncounted, '; ')}. Candidates that exceed "
             "one rank last.",
             "note",
         )
     rows = [
-        (one.name, one.range, one.before or "another value", one.chosen) for one in found.figures
+        (figure.name, figure.range, figure.before or "another value", figure.chosen)
+        for figure in design.figures
     ]
     yield table("< Variable | < Range | < Nominal | < Chosen", rows, "Design variables")
-    yield _best(found)
-    yield from _figures(found)
+    yield _best_candidates(design)
+    if len(design.figures) == 1 or (len(design.figures) == 2 and any(design.rows)):
+        yield _curves(design)
+    elif len(design.figures) == 2 and (drawn := _map(design)) is not None:
+        yield drawn
+    if design.against and design.front_amount.size:
+        yield _front(design)
 
 
-def conclusion(found: Design) -> str:
-    """What is chosen, in one sentence."""
-    if found.chosen is None:
-        return f"no candidate passes: {found.verdict}"
-    one = found.best[found.chosen - 1]
-    words = ", ".join(f"{figure.name} {figure.chosen}" for figure in found.figures)
-    if one.frequency is not None:
-        was = (
-            ""
-            if found.before_frequency is None
-            else f" (nominal {number(found.before_frequency)} Hz)"
-        )
-        missed = found.aims[(found.values == found.picked).all(axis=1)]
-        words = (
-            f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
-        )
-        reached = f"{number(one.frequency)} Hz{was}"
-    else:
-        was = "" if found.before is None else f" (nominal {number(_share(found.before), 4)} %)"
-        reached = (
-            ""
-            if one.utilisation is None
-            else f"utilisation at most {number(100.0 * one.utilisation, 4)} %{was}"
-        )
-    broken = "" if one.is_allowed else "; no candidate meets all constraints"
-    return f"{words}: {reached}; full method: {one.proven}{broken}"
+def conclusion(design: Design) -> str:
+    """Return in one sentence what is chosen."""
+    if design.chosen is None:
+        return f"no candidate passes: {design.verdict}"
+    best = design.best[design.chosen - 1]
+    words = ", ".join(f"{figure.name} {figure.chosen}" for figure in design.figures)
+    nominal = reached = ""
+    if best.frequency is not None:
+        if design.before_frequency is not None:
+            nominal = f" (nominal {number(design.before_frequency)} Hz)"
+        missed = design.aims[(design.values == design.picked).all(axis=1)]
+        if missed.size and missed[0] < -NEAR:
+            words = f"{words}: {design.aim} is not reached"
+        reached = f"{number(best.frequency)} Hz{nominal}"
+    elif best.utilisation is not None:
+        if design.before is not None:
+            nominal = f" (nominal {number(100.0 * float(np.exp(-design.before)), 4)} %)"
+        reached = f"utilisation at most {number(100.0 * best.utilisation, 4)} %{nominal}"
+    broken = "" if best.is_allowed else "; no candidate meets all constraints"
+    return f"{words}: {reached}; full method: {best.proven}{broken}"
 
 
 def design_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """The row of the first page."""
-    found = findings.get(Design)
-    if found is not None:
-        yield "Design", f"{conclusion(found)}{_judged(found, findings)}"
+    """Yield the row of the first page."""
+    design = findings.get(Design)
+    if design is not None:
+        yield "Design", f"{conclusion(design)}{_over_cases(design, findings)}"
 
 
-def _judged(found: Design, findings: Findings) -> str:
-    """Of which cases the search and the solution are; empty where the file has none."""
+def _over_cases(design: Design, findings: Findings) -> str:
+    """Return of which cases the search and the solution are; empty if the file has none."""
     case, cases = findings.study.case, findings.study.cases
     if case is not None:
         return f"; case {case.name} only"
     if not cases:
         return ""
-    silent = [name for name in cases if name not in found.cases]
-    without = f"; not judged: {listed(silent)}" if silent else ""
-    own = (
-        f" and its case{'s' * (len(found.cases) > 1)} {listed(found.cases)}" if found.cases else ""
-    )
-    names = f"the nominal case{own}"
-    if found.is_over_cases or not found.cases:
+    unjudged = [name for name in cases if name not in design.cases]
+    without = f"; not judged: {listed(unjudged)}" if unjudged else ""
+    plural = "s" * (len(design.cases) > 1)
+    judged = f" and its case{plural} {listed(design.cases)}" if design.cases else ""
+    names = f"the nominal case{judged}"
+    if design.is_over_cases or not design.cases:
         return f"; searched and solved over {names}{without}"
     return f"; searched for the nominal case, solved over {names}{without}"
 
 
-def _said(found: Design) -> Paragraph:
-    """What is chosen, and what the ordinary solution says."""
-    failed = [k for k, one in enumerate(found.best, start=1) if one.proven == "disagrees"]
-    words = f"Chosen: {conclusion(found)} ({found.verdict})."
-    if found.chosen is not None:
+def _choice(design: Design) -> Paragraph:
+    """Return what is chosen, and what the ordinary solution gives."""
+    numbered = enumerate(design.best, start=1)
+    failed = [str(k) for k, candidate in numbered if candidate.proven == "disagrees"]
+    words = f"Chosen: {conclusion(design)} ({design.verdict})."
+    if design.chosen is not None:
         words += f" The file with these values is {FILE}."
     if failed:
         words += (
-            f" The full method disagrees with the search on candidate {listed(map(str, failed))}. The next best "
+            f" The full method disagrees with the search on candidate {listed(failed)}. The next best "
             "candidate was taken."
         )
-    is_good = found.chosen is not None and found.best[found.chosen - 1].proven == "kept"
-    return Paragraph(
-        words, "pass" if is_good and found.best[(found.chosen or 1) - 1].is_allowed else "note"
-    )
+    chosen = None if design.chosen is None else design.best[design.chosen - 1]
+    is_good = chosen is not None and chosen.proven == "kept" and chosen.is_allowed
+    return Paragraph(words, "pass" if is_good else "note")
 
 
-def _is_frequency(found: Design) -> bool:
-    return found.best[0].frequency is not None if found.best else False
+def _is_frequency(design: Design) -> bool:
+    return design.best[0].frequency is not None if design.best else False
 
 
-def _share(margin: float) -> float:
-    """Of the limit, %."""
-    return float(100.0 * np.exp(-margin))
-
-
-def _best(found: Design) -> Block:
+def _best_candidates(design: Design) -> Block:
     rows = [
         (
             k,
-            ", ".join(one.values),
-            None if one.margin is None else number(one.margin, 4),
-            None if one.utilisation is None else number(100.0 * one.utilisation, 4),
-            one.decides + (f"; at {one.worst_at}" if one.worst_at else ""),
-            None if one.frequency is None else number(one.frequency, 7),
-            None if one.mass is None else number(one.mass),
-            None if one.cost is None else number(one.cost),
-            _words(one, is_chosen=k == found.chosen),
+            ", ".join(candidate.values),
+            candidate.margin,
+            candidate.utilisation,
+            candidate.decides + (f"; at {candidate.worst_at}" if candidate.worst_at else ""),
+            candidate.frequency,
+            candidate.mass,
+            candidate.cost,
+            _verdict(candidate, is_chosen=k == design.chosen),
         )
-        for k, one in enumerate(found.best, start=1)
+        for k, candidate in enumerate(design.best, start=1)
     ]
     return filled(
         table(
-            "Candidate -> | < Values | Minimum margin -> margin | Utilisation [%] | < Governing check | Frequency "
-            "[Hz] -> Hz | "
-            "Mass [kg] -> kg | Cost | < Verdict",
+            "Candidate -> | < Values | Minimum margin:4 -> margin | Utilisation [%]:4 | < Governing check | Frequency "
+            "[Hz]:7 -> Hz | Mass [kg] -> kg | Cost | < Verdict",
             rows,
             "Best candidates",
             short="Best candidates",
@@ -170,144 +162,117 @@ def _best(found: Design) -> Block:
     )
 
 
-def _words(one: Candidate, *, is_chosen: bool) -> str:
-    kept = "constraints met" if one.is_allowed else "constraint violated"
-    margin = "" if one.proven_margin is None else f", margin {number(one.proven_margin, 4)}"
-    proven = f"; full method: {one.proven}{margin}" if one.proven else ""
+def _verdict(candidate: Candidate, *, is_chosen: bool) -> str:
+    kept = "constraints met" if candidate.is_allowed else "constraint violated"
+    margin = candidate.proven_margin
+    words = "" if margin is None else f", margin {number(margin, 4)}"
+    proven = f"; full method: {candidate.proven}{words}" if candidate.proven else ""
     return f"{'chosen; ' if is_chosen else ''}{kept}{proven}"
 
 
-def _figures(found: Design) -> Iterator[Figure]:
-    """A curve of one figure, a map of two, and the best of every mass or cost."""
-    if len(found.figures) == 1:
-        yield _curve(found)
-    if len(found.figures) == 2:
-        drawn = _rows(found) if any(found.rows) else _map(found)
-        yield from () if drawn is None else (drawn,)
-    if found.against and found.front_amount.size:
-        yield _front(found)
-
-
-def _quantity(found: Design) -> tuple[str, str]:
-    return (
-        ("distance from the target, −|ln(f / target)|", "")
-        if _is_frequency(found)
-        else ("minimum margin", "")
+def _objective(design: Design) -> Axis:
+    return Axis(
+        "distance from the target, −|ln(f / target)|" if _is_frequency(design) else "minimum margin"
     )
 
 
-def _titled(found: Design) -> str:
-    return found.aim[0].upper() + found.aim[1:]
+def _limit(design: Design) -> tuple[Level, ...]:
+    return () if _is_frequency(design) else (Level("limit", 0.0, is_reached=True),)
 
 
-def _axis(found: Design, place: int) -> Axis:
-    """Of a figure; names of rows in place of numbers."""
-    places = tuple((float(k), label) for k, label in enumerate(found.rows[place]))
-    return Axis(found.figures[place].name, "" if places else found.unit[place], places=places)
+def _titled(design: Design) -> str:
+    return design.aim[0].upper() + design.aim[1:]
 
 
-def _marks(found: Design, x: np.ndarray, y: np.ndarray) -> tuple[Marks, ...]:
-    picked = (
-        np.flatnonzero((found.values == found.picked).all(axis=1))[:1]
-        if found.picked.size
-        else np.zeros(0, dtype=int)
-    )
-    return (Marks("chosen", x[picked], y[picked], "star", "best"),) if picked.size else ()
+def _axis(design: Design, place: int) -> Axis:
+    """Return the axis of a variable; names of rows in place of numbers."""
+    places = tuple((float(k), label) for k, label in enumerate(design.rows[place]))
+    return Axis(design.figures[place].name, "" if places else design.unit[place], places=places)
 
 
-def _curve(found: Design) -> Figure:
-    x = found.values[:, 0]
-    at = np.argsort(x, kind="stable")
-    y = found.aims
-    symbol: Symbol | None = "disc" if found.rows[0] else None
-    lines = (Line(_quantity(found)[0], x[at], y[at], "first", symbol=symbol),)
-    broken = ~found.allowed & np.isfinite(y)
-    marks = (
-        (Marks("constraint violated", x[broken], y[broken], "cross", "unstable"),)
-        if broken.any()
-        else ()
-    )
-    level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
-    panel = Panel(
-        _axis(found, 0),
-        Axis(*_quantity(found)),
-        lines,
-        level,
-        marks=(*marks, *_marks(found, x, y)),
-        height=240.0,
-    )
-    return Figure("design_curve", f"{_titled(found)} over {found.figures[0].name}", (panel,))
+def _chosen_mark(design: Design, x: np.ndarray, y: np.ndarray) -> tuple[Marks, ...]:
+    if not design.picked.size:
+        return ()
+    picked = np.flatnonzero((design.values == design.picked).all(axis=1))[:1]
+    return (Marks("chosen", x[picked], y[picked], "star", "best"),)
 
 
-def _rows(found: Design) -> Figure:
-    """Of two figures, one with rows: a line for each of the rows, of which the best are drawn, over the other."""
-    listed_at = 0 if found.rows[0] else 1
-    other, row = found.values[:, 1 - listed_at], found.values[:, listed_at]
-    best = sorted(
-        set(row.tolist()), key=lambda one: -np.nanmax(np.append(found.aims[row == one], -np.inf))
-    )
+def _curves(design: Design) -> Figure:
+    """Draw the objective over one variable; of two, one with rows, a line for each of the best rows."""
+    listed_place = next((k for k, rows in enumerate(design.rows) if rows), 0)
+    is_single = len(design.figures) == 1
+    place = 0 if is_single else 1 - listed_place
+    x, aims = design.values[:, place], design.aims
+    row = np.zeros(len(x)) if is_single else design.values[:, listed_place]
+
+    def best_aim(number_of_row: float) -> float:
+        return float(np.nanmax(np.append(aims[row == number_of_row], -np.inf)))
+
+    best = sorted(set(row.tolist()), key=lambda number_of_row: -best_aim(number_of_row))
+    symbol: Symbol | None = "disc" if not is_single or design.rows[0] else None
     lines = []
-    for pen, one in enumerate(sorted(best[:MOST_ROWS])):
-        at = np.flatnonzero(row == one)
-        at = at[np.argsort(other[at], kind="stable")]
-        lines.append(
-            Line(found.rows[listed_at][int(one)], other[at], found.aims[at], pen, symbol="disc")
+    for pen, number_of_row in enumerate(sorted(best[:MOST_ROWS])):
+        along = np.flatnonzero(row == number_of_row)
+        along = along[np.argsort(x[along], kind="stable")]
+        label = (
+            _objective(design).quantity
+            if is_single
+            else design.rows[listed_place][int(number_of_row)]
         )
-    shown = np.isin(row, best[:MOST_ROWS]) & ~found.allowed & np.isfinite(found.aims)
-    marks = (
-        (Marks("constraint violated", other[shown], found.aims[shown], "cross", "unstable"),)
-        if shown.any()
-        else ()
-    )
-    level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
+        lines.append(
+            Line(label, x[along], aims[along], "first" if is_single else pen, symbol=symbol)
+        )
+    broken = np.isin(row, best[:MOST_ROWS]) & ~design.allowed & np.isfinite(aims)
+    marks = Marks("constraint violated", x[broken], aims[broken], "cross", "unstable")
     panel = Panel(
-        _axis(found, 1 - listed_at),
-        Axis(*_quantity(found)),
+        _axis(design, place),
+        _objective(design),
         tuple(lines),
-        level,
-        marks=(*marks, *_marks(found, other, found.aims)),
-        height=260.0,
+        _limit(design),
+        marks=(*((marks,) if broken.any() else ()), *_chosen_mark(design, x, aims)),
+        height=240.0 if is_single else 260.0,
     )
+    over = f"{_titled(design)} over {design.figures[place].name}"
+    if is_single:
+        return Figure("design_curve", over, (panel,))
     rest = f" (the best {MOST_ROWS} of {len(best)})" if len(best) > MOST_ROWS else ""
-    names = found.figures[1 - listed_at].name, found.figures[listed_at].name
-    return Figure("design_rows", f"{_titled(found)} over {names[0]}, by {names[1]}{rest}", (panel,))
+    by = design.figures[listed_place].name
+    return Figure("design_rows", f"{over}, by {by}{rest}", (panel,))
 
 
-def _map(found: Design) -> Figure | None:
-    """The values of the grid, those of refinements left out; None where there was no grid."""
-    axes = [np.unique(found.values[:, k], return_counts=True) for k in (0, 1)]
+def _map(design: Design) -> Figure | None:
+    """Draw the values of the grid without those of refinements; None if there was no grid."""
+    axes = [np.unique(design.values[:, k], return_counts=True) for k in (0, 1)]
     x, y = (values[counts >= max(2, counts.max() // 2)] for values, counts in axes)
-    if min(len(x), len(y)) < 2 or len(x) * len(y) > 1.2 * len(found.values):
+    if min(len(x), len(y)) < 2 or len(x) * len(y) > 1.2 * len(design.values):
         return None
     values = np.full((len(y), len(x)), np.nan)
-    column, row = np.searchsorted(x, found.values[:, 0]), np.searchsorted(y, found.values[:, 1])
-    column, row = np.minimum(column, len(x) - 1), np.minimum(row, len(y) - 1)
-    there = (x[column] == found.values[:, 0]) & (y[row] == found.values[:, 1])
-    values[row[there], column[there]] = found.aims[there]
-    known = values[np.isfinite(values)]
-    if not known.size:
+    column = np.minimum(np.searchsorted(x, design.values[:, 0]), len(x) - 1)
+    row = np.minimum(np.searchsorted(y, design.values[:, 1]), len(y) - 1)
+    is_on_grid = (x[column] == design.values[:, 0]) & (y[row] == design.values[:, 1])
+    values[row[is_on_grid], column[is_on_grid]] = design.aims[is_on_grid]
+    finite = values[np.isfinite(values)]
+    if not finite.size:
         return None
-    cells = Cells(x, y, values, *_quantity(found), float(np.quantile(np.abs(known), 0.98)) or 1.0)
+    largest = float(np.quantile(np.abs(finite), 0.98)) or 1.0
+    cells = Cells(x, y, values, _objective(design).quantity, "", largest)
     panel = Panel(
-        _axis(found, 0),
-        _axis(found, 1),
-        tuple(_contours(found, cells, known)),
-        marks=_marks(found, found.values[:, 0], found.values[:, 1]),
+        _axis(design, 0),
+        _axis(design, 1),
+        tuple(_contours(design, cells, finite)),
+        marks=_chosen_mark(design, design.values[:, 0], design.values[:, 1]),
         cells=cells,
         height=300.0,
     )
-    return Figure(
-        "design_map",
-        f"{_titled(found)} over {found.figures[0].name} and {found.figures[1].name}",
-        (panel,),
-    )
+    names = f"{design.figures[0].name} and {design.figures[1].name}"
+    return Figure("design_map", f"{_titled(design)} over {names}", (panel,))
 
 
-def _contours(found: Design, cells: Cells, known: np.ndarray) -> Iterator[Line]:
-    """Lines of equal aim at round numbers, between ranges."""
-    if any(found.rows) or np.ptp(known) == 0.0 or not np.isfinite(cells.values).all():
+def _contours(design: Design, cells: Cells, finite: np.ndarray) -> Iterator[Line]:
+    """Yield lines of equal objective at round numbers, between ranges."""
+    if any(design.rows) or np.ptp(finite) == 0.0 or not np.isfinite(cells.values).all():
         return
-    low, high = np.quantile(known, (0.02, 1.0))
+    low, high = np.quantile(finite, (0.02, 1.0))
     step = 10.0 ** np.floor(np.log10((high - low) / LEVELS))
     step *= next(factor for factor in (1, 2, 5, 10) if (high - low) / (factor * step) <= LEVELS)
     for level in np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step:
@@ -318,25 +283,27 @@ def _contours(found: Design, cells: Cells, known: np.ndarray) -> Iterator[Line]:
         yield Line("", x, y, "plain", label=number(float(level), 2), label_at="anywhere")
 
 
-def _front(found: Design) -> Figure:
-    """Every choice by its amount, and the line of the best."""
-    x, y, (name, unit) = found.amounts, found.aims, AMOUNTS[found.against]
-    kept, known = found.allowed, np.isfinite(found.amounts) & np.isfinite(found.aims)
-    each: tuple[tuple[str, np.ndarray, Symbol, Pen], ...] = (
-        ("constraints met", known & kept, "dot", "plain"),
-        ("constraint violated", known & ~kept, "cross", "pale"),
+def _front(design: Design) -> Figure:
+    """Draw every candidate by its amount, and the line of the best."""
+    x, y, (name, unit) = design.amounts, design.aims, AMOUNTS[design.against]
+    is_drawn = np.isfinite(x) & np.isfinite(y)
+    kinds: tuple[tuple[str, np.ndarray, Symbol, Pen], ...] = (
+        ("constraints met", is_drawn & design.allowed, "dot", "plain"),
+        ("constraint violated", is_drawn & ~design.allowed, "cross", "pale"),
     )
-    marks = [Marks(words, x[at], y[at], symbol, pen) for words, at, symbol, pen in each if at.any()]
-    line = Line(
-        f"best up to this {name}", found.front_amount, found.front_margin, "best", symbol="ring"
-    )
-    level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
+    marks = [
+        Marks(words, x[chosen], y[chosen], symbol, pen)
+        for words, chosen, symbol, pen in kinds
+        if chosen.any()
+    ]
+    best = f"best up to this {name}"
+    line = Line(best, design.front_amount, design.front_margin, "best", symbol="ring")
     panel = Panel(
         Axis(name, unit),
-        Axis(*_quantity(found)),
+        _objective(design),
         (line,),
-        level,
-        marks=(*marks, *_marks(found, x, y)),
+        _limit(design),
+        marks=(*marks, *_chosen_mark(design, x, y)),
         height=240.0,
     )
-    return Figure("design_front", f"{_titled(found)} against {name}, all candidates", (panel,))
+    return Figure("design_front", f"{_titled(design)} against {name}, all candidates", (panel,))

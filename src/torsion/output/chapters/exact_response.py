@@ -67,16 +67,16 @@ class Compared:
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where no exact response was computed."""
-    found = findings.get(PeriodicResponse)
-    if found is None or findings.get(Response) is None:
+    periodic = findings.get(PeriodicResponse)
+    if periodic is None or findings.get(Response) is None:
         return
     rows = compared(findings)
     yield Heading("Exact periodic response")
-    yield _introduction(findings, found)
+    yield _introduction(findings, periodic)
     if judged := first_order_judged(findings):
         yield Paragraph(judged, "note")
-    yield from _flagged_table(found)
-    if found.others is not None:
+    yield from _flagged_table(periodic)
+    if periodic.others is not None:
         yield Paragraph(
             "At some peaks the equations have several periodic motions. The approach to the speed decides which one "
             "occurs; an unstable motion does not persist. Curves and tables show the motion called `reported`.",
@@ -84,7 +84,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         )
         yield table(
             "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]:3",
-            _motions(findings, found, found.others),
+            _motions(findings, periodic, periodic.others),
             "Periodic motions found at the same speed, at the highest peaks",
         )
     if rows:
@@ -97,44 +97,48 @@ def chapter(findings: Findings) -> Iterator[Block]:
         )
 
 
-def _introduction(findings: Findings, found: PeriodicResponse) -> Paragraph:
-    known = found.truncation[np.isfinite(found.truncation)]
-    harmonics = int(found.harmonics.max(initial=0))
+def _introduction(findings: Findings, periodic: PeriodicResponse) -> Paragraph:
+    truncation = periodic.truncation[np.isfinite(periodic.truncation)]
+    harmonics = int(periodic.harmonics.max(initial=0))
     kept = (
         f"up to {harmonics} harmonics of the common period"
         if harmonics
         else "no periodic motion at any of them"
     )
-    text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
-    if known.size:
-        text += (
-            f"; estimated maximum omitted harmonic: {number(float(known.max()), 2)} of the largest"
+    text = f"{MODEL} {counted(periodic.speed.size, 'speed')}, {kept}"
+    if truncation.size:
+        text += f"; estimated maximum omitted harmonic: {number(float(truncation.max()), 2)} of the largest"
+    if np.isfinite(periodic.drive).any():
+        smallest_drive, largest_drive = (
+            number(float(np.nanmin(periodic.drive))),
+            number(float(np.nanmax(periodic.drive))),
         )
-    if np.isfinite(found.drive).any():
-        least, most = number(float(np.nanmin(found.drive))), number(float(np.nanmax(found.drive)))
-        text += f"; mean torque of the drive {least} to {most} N m"
+        text += f"; mean torque of the drive {smallest_drive} to {largest_drive} N m"
     left_out = any(line.order is None for line in findings.need(Response).lines)
     return Paragraph(
         text + "." + (" Torques of fixed frequency are not included." if left_out else "")
     )
 
 
-def _flagged(found: PeriodicResponse) -> BoolArray:
+def _flagged(periodic: PeriodicResponse) -> BoolArray:
     """(speeds,) the exact response has no value, a coarse one, or one that small deviations leave."""
-    return np.asarray((found.status != Found.OK) | found.is_unstable)
+    return np.asarray((periodic.status != Found.OK) | periodic.is_unstable)
 
 
-def _flagged_table(found: PeriodicResponse) -> Iterator[Table]:
+def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
     """The speeds without a periodic motion, with a coarse or an unstable one; nothing where there is none."""
     rows, marks = [], []
-    for k in np.flatnonzero(_flagged(found)).tolist():
-        state, reason = WORDS[found.status[k]], found.why[k] or "more harmonics would be needed"
-        if found.is_unstable[k]:
+    for k in np.flatnonzero(_flagged(periodic)).tolist():
+        state, reason = (
+            WORDS[periodic.status[k]],
+            periodic.why[k] or "more harmonics would be needed",
+        )
+        if periodic.is_unstable[k]:
             state += ", unstable"
-            reason = found.why[k] or "unstable: the train does not settle in this motion"
-        growth = None if found.growth is None else found.growth[k]
-        rows.append((found.speed[k], state, growth, found.truncation[k], reason))
-        marks.append("fail" if found.is_unstable[k] or found.why[k] else "note")
+            reason = periodic.why[k] or "unstable: the train does not settle in this motion"
+        growth = None if periodic.growth is None else periodic.growth[k]
+        rows.append((periodic.speed[k], state, growth, periodic.truncation[k], reason))
+        marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
     if rows:
         yield table(
             "Speed [rpm]:d | < Periodic motion | Growth rate [1/s]:3 | Omitted harmonic:2 | < Reason",
@@ -146,12 +150,14 @@ def _flagged_table(found: PeriodicResponse) -> Iterator[Table]:
 
 
 def _motions(
-    findings: Findings, found: PeriodicResponse, others: PeriodicResponse
+    findings: Findings, periodic: PeriodicResponse, further: PeriodicResponse
 ) -> Iterator[tuple[object, ...]]:
     """Every motion at the speeds at which several were found, by its largest amplitude, the reported one first."""
-    for speed in np.unique(others.speed).tolist():
-        motions = [("reported", found, int(np.flatnonzero(found.speed == speed)[0]))]
-        motions += [("another", others, k) for k in np.flatnonzero(others.speed == speed).tolist()]
+    for speed in np.unique(further.speed).tolist():
+        motions = [("reported", periodic, int(np.flatnonzero(periodic.speed == speed)[0]))]
+        motions += [
+            ("another", further, k) for k in np.flatnonzero(further.speed == speed).tolist()
+        ]
         for name, motion, row in motions:
             size = {
                 element: element.largest(np.abs(motion.torque[row]))
@@ -168,7 +174,7 @@ def _table(findings: Findings, compared: tuple[Compared, ...]) -> Table:
     response, exact = findings.need(Response), findings.need(PeriodicResponse)
     rows = []
     for row in sorted(compared, key=lambda row: row.order is not None):
-        first = None, None
+        first: tuple[float | None, float | None] = None, None
         if row.first is not None:
             first = row.first[0], response.speed[row.first[1]]
         torque, k = row.exact
@@ -190,9 +196,9 @@ def _table(findings: Findings, compared: tuple[Compared, ...]) -> Table:
 
 def _figure(findings: Findings, element: Element) -> Figure:
     """At the orders of the joints and twice them: of two cross joints 2 and 4."""
-    response, found = findings.need(Response), findings.need(PeriodicResponse)
+    response, periodic = findings.need(Response), findings.need(PeriodicResponse)
     system = findings.system
-    first, exact = amplitude(findings, element.spans), element.largest(np.abs(found.torque))
+    first, exact = amplitude(findings, element.spans), element.largest(np.abs(periodic.torque))
     unit, lines = torques([exact]), [line.order for line in response.lines]
     joints = {
         n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error
@@ -201,10 +207,10 @@ def _figure(findings: Findings, element: Element) -> Figure:
         (
             f"order {order(n)}",
             first[:, lines.index(n)] * unit.factor if n in lines else None,
-            exact[:, found.orders.index(n)] * unit.factor,
+            exact[:, periodic.orders.index(n)] * unit.factor,
         )
         for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
-        if n in found.orders
+        if n in periodic.orders
     ]
     return of_torsion(
         findings,
@@ -212,12 +218,12 @@ def _figure(findings: Findings, element: Element) -> Figure:
             f"periodic-{element.part}-{element.spans[0]}",
             f"Torque in {element.name}, orders of the joints, both methods",
             first_speed=response.speed * RPM,
-            speed=found.speed * RPM,
+            speed=periodic.speed * RPM,
             lines=pairs,
             unit=unit.unit,
-            none=found.status == Found.NONE,
-            coarse=found.status == Found.COARSE,
-            grows=found.is_unstable,
+            none=periodic.status == Found.NONE,
+            coarse=periodic.status == Found.COARSE,
+            grows=periodic.is_unstable,
             unstable=unstable_rpm(findings),
             rated=rated_rpm(findings),
         ),
@@ -226,15 +232,15 @@ def _figure(findings: Findings, element: Element) -> Figure:
 
 def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
     """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
-    found = findings.need(PeriodicResponse)
-    turns, harmonics = common_cycle(list(found.orders))
-    torque = found.torque[:, :, list(spans)].swapaxes(1, 2)
+    periodic = findings.need(PeriodicResponse)
+    turns, harmonics = common_cycle(list(periodic.orders))
+    torque = periodic.torque[:, :, list(spans)].swapaxes(1, 2)
     if turns == 0:
         return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
-    known = found.status != Found.NONE
-    half, shape = np.full(len(found.speed), np.nan), (known.sum(), len(spans))
-    most, least = extremes(torque[known].reshape(math.prod(shape), len(harmonics)), harmonics)
-    half[known] = ((most - least) / 2.0).reshape(shape).max(axis=1)
+    is_known = periodic.status != Found.NONE
+    half, shape = np.full(len(periodic.speed), np.nan), (is_known.sum(), len(spans))
+    upper, lower = extremes(torque[is_known].reshape(math.prod(shape), len(harmonics)), harmonics)
+    half[is_known] = ((upper - lower) / 2.0).reshape(shape).max(axis=1)
     return half
 
 
@@ -259,13 +265,13 @@ def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iter
         return
 
     def point(values: FloatArray) -> Point | None:
-        place = largest(sizes := without(values, nothing))
-        return None if place is None else (float(sizes[place]), place)
+        row = largest(sizes := without(values, nothing))
+        return None if row is None else (float(sizes[row]), row)
 
     def exact_point(values: FloatArray) -> Point:
         """Of the speeds with a periodic motion."""
-        place = int(np.nanargmax(sizes := without(values, nothing)))
-        return float(sizes[place]), place
+        row = int(np.nanargmax(sizes := without(values, nothing)))
+        return float(sizes[row]), row
 
     if None not in orders:
         half = exact_point(exact_half_range(findings, spans))
@@ -273,9 +279,9 @@ def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iter
     first = amplitude(findings, spans)
     for k, rank in enumerate(periodic.orders):
         mine = point(first[:, orders.index(rank)]) if rank in orders else None
-        found = exact_point(exact[:, k])
-        if max(mine or found, found)[0] >= SMALLEST * top:
-            yield Compared(element, rank, mine, found)
+        exact_largest = exact_point(exact[:, k])
+        if max(mine or exact_largest, exact_largest)[0] >= SMALLEST * top:
+            yield Compared(element, rank, mine, exact_largest)
 
 
 def first_order_judged(findings: Findings) -> str:

@@ -79,19 +79,18 @@ def _train(findings: Findings) -> Iterator[Figure]:
         for disc in sketch.discs
     )
 
-    pointed = None
-    check = worst(findings)
-    if check is not None and (check.utilisation is not None or check.fails) and about(check):
-        place = _place(findings, links, about(check)[0])
-        title, use = "worst" if check.fails else "largest", check_words.use(check)
-        words = f"{title}: {use.words.partition(' ')[2]}, {symbols(check.clause)}"
-        pointed = None if place is None else (place, replace(use, words=words))
+    first, pointed = worst(findings), None
+    if first is not None and (first.utilisation is not None or first.fails) and about(first):
+        point = _position(findings, links, about(first)[0])
+        title, use = "worst" if first.fails else "largest", check_words.use(first)
+        words = f"{title}: {use.words.partition(' ')[2]}, {symbols(first.clause)}"
+        pointed = None if point is None else (point, replace(use, words=words))
     case = f" (case {name})" if (name := case_name(findings)) else ""
     drawn = replace(sketch, discs=discs, links=tuple(links), worst=pointed, height=HEIGHT)
     yield Figure("utilisation", KEY + case, (drawn,))
 
 
-def _place(findings: Findings, links: list[Link], part: int) -> Place | None:
+def _position(findings: Findings, links: list[Link], part: int) -> Place | None:
     """Return x and row of a component in the sketch; None if it is not drawn."""
     for link in links:
         if part in link.parts:
@@ -105,9 +104,9 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     speeds = findings.study.operation.speeds
     if speeds is None:
         return
-    response, unknown = findings.get(Response), tuple[Band, ...]()
+    response, unreliable_bands = findings.get(Response), tuple[Band, ...]()
     if response is not None and np.any(unreliable(findings)):
-        _, unknown = unanswered(response.speed * RPM, unreliable(findings))
+        _, unreliable_bands = unanswered(response.speed * RPM, unreliable(findings))
     critical = [
         (crossing.speed * RPM, crossing.line.named().partition(" (")[0])
         for crossing in strongest(findings)
@@ -120,7 +119,7 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
     largest = several if response is None else f"{several} with the largest torque"
     drawn = [f"{kinds} range{plural}"] if kinds else []
-    drawn += ["ranges without a reliable response"] if unknown else []
+    drawn += ["ranges without a reliable response"] if unreliable_bands else []
     drawn += [largest] if critical else []
     caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
     figure = speed_range(
@@ -130,7 +129,7 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
         rated=rated_rpm(findings),
         barred=barred,
         unstable=unstable,
-        unknown=unknown,
+        unknown=unreliable_bands,
         critical=critical,
     )
     yield of_torsion(findings, figure)

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
-from torsion.output.numbers import RPM, Scale, counted, given, number, order, rpm, scale
+from torsion.output.numbers import RPM, Scale, counted, given, number, order, scale
 from torsion.output.reported_values import reference
 from torsion.what_if.fit.fit_results import Fit, FittedCurve
 
@@ -27,28 +27,61 @@ IDENTIFIED = (
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Figures, agreement, measurements and what cannot be known."""
-    found = findings.need(Fit)
+    """Yield updated parameters, agreement, measurements and what the measurements leave open."""
+    fit = findings.need(Fit)
     yield Heading("Fit to measurements")
-    for words in found.warnings:
-        yield Paragraph(words, "fail" if found.fails else "note")
+    for words in fit.warnings:
+        yield Paragraph(words, "fail" if fit.fails else "note")
     yield Paragraph(WHAT)
-    yield _figures(found)
-    yield Paragraph(_agreement(found))
-    if found.others:
-        rows = [(one.words, number(one.chi2, 3), number(one.prior_chi2, 3)) for one in found.others]
+    yield table(
+        "name: < Parameter -> | given: < Nominal -> | fitted: < Fitted -> | factor: Factor | "
+        "lower: 95 % from -> from | upper: 95 % to -> to | prior: Deviation before [%]:3 | "
+        "deviation: Deviation after [%]:3 -> ± % | shift: Shift, in deviations:2 | from_data: Identified [%]:3",
+        fit.figures,
+        "Updated parameters (identified: share of the information from the measurements)",
+        short="Updated parameters",
+    )
+    yield Paragraph(_agreement(fit))
+    if fit.others:
         yield table(
-            "< Parameters | Chi2 | Squared shifts",
-            rows,
+            "words: < Parameters | chi2: Chi2:3 | prior_chi2: Squared shifts:3",
+            fit.others,
             "Other solutions that agree nearly as well",
         )
-    if found.modes:
-        yield _modes(found)
-    for place, curve in enumerate(found.curves, start=1):
+    if fit.modes:
+        yield table(
+            "mode: Mode -> | measured: Measured [Hz]:6 -> measured, Hz | within: Deviation [%]:3 -> ± % | "
+            "lower: Band from [Hz]:6 | upper: Band to [Hz]:6 | before: Before the fit [Hz]:6 -> before | "
+            "after: Fitted [Hz]:6 -> fitted | residual: Residual, in deviations:2 -> residual | "
+            "remark: < Remark ->",
+            fit.modes,
+            "Measured natural frequencies",
+            short="Measured natural frequencies",
+        )
+    for place, curve in enumerate(fit.curves, start=1):
         yield _drawn(findings, curve, place)
         yield _points(findings, curve)
-    yield from _identified(found)
-    hertz = ", ".join(number(one, 7) for one in found.frequency.tolist())
+
+    yield Paragraph(IDENTIFIED)
+    rows = [
+        (
+            0.0 if direction.is_unidentified else direction.information,
+            direction.words.replace(" -", " −"),
+        )
+        for direction in fit.directions
+    ]
+    yield table("Information:3 | < Combination", rows, "Identified combinations of parameters")
+    names = [figure.name for figure in fit.figures]
+    pairs = sorted(
+        combinations(range(len(names)), 2), key=lambda pair: -abs(float(fit.correlation[pair]))
+    )
+    if pairs:
+        yield table(
+            "< Parameter | < Parameter | Correlation:3",
+            [(names[a], names[b], fit.correlation[a, b]) for a, b in pairs[:MOST_PAIRS]],
+            "Correlation of updated parameters",
+        )
+    hertz = ", ".join(number(frequency, 7) for frequency in fit.frequency.tolist())
     yield Paragraph(f"The natural frequencies of the fitted file are {hertz} Hz.")
 
 
@@ -81,55 +114,6 @@ def _agreement(found: Fit) -> str:
         words = "the measurements scatter less than their stated deviations"
     freedom = f"{given(found.freedom, 3)} degrees of freedom, χ² per degree of freedom {number(found.reduced, 3)}"
     return f"{known} with {freedom}: {words}."
-
-
-def _figures(found: Fit) -> Block:
-    rows = [
-        (
-            one.name,
-            one.given,
-            one.fitted,
-            number(one.factor),
-            number(one.lower),
-            number(one.upper),
-            number(100.0 * one.prior, 3),
-            number(100.0 * one.deviation, 3),
-            number(one.shift, 2),
-            number(100.0 * one.from_data, 3),
-        )
-        for one in found.figures
-    ]
-    return table(
-        "< Parameter -> | < Nominal -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
-        "Deviation before [%] | Deviation after [%] -> ± % | Shift, in deviations | Identified [%]",
-        rows,
-        "Updated parameters (identified: share of the information from the measurements)",
-        short="Updated parameters",
-    )
-
-
-def _modes(found: Fit) -> Block:
-    rows = [
-        (
-            one.mode,
-            number(one.measured, 6),
-            number(100.0 * one.within, 3),
-            number(one.lower, 6),
-            number(one.upper, 6),
-            number(one.before, 6),
-            number(one.after, 6),
-            number(one.residual, 2),
-            "OUTSIDE its band" if one.is_outside else "" if one.is_given else "paired by its band",
-        )
-        for one in found.modes
-    ]
-    return table(
-        "Mode -> | Measured [Hz] -> measured, Hz | Deviation [%] -> ± % | Band from [Hz] | Band to [Hz] | "
-        "Before the fit [Hz] -> before | Fitted [Hz] -> fitted | Residual, in deviations -> residual | < Remark ->",
-        rows,
-        "Measured natural frequencies",
-        short="Measured natural frequencies",
-    )
 
 
 def _scale(curve: FittedCurve) -> Scale:
@@ -165,62 +149,26 @@ def _drawn(findings: Findings, curve: FittedCurve, place: int) -> Figure:
 
 
 def _points(findings: Findings, curve: FittedCurve) -> Block:
-    size, shown, varies = (
-        _scale(curve),
-        np.arange(curve.speed.size),
-        bool((curve.deviation > curve.within).any()),
-    )
+    size, shown = _scale(curve), np.arange(curve.speed.size)
+    varies = bool((curve.deviation > curve.within).any())
     if shown.size > MOST_POINTS:
         shown = np.sort(np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS])
-    rows = [
-        (
-            rpm(float(curve.speed[k])),
-            *(
-                number(float(one[k] * size.factor))
-                for one in (curve.measured, curve.before, curve.after)
-            ),
-            *([number(100.0 * float(curve.deviation[k]), 3)] if varies else []),
-            number(float(curve.residual[k]), 2),
-            *([] if curve.phase_residual is None else [number(float(curve.phase_residual[k]), 2)]),
-        )
-        for k in shown.tolist()
-    ]
-    rest = (
-        ""
-        if shown.size == curve.speed.size
-        else f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
-    )
+    amplitudes = (curve.measured, curve.before, curve.after)
+    columns = [curve.speed, *(amplitude * size.factor for amplitude in amplitudes)]
+    columns += [curve.deviation] if varies else []
+    columns += [curve.residual] + ([] if curve.phase_residual is None else [curve.phase_residual])
+    rest = ""
+    if shown.size < curve.speed.size:
+        rest = f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
     if curve.unused:
         rest += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
-    phase = "" if curve.phase_residual is None else " | Residual of the phase -> of phase"
-    unit, each = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %"
+    phase = "" if curve.phase_residual is None else " | Residual of the phase:2 -> of phase"
+    unit, residual = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %:2"
     if varies:
-        each = "Deviation [%] -> ± % | Residual, in deviations"
+        residual = "Deviation [%]:3 -> ± % | Residual, in deviations:2"
     return table(
-        f"Speed [rpm] | Measured [{unit}] | Before the fit [{unit}] -> before | Fitted [{unit}] -> fitted | "
-        f"{each} -> residual{phase}",
-        rows,
+        f"Speed [rpm] | Measured [={unit}] | Before the fit [={unit}] -> before | Fitted [={unit}] -> fitted | "
+        f"{residual} -> residual{phase}",
+        np.stack(columns, axis=1)[shown].tolist(),
         f"Measured {_title(findings, curve)}{rest}",
     )
-
-
-def _identified(found: Fit) -> Iterator[Block]:
-    """What the measurements say of combinations of figures, and how the figures go together."""
-    yield Paragraph(IDENTIFIED)
-    rows = [
-        (number(0.0 if one.is_unidentified else one.information, 3), one.words.replace(" -", " −"))
-        for one in found.directions
-    ]
-    yield table("Information | < Combination", rows, "Identified combinations of parameters")
-    names = [one.name for one in found.figures]
-    pairs = sorted(
-        combinations(range(len(names)), 2), key=lambda pair: -abs(float(found.correlation[pair]))
-    )
-    if pairs:
-        each = [
-            (names[a], names[b], number(float(found.correlation[a, b]), 3))
-            for a, b in pairs[:MOST_PAIRS]
-        ]
-        yield table(
-            "< Parameter | < Parameter | Correlation", each, "Correlation of updated parameters"
-        )

@@ -112,11 +112,11 @@ def _loaded_elements(findings: Findings, response: Response) -> list[Element]:
 
 
 def _figures(
-    findings: Findings, loaded: list[Element], most: int = MOST_FIGURES
+    findings: Findings, loaded: list[Element], count: int = MOST_FIGURES
 ) -> Iterator[Block]:
     """Yield the curves of the elements that are worth a figure, and the names of the others."""
     sizes = {element: highest(amplitude(findings, element.spans)) for element in loaded}
-    drawn = worth_a_figure(findings, sizes, most)
+    drawn = worth_a_figure(findings, sizes, count)
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(loaded):
         omitted = listed([element.name for element in loaded if element not in drawn])
@@ -253,11 +253,11 @@ def _largest_angles(findings: Findings, response: Response) -> Table:
     sizes = np.where((response.status == Status.OK)[:, :, None], np.abs(response.angle), np.nan)
     top = highest(sizes / ratio[: sizes.shape[2]])
     for station, name in _moving_stations(findings):
-        place = largest(sizes[:, :, station].ravel())
-        if place is None:
+        position = largest(sizes[:, :, station].ravel())
+        if position is None:
             rows.append((name, NO_VALUE, *[None] * 4))
             continue
-        speed, line = divmod(place, sizes.shape[1])
+        speed, line = divmod(position, sizes.shape[1])
         angle = settled(float(sizes[speed, line, station]), top * float(ratio[station]))
         order = response.lines[line].named(reference(findings))
         speed_amplitude = 2.0 * np.pi * angle * response.frequency[speed, line]
@@ -344,11 +344,11 @@ def _maxima(
     """Return the largest value of every curve, under as many titles as there are, and its frequency."""
     rows, copies = list[tuple[object, ...]](), titles.count("|") - 1
     for name, values in curves.items():
-        place = largest(values)
-        if place is None:
+        position = largest(values)
+        if position is None:
             rows.append((name, NO_VALUE, *[None] * copies))
         else:
-            rows.append((name, *[values[place]] * copies, sweep.frequency[place]))
+            rows.append((name, *[values[position]] * copies, sweep.frequency[position]))
     return table(titles, rows, f"Maximum {quantity}")
 
 

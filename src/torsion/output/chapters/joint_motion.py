@@ -48,53 +48,55 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def alone(findings: Findings) -> Iterator[Block]:
     """The same, on the terminal with every table."""
-    found = findings.get(Joints)
-    if found is None or not found.joints:
+    joints = findings.get(Joints)
+    if joints is None or not joints.joints:
         return
     yield Heading("Universal joints")
-    yield joint_tables.geometry(found)
-    yield joint_tables.alone(found)
+    yield joint_tables.geometry(joints)
+    yield joint_tables.alone(joints)
     yield Heading("Joints together", 2)
-    yield joint_tables.lines(found)
-    yield from joint_tables.at_speed(found)
-    yield from (_motion(found, k, line) for k, line in enumerate(found.lines))
-    if any(joint.couples for joint in found.joints):
+    yield joint_tables.lines(joints)
+    yield from joint_tables.at_speed(joints)
+    yield from (_motion(joints, k, line) for k, line in enumerate(joints.lines))
+    if any(joint.couples for joint in joints.joints):
         yield Heading("Secondary couples", 2)
         yield Paragraph(AXES)
-        yield joint_tables.couples(found)
+        yield joint_tables.couples(joints)
         yield from (
-            _couples(found, k)
-            for k, joint in enumerate(found.joints)
+            _couples(joints, k)
+            for k, joint in enumerate(joints.joints)
             if any(c.order for c in joint.couples)
         )
-    if any(line.optimum is not None for line in found.lines):
+    if any(line.optimum is not None for line in joints.lines):
         yield Heading("Optimum angles", 2)
-        for line in found.lines:
-            yield from joint_tables.optimum(found, line)
-    yield from _response(findings, found)
-    if found.remarks:
+        for line in joints.lines:
+            yield from joint_tables.optimum(joints, line)
+    yield from _response(findings, joints)
+    if joints.remarks:
         yield Heading("Not computed for the joints", 2)
-        yield Points(found.remarks, brief=True)
+        yield Points(joints.remarks, brief=True)
 
 
 def summary(findings: Findings) -> Iterator[Block]:
     """The joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
-    found = findings.get(Joints)
-    if found is not None:
+    joints = findings.get(Joints)
+    if joints is not None:
         yield Heading("Summary")
         yield Points(
             tuple(
-                sentence for line in found.lines for sentence in joint_tables.in_short(found, line)
+                sentence
+                for line in joints.lines
+                for sentence in joint_tables.in_short(joints, line)
             )
         )
         if findings.need(Checks).lines:
             yield from closing.conclusion(findings)
 
 
-def _response(findings: Findings, found: Joints) -> Iterator[Block]:
+def _response(findings: Findings, joints: Joints) -> Iterator[Block]:
     """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
     response = findings.get(Response)
-    exciting = [joint for joint in found.joints if joint.order and joint.amplitude]
+    exciting = [joint for joint in joints.joints if joint.order and joint.amplitude]
     if response is None or not response.lines or not exciting:
         return
     rows = []
@@ -103,10 +105,10 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
         size = amplitude(
             findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
         )
-        for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
-            at = largest(size[:, place])
-            error = None if at is None else response.joint_error[at, place]
-            torque = worst(size[:, place], response.speed)
+        for column in (k for k, line in enumerate(response.lines) if line.order == wanted):
+            row = largest(size[:, column])
+            error = None if row is None else response.joint_error[row, column]
+            torque = worst(size[:, column], response.speed)
             rows.append((joint.name, f"order {order(wanted)}", *torque, error))
     yield Heading("Excitation of the train", 2)
     yield table(
@@ -117,10 +119,10 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
     yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())
 
 
-def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
+def _motion(joints: Joints, number: int, line: LineFound) -> Figure:
     """Angle error, speed, acceleration and torque ratio behind every joint of one line."""
-    found = [joints.joints[k] for k in line.joints]
-    speed = found[0].speed
+    in_line = [joints.joints[k] for k in line.joints]
+    speed = in_line[0].speed
     rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
     curves = [
         ("angle error", "deg", RAD, "error"),
@@ -140,7 +142,7 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
             title,
             unit,
             size,
-            [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in found],
+            [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in in_line],
         )
         for title, unit, size, values in curves
     ]
@@ -152,12 +154,12 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
     caption = (
         f"Motion downstream of {names(joints, line)} over the angle of the first shaft, {turning}"
     )
-    return _turn(f"joint-motion-{place + 1}", caption, joints, found[0], panels)
+    return _turn(f"joint-motion-{number + 1}", caption, joints, in_line[0], panels)
 
 
-def _couples(joints: Joints, place: int) -> Figure:
+def _couples(joints: Joints, number: int) -> Figure:
     """Secondary couples on both shafts of one joint."""
-    joint = joints.joints[place]
+    joint = joints.joints[number]
     sizes = [couple.largest for couple in joint.couples]
     unit = scale("N m", sizes)
     size = unit.factor * max(sizes if joint.torque is None else [abs(joint.torque), *sizes])
@@ -170,9 +172,9 @@ def _couples(joints: Joints, place: int) -> Figure:
         )
         for couple in joint.couples
     ]
-    first = next(joints.joints[line.joints[0]] for line in joints.lines if place in line.joints)
+    first = next(joints.joints[line.joints[0]] for line in joints.lines if number in line.joints)
     return _turn(
-        f"joint-couples-{place + 1}", f"Secondary couples of {joint.name}", joints, first, panels
+        f"joint-couples-{number + 1}", f"Secondary couples of {joint.name}", joints, first, panels
     )
 
 

@@ -121,9 +121,10 @@ def at_speed(joints: Joints) -> Iterator[Table]:
 
 def couples(joints: Joints) -> Table:
     """Secondary couples of the joints whose torque is known."""
-    known = [(joint, couple) for joint in joints.joints for couple in joint.couples]
+    pairs = [(joint, couple) for joint in joints.joints for couple in joint.couples]
     held, pushed = (
-        any(one) for one in ([c.bearing is not None for _, c in known], [j.force for j, _ in known])
+        any(column)
+        for column in ([c.bearing is not None for _, c in pairs], [j.force for j, _ in pairs])
     )
     rows = [
         (
@@ -137,7 +138,7 @@ def couples(joints: Joints) -> Table:
             *[couple.bearing] * held,
             *[joint.force or None] * pushed,
         )
-        for joint, couple in known
+        for joint, couple in pairs
     ]
     bearings, force = (
         " | Bearings [N] -> bearing, N" if held else "",
@@ -156,23 +157,23 @@ def couples(joints: Joints) -> Table:
 
 def optimum(joints: Joints, line: LineFound) -> Iterator[Block]:
     """What the best choice is and what it gains; nothing where none was sought."""
-    found = line.optimum
-    if found is not None:
-        title = f"Optimum {found.variable} of {names(joints, line)}"
+    best_choice = line.optimum
+    if best_choice is not None:
+        title = f"Optimum {best_choice.variable} of {names(joints, line)}"
         yield table(
-            f"< Joint -> | {found.variable.capitalize()} now [deg]:g -> now | Optimum [deg]:g -> optimum | "
+            f"< Joint -> | {best_choice.variable.capitalize()} now [deg]:g -> now | Optimum [deg]:g -> optimum | "
             f"Non-uniformity with an error of {ASSEMBLY} [%] -> with {ASSEMBLY} error, %",
             zip(
-                found.names,
-                found.before,
-                map(still, found.best),
-                map(still, found.sensitivity),
+                best_choice.names,
+                best_choice.before,
+                map(still, best_choice.best),
+                map(still, best_choice.sensitivity),
                 strict=True,
             ),
             title,
             short=f"{title}, deg",
         )
-        yield Paragraph(_gained(found), brief=True)
+        yield Paragraph(_gained(best_choice), brief=True)
 
 
 def still(value: float) -> float:
@@ -180,29 +181,28 @@ def still(value: float) -> float:
     return value if abs(value) > STILL else 0.0
 
 
-def _gained(found: OptimumFound) -> str:
-    """The gain in a sentence."""
-    before, best = _percent(found.index_before), _percent(found.index_best)
-    if found.index_before <= STILL:
+def _gained(best_choice: OptimumFound) -> str:
+    before, best = _percent(best_choice.index_before), _percent(best_choice.index_best)
+    if best_choice.index_before <= STILL:
         return "The line already rotates uniformly."
-    share = given(100.0 * (1.0 - found.index_best / found.index_before), 4)
+    share = given(100.0 * (1.0 - best_choice.index_best / best_choice.index_before), 4)
     return f"The degree of non-uniformity decreases from {before} % to {best} %, by {share} %."
 
 
 def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
     """A line of joints in one or two sentences."""
-    found, made = line.optimum, "rotates its last shaft uniformly"
+    best_choice, made = line.optimum, "rotates its last shaft uniformly"
     if line.index > STILL:
         made = f"rotates its last shaft with a degree of non-uniformity of {_percent(line.index)} %"
         if line.resultant**2 > STILL:
             made += f"; its cross joints act as one joint of {_angle(line.resultant)} deg"
     yield f"The line of {names(joints, line)} {made}."
-    if found is not None:
+    if best_choice is not None:
         best = ", ".join(
             f"{name} {degrees(still(value))} deg"
-            for name, value in zip(found.names, found.best, strict=True)
+            for name, value in zip(best_choice.names, best_choice.best, strict=True)
         )
-        yield f"Optimum {found.variable}: {best}. {_gained(found)}"
+        yield f"Optimum {best_choice.variable}: {best}. {_gained(best_choice)}"
 
 
 def names(joints: Joints, line: LineFound) -> str:
@@ -221,13 +221,13 @@ def _angle(value: float) -> str:
 
 def columns(findings: Findings) -> list[Series]:
     """Motion and couples of every joint over the angle of the first shaft, title with unit and values."""
-    found = findings.need(Joints)
+    joints = findings.need(Joints)
     curves = [
         (f"{joint.name} {title}", values)
-        for joint in found.joints
+        for joint in joints.joints
         for title, values in _curves(joint)
     ]
-    return [("angle of first shaft [deg]", np.degrees(found.angle)), *curves]
+    return [("angle of first shaft [deg]", np.degrees(joints.angle)), *curves]
 
 
 def _curves(joint: JointFound) -> Iterator[Series]:

@@ -15,7 +15,7 @@ MOST_MODES = 40  # of which a table is printed
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Nothing where it was not requested."""
+    """Yield the comparison; nothing if it was not requested."""
     comparison = findings.get(Compared)
     if comparison is None:
         return
@@ -76,7 +76,7 @@ def conclusion(comparison: Compared) -> Paragraph:
 
 
 def _summary(comparison: Compared) -> Table:
-    """The largest errors of every model and its verdict."""
+    """Return the largest errors of every model and its verdict."""
     exact, *_ = _all(comparison)
     rows = []
     for model in _all(comparison):
@@ -119,7 +119,7 @@ def _counts(comparison: Compared) -> Paragraph:
 
 
 def _worst(model: ModelCompared, comparison: Compared) -> str:
-    """Where the torques of a model are farthest from the exact ones; empty where none were compared."""
+    """Return where the torques of a model are farthest from the exact ones; empty if none were compared."""
     torques = model.torques
     if torques is None or torques.worst_speed is None or comparison.speed is None:
         return ""
@@ -138,7 +138,7 @@ def _percent(error: float) -> str:
 
 
 def _modes(comparison: Compared) -> Table:
-    """Frequencies of all models, of every model but the exact one also the errors."""
+    """Return frequencies of all models, with errors for every model but the exact one."""
     exact, *approximate = _all(comparison)
     titles = "Mode -> | exact [Hz] -> exact, Hz"
     titles += "".join(

@@ -88,7 +88,11 @@ def excited_modes(findings: Findings, modes: Modes) -> int:
     """Return the number of modes up to the highest excited frequency, at least 1 and at most MOST_MODES."""
     responses = findings.get(Response), findings.get(FrequencyResponse)
     highest = max(
-        (float(found.frequency.max(initial=0.0)) for found in responses if found is not None),
+        (
+            float(response.frequency.max(initial=0.0))
+            for response in responses
+            if response is not None
+        ),
         default=0.0,
     )
     count = int((modes.frequency <= highest).sum()) if highest else MODES_WITHOUT_ORDERS
@@ -135,7 +139,7 @@ def all_modes(findings: Findings) -> Iterator[Block]:
 def frequencies(modes: Modes) -> Table:
     """Return the table of undamped natural frequencies with their bounds."""
     lowest = ", ".join(number(frequency) for frequency in modes.frequency[:MOST_IN_SUMMARY])
-    more = ", ..." if len(modes.frequency) > MOST_IN_SUMMARY else ""
+    ellipsis = ", ..." if len(modes.frequency) > MOST_IN_SUMMARY else ""
     return table(
         "Mode -> | Frequency [Hz]:7 -> Hz | Per minute [1/min]:7 -> per minute | Nodes -> | Lower bound [Hz]:10 | "
         "Upper bound [Hz]:10",
@@ -144,7 +148,7 @@ def frequencies(modes: Modes) -> Table:
         ),
         "Natural frequencies of the undamped train",
         short="Natural frequencies",
-        summary=f"Natural frequencies: {lowest}{more} Hz" if lowest else "",
+        summary=f"Natural frequencies: {lowest}{ellipsis} Hz" if lowest else "",
     )
 
 
@@ -161,8 +165,8 @@ def _damped(damped: DampedModes) -> Iterator[Block]:
     )
     if len(damped.overdamped):
         roots = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
-        more = ", …" if len(damped.overdamped) > OVERDAMPED else ""
-        yield Paragraph(f"Overdamped modes (decay without oscillation): {roots}{more} 1/s.")
+        ellipsis = ", …" if len(damped.overdamped) > OVERDAMPED else ""
+        yield Paragraph(f"Overdamped modes (decay without oscillation): {roots}{ellipsis} 1/s.")
 
 
 def _shares(findings: Findings, modes: Modes) -> Table:
@@ -243,13 +247,15 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
 
 def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[Figure]:
     """Yield angle and torque of modes, counted from 0, over the train."""
-    system, place = findings.system, layout(findings.system)
+    system, positions = findings.system, layout(findings.system)
     drawn = segment_groups(system, MOST_SEGMENTS)
     main_line = [
-        part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0
+        part
+        for part in system.train.parts
+        if part.stations and positions.row[part.stations[-1]] == 0
     ]
     ticks = [
-        (float(place.x[list(part.stations)].mean()), part.name)
+        (float(positions.x[list(part.stations)].mean()), part.name)
         for part in main_line
         if part.is_point or len(main_line) <= MOST_NAMES
     ]
@@ -263,8 +269,8 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
         yield mode_shape.mode(
             f"mode-{mode + 1}",
             f"Mode {mode + 1}, {number(float(modes.frequency[mode]))} Hz: {caption}",
-            x=place.x[drawn.stations],
-            row=place.row[drawn.stations],
+            x=positions.x[drawn.stations],
+            row=positions.row[drawn.stations],
             ends=drawn.ends,
             marked=drawn.stations < len(system.train.stations),
             angle=angle / angle[np.argmax(np.abs(angle))],

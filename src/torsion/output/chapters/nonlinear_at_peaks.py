@@ -1,6 +1,7 @@
 """Chapter: couplings with play, friction or stages at the peaks of the response, by harmonic balance and exact."""
 
 from collections.abc import Iterator
+from itertools import chain
 
 from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.findings import Findings
@@ -24,62 +25,66 @@ TITLES = (
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing without such couplings, or without a response."""
-    found = findings.get(NonlinearPeaks)
-    if found is None or not found.each:
+    peaks = findings.get(NonlinearPeaks)
+    if peaks is None or not peaks.each:
         return
     yield Heading("Backlash and friction at the peaks of the response")
     yield Paragraph(METHOD)
     rows = [
         (
-            one.coupling,
-            one.component,
-            rpm(one.speed),
-            number(one.response),
-            NONE if one.exact is None else number(one.exact),
-            NONE if one.difference is None else number(100.0 * one.difference, 2),
-            number(one.half_range),
-            one.mode,
-            number(one.natural_frequency),
+            peak.coupling,
+            peak.component,
+            rpm(peak.speed),
+            number(peak.response),
+            NONE if peak.exact is None else number(peak.exact),
+            NONE if peak.difference is None else number(100.0 * peak.difference, 2),
+            number(peak.half_range),
+            peak.mode,
+            number(peak.natural_frequency),
         )
-        for one in found.each
+        for peak in peaks.each
     ]
     yield table(
         TITLES, rows, "Torque amplitudes at the peaks", short="Backlash and friction at the peaks"
     )
-    for name in dict.fromkeys(one.coupling for one in found.each):
-        own = [one for one in found.each if one.coupling == name]
-        if notes := " ".join([*_ranges(own[0]), *(note for one in own for note in _notes(one))]):
-            yield Paragraph(f"{name}: {notes}", "note")
+    for name in dict.fromkeys(peak.coupling for peak in peaks.each):
+        peaks_of_coupling = [peak for peak in peaks.each if peak.coupling == name]
+        notes = [
+            *_ranges(peaks_of_coupling[0]),
+            *chain.from_iterable(map(_notes, peaks_of_coupling)),
+        ]
+        if notes:
+            yield Paragraph(f"{name}: {' '.join(notes)}", "note")
 
 
-def _ranges(one: NonlinearPeak) -> Iterator[str]:
+def _ranges(peak: NonlinearPeak) -> Iterator[str]:
     """Where its play opens, and where there are several solutions."""
-    if one.opens_from is not None and one.opens_to is not None:
-        where = f"between {rpm(one.opens_from)} and {rpm(one.opens_to)} rpm"
-        where = f"at {rpm(one.opens_from)} rpm" if one.opens_from == one.opens_to else where
+    if peak.opens_from is not None and peak.opens_to is not None:
+        where = f"between {rpm(peak.opens_from)} and {rpm(peak.opens_to)} rpm"
+        where = f"at {rpm(peak.opens_from)} rpm" if peak.opens_from == peak.opens_to else where
         yield f"the backlash opens {where}: the faces separate and hammer."
-    if one.several_from is not None and one.several_to is not None:
+    if peak.several_from is not None and peak.several_to is not None:
         yield (
-            f"Between {rpm(one.several_from)} and {rpm(one.several_to)} rpm the response has several solutions, and "
+            f"Between {rpm(peak.several_from)} and {rpm(peak.several_to)} rpm the response has several solutions, and "
             "the amplitude can jump between them. The report shows the largest."
         )
 
 
-def _notes(one: NonlinearPeak) -> Iterator[str]:
+def _notes(peak: NonlinearPeak) -> Iterator[str]:
     """What a reader must know of a comparison."""
-    here = f"At {rpm(one.speed)} rpm"
-    if one.from_rest is not None:
-        yield f"{here} the exact motion that starts without vibration reaches {number(one.from_rest)} N m."
-    if not one.ended:
+    speed_words = f"At {rpm(peak.speed)} rpm"
+    if peak.from_rest is not None:
+        yield f"{speed_words} the exact motion that starts without vibration reaches {number(peak.from_rest)} N m."
+    if not peak.ended:
         yield (
-            f"{here} the exact motion needs too much computing time. Compute the transient response at this speed."
+            f"{speed_words} the exact motion needs too much computing time. Compute the transient response at this speed."
         )
-    elif one.exact is None:
+    elif peak.exact is None:
         yield (
-            f"{here} the motion that starts from the response does not settle. Compute the transient "
+            f"{speed_words} the motion that starts from the response does not settle. Compute the transient "
             "response at this speed."
         )
-    elif one.difference is not None and abs(one.difference) > DIFFERS:
-        text = f"{here} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
-        leaves = one.solutions > 1 and one.response > one.exact
+    elif peak.difference is not None and abs(peak.difference) > DIFFERS:
+        text = f"{speed_words} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
+        leaves = peak.solutions > 1 and peak.response > peak.exact
         yield text + (", which leaves the largest solution." if leaves else ".")

@@ -34,8 +34,8 @@ Shafts = tuple[ShaftFound, ...]
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where bending is not requested and no shaft has a support."""
-    found = findings.get(Lateral)
-    if found is None:
+    bending = findings.get(Lateral)
+    if bending is None:
         return
     requested = (
         getattr(findings.study.analyses.get("lateral"), "speeds", None)
@@ -44,23 +44,23 @@ def chapter(findings: Findings) -> Iterator[Block]:
     speeds = None if requested is None else (requested.first, requested.last)
     yield Heading("Bending of the shafts")
     yield Paragraph(f"Speeds are speeds of {reference(findings)}. {AXES}")
-    yield _supports(found.shafts)
-    yield _criticals(found.shafts, speeds)
-    yield from _whirl(findings, found.shafts, speeds)
-    if any(shaft.answers for shaft in found.shafts):
+    yield _supports(bending.shafts)
+    yield _criticals(bending.shafts, speeds)
+    yield from _whirl(findings, bending.shafts, speeds)
+    if any(shaft.answers for shaft in bending.shafts):
         yield Heading("Response to the secondary couples", 2)
-        yield _answers(found.shafts)
-        yield _forces(found.shafts)
-        for count, shaft in enumerate(found.shafts, start=1):
+        yield _answers(bending.shafts)
+        yield _forces(bending.shafts)
+        for count, shaft in enumerate(bending.shafts, start=1):
             if shaft.answers:
                 yield _bending(findings, shaft, speeds, f"bending-{count}")
-    if any(shaft.tilting is not None for shaft in found.shafts):
+    if any(shaft.tilting is not None for shaft in bending.shafts):
         from torsion.output.chapters.stability_ranges import tilt_section
 
-        yield from tilt_section(findings, found.shafts)
-    if found.remarks:
+        yield from tilt_section(findings, bending.shafts)
+    if bending.remarks:
         yield Heading("Not computed for the bending", 2)
-        yield Points(found.remarks)
+        yield Points(bending.remarks)
 
 
 def _supports(shafts: Shafts) -> Table:
@@ -207,8 +207,8 @@ def _whirl_rows(name: str, whirl: Whirl) -> Iterator[tuple[Any, ...]]:
         if not np.isfinite(decrement).any():
             continue
         row = int(np.nanargmin(decrement))
-        least, grows = float(decrement[row]), unstable(decrement)
-        verdict = "stable" if least > -UNSTABLE else "undamped"
+        smallest, grows = float(decrement[row]), unstable(decrement)
+        verdict = "stable" if smallest > -UNSTABLE else "undamped"
         if grows.any():
             verdict = f"UNSTABLE from {rpm(float(whirl.speed[grows][0]))} rpm"
         yield (
@@ -217,7 +217,7 @@ def _whirl_rows(name: str, whirl: Whirl) -> Iterator[tuple[Any, ...]]:
             whirl.frequency[0, k],
             whirl.frequency[-1, k],
             sense(float(whirl.direction[-1, k])),
-            0.0 if abs(least) <= -UNSTABLE else least,
+            0.0 if abs(smallest) <= -UNSTABLE else smallest,
             whirl.speed[row],
             verdict,
         )
@@ -250,9 +250,9 @@ def _forces(shafts: Shafts) -> Table:
     """Largest force of every order on every joint and support."""
     rows = []
     for shaft in shafts:
-        for place, held in enumerate(shaft.point):
+        for place_index, held in enumerate(shaft.point):
             for answer in shaft.answers:
-                force = extent(answer.force)[:, place : place + 1]
+                force = extent(answer.force)[:, place_index : place_index + 1]
                 size, _, speed = _worst(answer, force, shaft.position)
                 rows.append((shaft.name, held.name, held.at, answer.order, size, speed))
     return table(
@@ -274,8 +274,8 @@ def _worst(
     index = largest(_reliable(answer, values).ravel())
     if index is None:
         return NO_VALUE, None, None
-    row, place = divmod(index, values.shape[1])
-    return float(values[row, place]), float(position[place]), float(answer.speed[row])
+    row, place_index = divmod(index, values.shape[1])
+    return float(values[row, place_index]), float(position[place_index]), float(answer.speed[row])
 
 
 def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) -> Figure:
@@ -286,8 +286,8 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
         ("bending moment", "N m", [answer.largest_moment for answer in shaft.answers]),
         ("force on a joint or support", "N", [extent(answer.force) for answer in shaft.answers]),
     ):
-        known = [_reliable(*pair) for pair in zip(shaft.answers, curves, strict=True)]
-        shown = Scale(unit, MICRO) if unit == "µm" else scale(unit, map(highest, known))
+        reliable = [_reliable(*pair) for pair in zip(shaft.answers, curves, strict=True)]
+        shown = Scale(unit, MICRO) if unit == "µm" else scale(unit, map(highest, reliable))
         panels.append(
             (quantity, shown.unit, [shown.factor * values.max(axis=1) for values in curves])
         )

@@ -55,26 +55,28 @@ RANGE_TITLES = (
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing where stability was not requested."""
-    found, mapped = findings.get(Stability), findings.get(StabilityMap)
-    if found is None and mapped is None:
+    growth_map, mapped = findings.get(Stability), findings.get(StabilityMap)
+    if growth_map is None and mapped is None:
         return
     yield Heading("Stability")
-    if found is not None:
-        yield _introduction(findings, found)
+    if growth_map is not None:
+        yield _introduction(findings, growth_map)
         yield _verdict(findings)
-        if drift := mean_speed_words(found, findings.study):
+        if drift := mean_speed_words(growth_map, findings.study):
             yield Paragraph(_sentence(drift), "note")
-        if found.ranges:
-            yield _range_table(findings, found.ranges, "Unstable ranges of speed", on_terminal=True)
-        if found.unsolved.size:
+        if growth_map.ranges:
+            yield _range_table(
+                findings, growth_map.ranges, "Unstable ranges of speed", on_terminal=True
+            )
+        if growth_map.unsolved.size:
             yield table(
                 "Speed [rpm]:d | < Remark",
                 [
                     (speed, "no periodic motion was found; stability is not known")
-                    for speed in found.unsolved.tolist()
+                    for speed in growth_map.unsolved.tolist()
                 ],
                 "Speeds without a solution",
-                marks=["fail"] * found.unsolved.size,
+                marks=["fail"] * growth_map.unsolved.size,
                 most=MOST_ROWS,
             )
         yield of_torsion(
@@ -83,8 +85,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
                 findings,
                 "stability-growth",
                 "Growth rate over the speed",
-                (found.speed, found.growth),
-                found.ranges,
+                (growth_map.speed, growth_map.growth),
+                growth_map.ranges,
             ),
         )
     if mapped is not None:
@@ -114,27 +116,27 @@ def _growth_curve(
     )
 
 
-def _introduction(findings: Findings, found: Stability) -> Paragraph:
+def _introduction(findings: Findings, stability: Stability) -> Paragraph:
     modes = ", ".join(
-        f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:MOST_NAMED].tolist(), start=1)
+        f"w{k} = {number(w)}" for k, w in enumerate(stability.modes[:MOST_NAMED].tolist(), start=1)
     )
     checked = (
-        f" Monodromy matrix and Hill matrix differ by at most {number(found.check, 2)} 1/s."
-        if np.isfinite(found.check)
+        f" Monodromy matrix and Hill matrix differ by at most {number(stability.check, 2)} 1/s."
+        if np.isfinite(stability.check)
         else " The second method is too large for this train. The growth rates are from one method."
-        if np.isfinite(found.growth).any()
+        if np.isfinite(stability.growth).any()
         else " No periodic motion was found at any speed, so that no growth rate is known."
     )
-    if found.kept is not None:
+    if stability.kept is not None:
         checked += (
-            f" The model has {found.kept} of {found.modes.size} elastic modes. With twice as many modes the growth "
-            f"rates change by at most {number(found.left_out, 2)} 1/s."
+            f" The model has {stability.kept} of {stability.modes.size} elastic modes. With twice as many modes the growth "
+            f"rates change by at most {number(stability.left_out, 2)} 1/s."
         )
-    damps = "" if found.loses else " The train has no damping: the minimum growth is 0."
+    damps = "" if stability.loses else " The train has no damping: the minimum growth is 0."
     return Paragraph(
-        f"{MODEL} {counted(int(found.requested.sum()), 'speed')} of {reference(findings)} as requested, "
-        f"{int((~found.requested).sum())} more near unstable ranges.{checked}{damps} Elastic modes with straight "
-        f"joints: {modes} rad/s{' and higher' if found.modes.size > MOST_NAMED else ''}."
+        f"{MODEL} {counted(int(stability.requested.sum()), 'speed')} of {reference(findings)} as requested, "
+        f"{int((~stability.requested).sum())} more near unstable ranges.{checked}{damps} Elastic modes with straight "
+        f"joints: {modes} rad/s{' and higher' if stability.modes.size > MOST_NAMED else ''}."
     )
 
 
@@ -187,34 +189,34 @@ def _range_table(
 
 def _beyond(band: "Unstable") -> list[str]:
     """What is said of the ends that are no boundaries, in sentences without their stop."""
-    said = []
+    sentences = []
     for side, (end, way) in enumerate(((band.first, "below"), (band.last, "above"))):
-        if (unknown := band.unknown[side]) is not None:
-            low, high = sorted((end, unknown))
-            said.append(f"{given_rpm(low)} to {given_rpm(high)} rpm not known")
+        if (limit := band.unknown[side]) is not None:
+            low, high = sorted((end, limit))
+            sentences.append(f"{given_rpm(low)} to {given_rpm(high)} rpm not known")
         elif band.is_open[side]:
-            said.append(f"continues {way} {given_rpm(end)} rpm (not requested)")
-    return said
+            sentences.append(f"continues {way} {given_rpm(end)} rpm (not requested)")
+    return sentences
 
 
-def restrictions(findings: Findings, found: Stability) -> list[str]:
+def restrictions(findings: Findings, stability: Stability) -> list[str]:
     """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
-    stated = [_restriction(band, found.speed) for band in found.ranges]
-    if drift := mean_speed_words(found, findings.study):
+    stated = [_restriction(band, stability.speed) for band in stability.ranges]
+    if drift := mean_speed_words(stability, findings.study):
         stated.append(_sentence(drift))
     nothing = [
         f"Stability of the {check.where} not computed: {check.note}."
         for check in findings.need(Checks).lines
         if check.clause == "stability" and np.isinf(check.value)
     ]
-    ends = [band.first for band in found.ranges if band.unknown[BELOW] is not None]
-    ends += [band.last for band in found.ranges if band.unknown[ABOVE] is not None]
+    ends = [band.first for band in stability.ranges if band.unknown[BELOW] is not None]
+    ends += [band.last for band in stability.ranges if band.unknown[ABOVE] is not None]
     return stated + (
         nothing
         or [
             f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm; stability is not known "
             "there."
-            for low, high in found.unknown
+            for low, high in stability.unknown
             if not any(low <= end <= high for end in ends)
         ]
     )
@@ -227,9 +229,9 @@ def tilt_restrictions(findings: Findings) -> list[str]:
         for name, tilting in tilted(findings)
         for band in tilting.zones
     ]
-    more = len(stated) - MOST_ROWS
-    rest = [f"{more} more unstable ranges of the tilt in the table."] if more > 0 else []
-    return stated[:MOST_ROWS] + rest
+    number = len(stated) - MOST_ROWS
+    remainder = [f"{number} more unstable ranges of the tilt in the table."] if number > 0 else []
+    return stated[:MOST_ROWS] + remainder
 
 
 def _restriction(band: "Unstable", speeds: FloatArray, subject: str = "") -> str:
@@ -255,62 +257,71 @@ def words(band: "Unstable", requested: tuple[float, float], subject: str = "") -
     return "; ".join([f"{ends}, {subject}{band.name}", *_beyond(band)])
 
 
-def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
-    what, unit = OVER[found.over]
-    missing = int(np.isnan(found.growth).sum())
+def _map(findings: Findings, growth_map: StabilityMap) -> Iterator[Block]:
+    what, unit = OVER[growth_map.over]
+    missing = int(np.isnan(growth_map.growth).sum())
     text = (
-        f"Growth over speed and {what}, on {found.modes} of {found.of_modes} elastic modes. At "
-        f"{counted(found.checked, 'point')} the full model was also computed: maximum difference "
-        f"{number(found.error, 2)} 1/s."
+        f"Growth over speed and {what}, on {growth_map.modes} of {growth_map.of_modes} elastic modes. At "
+        f"{counted(growth_map.checked, 'point')} the full model was also computed: maximum difference "
+        f"{number(growth_map.error, 2)} 1/s."
     )
     ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
     missed = sum(
-        not np.any((found.speed >= band.first) & (found.speed <= band.last)) for band in ranges
+        not np.any((growth_map.speed >= band.first) & (growth_map.speed <= band.last))
+        for band in ranges
     )
     if missed:
         text += (
-            f" The map has {counted(found.speed.size, 'speed')} only. It does not show {missed} of the "
+            f" The map has {counted(growth_map.speed.size, 'speed')} only. It does not show {missed} of the "
             f"{counted(len(ranges), 'unstable range')} above, between its speeds."
         )
-    if found.elsewhere:
-        text += f" At {counted(found.elsewhere, 'point')} it settled in another periodic motion."
+    if growth_map.elsewhere:
+        text += (
+            f" At {counted(growth_map.elsewhere, 'point')} it settled in another periodic motion."
+        )
     if missing:
-        text += f" At {missing} of {found.growth.size} points no periodic motion was found; they are hatched."
-    value = np.degrees(found.value) if found.over == "angle" else found.value
+        text += f" At {missing} of {growth_map.growth.size} points no periodic motion was found; they are hatched."
+    value = np.degrees(growth_map.value) if growth_map.over == "angle" else growth_map.value
     yield Heading(f"Map over speed and {what}", 2)
     yield Paragraph(text, "note" if missing else "plain")
-    yield _values(found, f"{what.capitalize()} [={unit}]" if unit else what.capitalize(), value)
+    yield _values(
+        growth_map, f"{what.capitalize()} [={unit}]" if unit else what.capitalize(), value
+    )
     yield curves_over_speed.stability_map(
         "stability-map",
         f"Growth rate over speed and {what}; the line is growth 0",
-        speed=found.speed * RPM,
+        speed=growth_map.speed * RPM,
         value=value,
-        growth=found.growth,
+        growth=growth_map.growth,
         quantity=what,
         unit=unit,
         rated=rated_rpm(findings),
     )
 
 
-def _values(found: StabilityMap, title: str, value: FloatArray) -> Table:
+def _values(growth_map: StabilityMap, title: str, value: FloatArray) -> Table:
     """The fastest growth at values spread over the map."""
     rows, marks = [], []
     for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():
-        growth = found.growth[:, k]
-        known = np.isfinite(growth)
-        unknown, grows = float((~known).mean()), growth[known] > SMALL
+        growth = growth_map.growth[:, k]
+        is_known = np.isfinite(growth)
+        unknown_share, grows = float((~is_known).mean()), growth[is_known] > SMALL
         fastest, speed, unstable = None, None, None
         verdict = "no periodic motion"
-        if known.any():
+        if is_known.any():
             row = int(np.nanargmax(growth))
-            fastest, speed, unstable = float(growth[row]), float(found.speed[row]), grows.mean()
-            speeds = f"the {counted(known.size, 'speed')} of the map"
-            if unknown:
-                speeds = f"{known.sum()} of {known.size} speeds"
+            fastest, speed, unstable = (
+                float(growth[row]),
+                float(growth_map.speed[row]),
+                grows.mean(),
+            )
+            speeds = f"the {counted(is_known.size, 'speed')} of the map"
+            if unknown_share:
+                speeds = f"{is_known.sum()} of {is_known.size} speeds"
             verdict = "UNSTABLE" if grows.any() else f"stable at {speeds}"
-            verdict += ", partly unknown" if unknown else ""
-        rows.append((float(value[k]), fastest, speed, unstable, unknown, verdict))
-        marks.append("fail" if grows.any() or unknown else "")
+            verdict += ", partly unknown" if unknown_share else ""
+        rows.append((float(value[k]), fastest, speed, unstable, unknown_share, verdict))
+        marks.append("fail" if grows.any() or unknown_share else "")
     return table(
         f"{title}:4 | Maximum growth [1/s]:4 | Speed [rpm] | Unstable speeds [%]:3 | Unknown speeds [%]:3 | <",
         rows,

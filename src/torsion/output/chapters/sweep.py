@@ -9,9 +9,10 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.chapters import sweep_grid
+from torsion.output.chapters.sweep_grid import by_mode
 from torsion.output.figures import variants
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
-from torsion.output.numbers import counted, number, unit_words
+from torsion.output.numbers import counted, unit_words
 from torsion.what_if.sweep.sweep_results import Sweep, SweptCheck
 
 MOST_LINES, MOST_CHECKS, MOST_MODES = 6, 60, 3
@@ -30,52 +31,76 @@ WHAT = (
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Laws, frequencies, checks and figures."""
-    found = findings.need(Sweep)
+    """Yield distributions, frequencies, checks and figures of all variants."""
+    sweep = findings.need(Sweep)
     yield Heading("Sweep")
-    is_grid = found.method == "grid"
-    said = f"({METHODS[found.method]})" + ("." if is_grid else f", seed {found.seed}. {WHAT}")
-    yield Paragraph(f"{counted(found.samples, 'variant')} {said}")
-    if found.unsolved:
-        why = "; ".join(found.faults)
-        yield Paragraph(f"{counted(found.unsolved, 'variant')} not solved: {why}", "note")
-    rows = [(one.name, one.law, one.together) for one in found.figures]
+    is_grid = sweep.method == "grid"
+    method = f"({METHODS[sweep.method]})" + ("." if is_grid else f", seed {sweep.seed}. {WHAT}")
+    yield Paragraph(f"{counted(sweep.samples, 'variant')} {method}")
+    if sweep.unsolved:
+        why = "; ".join(sweep.faults)
+        yield Paragraph(f"{counted(sweep.unsolved, 'variant')} not solved: {why}", "note")
     yield table(
-        "< Parameter | < Distribution about the nominal value | Group", rows, "Varied parameters"
+        "name: < Parameter | law: < Distribution about the nominal value | together: Group",
+        sweep.figures,
+        "Varied parameters",
     )
     if is_grid:
-        yield from sweep_grid.sections(found)
+        yield from sweep_grid.sections(sweep)
         return
-    if found.nominal.size:
-        yield _frequencies(found)
-        yield _spread(findings, found)
-    if found.any_fails is not None:
-        yield _checks(found, found.any_fails)
+    if sweep.nominal.size:
+        columns = (sweep.nominal, sweep.mean, sweep.deviation, sweep.low, sweep.high)
+        yield table(
+            "Mode -> | Nominal [Hz]:7 -> Hz | Mean [Hz]:7 -> mean | Standard deviation [Hz]:4 | "
+            "2.5 % quantile [Hz]:7 -> 2.5 % | 97.5 % quantile [Hz]:7 -> 97.5 % | Minimum [Hz]:7 | Maximum [Hz]:7",
+            by_mode(*columns, sweep.least, sweep.greatest),
+            "Natural frequencies of all variants",
+            short="Natural frequencies of the variants",
+        )
+        yield _spread(findings, sweep)
+    if sweep.any_fails is not None:
+        yield _checks(sweep, sweep.any_fails)
         used, levels = Axis("maximum utilisation", "%"), [Level("limit", 100.0, axis="x")]
-        spread = [(used, 100.0 * found.any_fails.utilisation, levels, ())]
-        yield variants.spread("sweep_use", "Maximum utilisation of all variants", spread)
-        yield _shares(found)
-        yield from _failing(found)
-    if found.indices:
-        yield _indices(found)
+        panel = (used, 100.0 * sweep.any_fails.utilisation, levels, ())
+        yield variants.spread("sweep_use", "Maximum utilisation of all variants", [panel])
+        yield _shares(sweep)
+        yield from _failing(sweep)
+    if sweep.indices:
+        yield table(
+            "< Result -> | < Parameter -> | First index -> first | ± | Total index -> total | ±",
+            [
+                (
+                    index.of,
+                    index.figure,
+                    _share(index.first),
+                    _share(index.first_error),
+                    _share(index.total),
+                    _share(index.total_error),
+                )
+                for index in sweep.indices
+            ],
+            "Sensitivity: share of the variance due to a parameter (Sobol's first and total index), ± half of the "
+            "95 % CI",
+            short="Sensitivity (Sobol indices)",
+        )
 
 
-def _spread(findings: Findings, found: Sweep) -> Figure:
-    """How often each frequency lies where, with the band of the tolerances where that is proven."""
-    proven = findings.get(Tolerances)
+def _spread(findings: Findings, sweep: Sweep) -> Figure:
+    """Return histograms of the frequencies with the guaranteed bounds of the tolerances."""
+    tolerances = findings.get(Tolerances)
     panels = []
-    for mode, values in enumerate(found.frequency[:MOST_MODES], start=1):
+    for mode, values in enumerate(sweep.frequency[:MOST_MODES], start=1):
         bands = [
             Band(
                 "95 % of the variants",
-                float(found.low[mode - 1]),
-                float(found.high[mode - 1]),
+                float(sweep.low[mode - 1]),
+                float(sweep.high[mode - 1]),
                 "spread",
             )
         ]
-        levels = [Level("nominal", float(found.nominal[mode - 1]), "rated", "x")]
-        if proven is not None and mode <= proven.lower.size:
-            ends = (float(proven.lower[mode - 1]), float(proven.upper[mode - 1]))
+        levels = [Level("nominal", float(sweep.nominal[mode - 1]), "rated", "x")]
+        if tolerances is not None and mode <= tolerances.lower.size:
+            ends = (float(tolerances.lower[mode - 1]), float(tolerances.upper[mode - 1]))
             levels += [
                 Level("guaranteed bound of the tolerances", end, "limit", "x") for end in ends
             ]
@@ -83,77 +108,33 @@ def _spread(findings: Findings, found: Sweep) -> Figure:
     return variants.spread("sweep_frequencies", "Natural frequencies of all variants", panels)
 
 
-def _indices(found: Sweep) -> Block:
-    rows = [
-        (
-            one.of,
-            one.figure,
-            *(_share(value) for value in (one.first, one.first_error, one.total, one.total_error)),
-        )
-        for one in found.indices
-    ]
-    return table(
-        "< Result -> | < Parameter -> | First index -> first | ± | Total index -> total | ±",
-        rows,
-        "Sensitivity: share of the variance due to a parameter (Sobol's first and total index), ± half of the 95 % CI",
-        short="Sensitivity (Sobol indices)",
-    )
-
-
 def _share(value: float) -> str:
-    """Of a variance, to thousandths: an index has no more digits than its interval."""
+    """Return a share of a variance to thousandths: an index has no more digits than its interval."""
     return f"{value:.3f}".replace("-", "−") if abs(value) >= 0.0005 else "< 0.001"
 
 
-def _frequencies(found: Sweep) -> Block:
-    columns = (
-        found.nominal,
-        found.mean,
-        found.deviation,
-        found.low,
-        found.high,
-        found.least,
-        found.greatest,
-    )
-    rows = [
-        (mode, *(number(value, 4 if place == 2 else 7) for place, value in enumerate(row)))
-        for mode, row in enumerate(np.transpose(columns).tolist(), start=1)
-    ]
-    return table(
-        "Mode -> | Nominal [Hz] -> Hz | Mean [Hz] -> mean | Standard deviation [Hz] | 2.5 % quantile [Hz] -> 2.5 % | "
-        "97.5 % quantile [Hz] -> 97.5 % | Minimum [Hz] | Maximum [Hz]",
-        rows,
-        "Natural frequencies of all variants",
-        short="Natural frequencies of the variants",
-    )
-
-
-def _checks(found: Sweep, whole: SweptCheck) -> Block:
+def _checks(sweep: Sweep, any_fails: SweptCheck) -> Block:
     rows = [
         (
-            "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}",
-            one.where,
-            one.failing,
-            *(
-                number(100.0 * (share or 0.0), 3)
-                for share in (one.probability, one.lower, one.upper)
-            ),
-            None if one.median is None else number(100.0 * one.median, 4),
-            None if one.worst is None else number(100.0 * one.worst, 4),
-            one.decides,
-            None if one.correlation is None else number(one.correlation, 2),
+            sweep_grid.check_label(check),
+            check.where,
+            check.failing,
+            check.probability,
+            check.lower or 0.0,
+            check.upper or 0.0,
+            check.median,
+            check.worst,
+            check.decides,
+            check.correlation,
         )
-        for one in (whole, *found.checks[:MOST_CHECKS])
+        for check in (any_fails, *sweep.checks[:MOST_CHECKS])
     ]
-    rest = (
-        f" (the first {MOST_CHECKS} of {len(found.checks)})"
-        if len(found.checks) > MOST_CHECKS
-        else ""
-    )
+    count = len(sweep.checks)
+    rest = f" (the first {MOST_CHECKS} of {count})" if count > MOST_CHECKS else ""
     return table(
-        "< Check -> | < Component -> | Variants that fail -> | Probability [%] -> fails, % | From [%] -> from | "
-        "To [%] -> to | Median utilisation [%] | Maximum utilisation [%] -> maximum, % | < Correlates with | "
-        "Rank correlation",
+        "< Check -> | < Component -> | Variants that fail -> | Probability [%]:3 -> fails, % | From [%]:3 -> from | "
+        "To [%]:3 -> to | Median utilisation [%]:4 | Maximum utilisation [%]:4 -> maximum, % | < Correlates with | "
+        "Rank correlation:2",
         rows,
         f"Failure probability of each check (95 % CI){rest}",
         short="Failure probability",

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.modes.tolerances import CouplingReach, Tolerances
+from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.numbers import given_rpm, number, order, rpm
+from torsion.output.numbers import given_rpm
 from torsion.output.reported_values import reference
 
 MOST_ROWS = 60
@@ -31,152 +31,142 @@ ALONE = (
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Bands where a coupling has a tolerance, aims where the file states them."""
-    found = findings.need(Tolerances)
+    """Yield bands if a component has a tolerance, and target stiffnesses if the file states targets."""
+    tolerances = findings.need(Tolerances)
     yield Heading("Tolerances")
     if findings.study.has_tolerances:
         yield Paragraph(WHAT)
-        rows = [
-            (
-                mode,
-                number(f, 7),
-                number(low, 7),
-                number(high, 7),
-                number(100.0 * (low / f - 1.0), 3),
-                number(100.0 * (high / f - 1.0), 3),
-            )
-            for mode, (f, low, high) in enumerate(
-                zip(found.frequency, found.lower, found.upper, strict=True), start=1
-            )
-        ]
-        titles = "Mode -> | Frequency [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum | Down [%] | Up [%]"
+        bands = zip(tolerances.frequency, tolerances.lower, tolerances.upper, strict=True)
         yield table(
-            titles,
-            rows,
+            "Mode -> | Frequency [Hz]:7 -> Hz | Minimum [Hz]:7 -> minimum | Maximum [Hz]:7 -> maximum | "
+            "Down [%]:3 | Up [%]:3",
+            [
+                (mode, nominal, low, high, low / nominal - 1.0, high / nominal - 1.0)
+                for mode, (nominal, low, high) in enumerate(bands, start=1)
+            ],
             "Natural frequencies within the tolerances",
             short="Frequencies within the tolerances",
         )
-        yield from _matters(found)
-        yield from _criticals(findings, found)
-    yield from _alone(found)
-    if found.aims:
-        yield _aims(found)
+        if tolerances.figures:
+            yield Paragraph(MATTERS)
+            yield _dominant_parameters(tolerances)
+        yield from _critical_speeds(findings, tolerances)
+    if tolerances.couplings:
+        yield Paragraph(ALONE)
+        yield _single_couplings(tolerances)
+    if tolerances.aims:
+        rows = [
+            (
+                aim.mode,
+                aim.frequency,
+                aim.coupling,
+                aim.stiffness,
+                aim.factor,
+                "no stiffness reaches it" if aim.stiffness is None else "",
+                aim.softest,
+                aim.stiffest,
+            )
+            for aim in tolerances.aims
+        ]
+        yield table(
+            "Mode -> | Target frequency [Hz]:7 -> target, Hz | < Coupling -> | Required stiffness [N m/rad]:7 -> k | "
+            "Required / nominal stiffness:5 -> k / nominal | < Remark -> | Without it [Hz]:7 | Rigid [Hz]:7",
+            rows,
+            "Stiffness for a target frequency",
+            short="Stiffness for a target frequency",
+        )
 
 
-def _matters(found: Tolerances) -> Iterator[Block]:
-    """Figures by what their tolerances do to each mode."""
-    if not found.figures:
-        return
-    yield Paragraph(MATTERS)
+def _dominant_parameters(tolerances: Tolerances) -> Block:
     rows = [
         (
             mode + 1,
-            one.figure,
-            number(100.0 * one.tolerance, 3),
-            number(float(one.sensitivity[mode]), 3),
-            number(100.0 * float(one.change[mode]), 3),
+            figure.figure,
+            figure.tolerance,
+            float(figure.sensitivity[mode]),
+            float(figure.change[mode]),
         )
-        for mode in range(found.frequency.size)
-        for one in sorted(found.figures, key=lambda one: -float(one.change[mode]))[:MOST_FIGURES]
+        for mode in range(tolerances.frequency.size)
+        for figure in sorted(tolerances.figures, key=lambda figure: -float(figure.change[mode]))[
+            :MOST_FIGURES
+        ]
     ]
-    titles = (
-        "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode, ± [%] -> ± %"
+    count = len(tolerances.figures)
+    rest = f" (the first {MOST_FIGURES} of {count} of each mode)" * (count > MOST_FIGURES)
+    return table(
+        "Mode -> | < Parameter -> | Tolerance [%]:3 | Sensitivity:3 | Change of the mode, ± [%]:3 -> ± %",
+        rows[:MOST_ROWS],
+        f"Dominant parameters{rest}",
+        short="Dominant parameters",
     )
-    rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (
-        len(found.figures) > MOST_FIGURES
-    )
-    yield table(titles, rows[:MOST_ROWS], f"Dominant parameters{rest}", short="Dominant parameters")
 
 
-def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
-    """Critical speeds that can lie in the speed range."""
+def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Block]:
+    """Yield the critical speeds that can lie in the speed range."""
     speeds, critical = findings.study.operation.speeds, findings.get(CriticalSpeeds)
-    if speeds is None or critical is None or not found.critical_lower.size:
+    if speeds is None or critical is None or not tolerances.critical_lower.size:
         return
     bands = zip(
-        critical.crossings,
-        found.critical_lower.tolist(),
-        found.critical_upper.tolist(),
-        strict=True,
+        critical.crossings, tolerances.critical_lower, tolerances.critical_upper, strict=True
     )
-    met = [one for one in bands if one[1] <= speeds.last and one[2] >= speeds.first]
-    rows: list[tuple[object, ...]] = [
-        (
-            rpm(low),
-            rpm(c.speed),
-            rpm(high),
-            order(c.order),
-            c.mode,
-            c.line.named(reference(findings)),
-            "" if c.is_inside else "only within the tolerances",
-        )
-        for c, low, high in met[:MOST_ROWS]
+    possible = [
+        (low, crossing, high)
+        for crossing, low, high in bands
+        if low <= speeds.last and high >= speeds.first
     ]
     within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
-    if not rows:
+    if not possible:
         yield Paragraph(f"Within the tolerances the speed range {within} has no critical speed.")
         return
-    titles = "Minimum [rpm] | Critical speed [rpm] | Maximum [rpm] | Order | Mode | < Excited by | < In the range"
-    if all(c.is_inside for c, *_ in met):
-        rows, titles = [row[:-1] for row in rows], titles.rpartition(" | ")[0]
-    rest = f" (the lowest {MOST_ROWS} of {len(met)})" if len(met) > MOST_ROWS else ""
+    is_certain = all(crossing.is_inside for _, crossing, _ in possible)
+    rows = [
+        (
+            low,
+            crossing.speed,
+            high,
+            crossing.order,
+            crossing.mode,
+            crossing.line.named(reference(findings)),
+            *([] if is_certain else ["" if crossing.is_inside else "only within the tolerances"]),
+        )
+        for low, crossing, high in possible[:MOST_ROWS]
+    ]
+    count = len(possible)
+    rest = f" (the lowest {MOST_ROWS} of {count})" if count > MOST_ROWS else ""
     yield table(
-        titles,
+        "Minimum [rpm] | Critical speed [rpm] | Maximum [rpm] | Order:o | Mode | < Excited by"
+        + " | < In the range" * (not is_certain),
         rows,
         f"Critical speeds that can lie in the speed range {within} within the tolerances{rest}",
     )
 
 
-def _alone(found: Tolerances) -> Iterator[Block]:
-    """What each coupling does alone, mode by mode, the one that does most first."""
-    if not found.couplings:
-        return
-    yield Paragraph(ALONE)
+def _single_couplings(tolerances: Tolerances) -> Block:
+    """Return what each coupling alone does, mode by mode, the largest effect first."""
     rows = []
-    for mode, frequency in enumerate(found.frequency.tolist()):
-
-        def width(one: CouplingReach, at: int = mode) -> tuple[float, float]:
-            return float(one.upper[at] - one.lower[at]), float(one.stiffest[at] - one.softest[at])
-
-        for one in sorted(found.couplings, key=width, reverse=True):
-            ends = (one.lower, one.upper) if one.tolerance else ()
+    for mode, frequency in enumerate(tolerances.frequency.tolist()):
+        effects = [
+            (
+                float(coupling.upper[mode] - coupling.lower[mode]),
+                float(coupling.stiffest[mode] - coupling.softest[mode]),
+                coupling,
+            )
+            for coupling in tolerances.couplings
+        ]
+        for width, _, coupling in sorted(effects, key=lambda effect: effect[:2], reverse=True):
+            band = coupling.tolerance, coupling.lower[mode], coupling.upper[mode], width / frequency
             rows.append(
                 (
                     mode + 1,
-                    one.coupling,
-                    number(100.0 * one.tolerance, 3) if one.tolerance else None,
-                    *([number(float(end[mode]), 7) for end in ends] or (None, None)),
-                    number(100.0 * width(one)[0] / frequency, 3) if one.tolerance else None,
-                    number(float(one.softest[mode]), 7),
-                    number(float(one.stiffest[mode]), 7),
+                    coupling.coupling,
+                    *(band if coupling.tolerance else [None] * 4),
+                    coupling.softest[mode],
+                    coupling.stiffest[mode],
                 )
             )
-    yield table(
-        "Mode | < Coupling | Tolerance [%] | Soft [Hz] | Stiff [Hz] | Change [%] | Without it [Hz] | Rigid [Hz]",
+    return table(
+        "Mode | < Coupling | Tolerance [%]:3 | Soft [Hz]:7 | Stiff [Hz]:7 | Change [%]:3 | Without it [Hz]:7 | "
+        "Rigid [Hz]:7",
         rows[:MOST_ROWS],
         "Effect of each coupling on each mode",
-    )
-
-
-def _aims(found: Tolerances) -> Block:
-    """The stiffness of each coupling with which a mode is where it should be."""
-    rows = [
-        (
-            one.mode,
-            number(one.frequency, 7),
-            one.coupling,
-            None if one.stiffness is None else number(one.stiffness, 7),
-            None if one.factor is None else number(one.factor, 5),
-            "no stiffness reaches it" if one.stiffness is None else "",
-            number(one.softest, 7),
-            number(one.stiffest, 7),
-        )
-        for one in found.aims
-    ]
-    return table(
-        "Mode -> | Target frequency [Hz] -> target, Hz | < Coupling -> | Required stiffness [N m/rad] -> k | "
-        "Required / nominal stiffness -> k / nominal | < Remark -> | Without it [Hz] | Rigid [Hz]",
-        rows,
-        "Stiffness for a target frequency",
-        short="Stiffness for a target frequency",
     )

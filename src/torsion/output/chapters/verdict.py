@@ -133,12 +133,12 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
     if not ranges:
         return
     checks = [check for check in findings.need(Checks).lines if check.barred]
-    by = listed(dict.fromkeys(check.rule for check in checks))
+    rules = listed(dict.fromkeys(check.rule for check in checks))
     yield Paragraph(
         f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. Pass the range rapidly, "
         "mark it on the tachometer and show it on a notice at every control station. The formula is 16 n_{c}/(18 − λ) "
         "to (18 − λ) n_{c}/16 with the critical speed n_{c} and λ = n_{c}/n_{rated}. The range is extended to every "
-        f"speed at which the stress exceeds its limit, and by the tolerance of the tachometer ({by})."
+        f"speed at which the stress exceeds its limit, and by the tolerance of the tachometer ({rules})."
     )
     has_tolerances = any(math.isfinite(band.tolerance_lower) for band in ranges)
     if has_tolerances:

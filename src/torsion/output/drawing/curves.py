@@ -12,7 +12,7 @@ FAR = 2e5  # tenths of px: beyond the plot in any case
 
 
 def decimated(x: FloatArray, y: FloatArray, columns: int) -> IntArray:
-    """Positions of the points to draw: all, or first, least, greatest and last of each of equal bins.
+    """Return positions of the points to draw: all, or first, least, greatest and last of each of equal bins.
 
     The bins are of x where it goes on, otherwise of the number of points.
 
@@ -32,7 +32,7 @@ def decimated(x: FloatArray, y: FloatArray, columns: int) -> IntArray:
 
 
 def path(x: FloatArray, y: FloatArray, columns: int) -> str:
-    """Of points in tenths of px, NaN where the line is broken."""
+    """Return the path of points in tenths of px; NaN breaks the line."""
     pieces = []
     finite = np.isfinite(x) & np.isfinite(y)
     for first, last in runs(finite):
@@ -43,7 +43,7 @@ def path(x: FloatArray, y: FloatArray, columns: int) -> str:
 
 
 def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
-    """What lies between two lines over one coordinate."""
+    """Return the path around the area between two lines over one coordinate."""
     pieces = []
     for first, last in runs(np.isfinite(x) & np.isfinite(y) & np.isfinite(base)):
         across = x[first : last + 1]
@@ -60,7 +60,7 @@ def _whole(values: FloatArray) -> IntArray:
 
 
 def _piece(x: IntArray, y: IntArray) -> str:
-    """One line without a gap, by steps from point to point; points on the way between their neighbours are left out."""
+    """Return one line without a gap, by steps; points on the way between their neighbours are left out."""
     across, down = np.diff(x), np.diff(y)
     moves = (across != 0) | (down != 0)
     across, down = across[moves], down[moves]
@@ -74,7 +74,7 @@ def _piece(x: IntArray, y: IntArray) -> str:
 
 
 def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
-    """A path from a place by steps, in as few signs as there can be.
+    """Return a path from a place by steps, in as few signs as there can be.
 
     >>> outline([(10, 20), (5, -3), (-1, 0)])
     'M10 20l5-3-1 0'

@@ -1,6 +1,7 @@
 """The frame of a plot as SVG: scales, grid, numbers and titles."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -38,46 +39,43 @@ class Frame:
     high: float
 
     def across(self, values: FloatArray | float) -> FloatArray:
-        """px from the left edge of the plot."""
+        """Return px from the left edge of the plot."""
         return self.x.share(values) * self.wide
 
     def down(self, values: FloatArray | float) -> FloatArray:
-        """px from the upper edge of the plot."""
+        """Return px from the upper edge of the plot."""
         return (1.0 - self.y.share(values)) * self.high
 
     @property
+    def names(self) -> list[tuple[float, float]]:
+        """Of every name below the plot the px from the left edge of the plot, and its width."""
+        places = self.panel.x.places
+        across = self.across(np.array([value for value, _ in places])).tolist()
+        return [(x, GROWTH * width(text)) for x, (_, text) in zip(across, places, strict=True)]
+
+    @property
     def is_slanted(self) -> bool:
-        """Whether names below the plot would meet if they stood level."""
-        texts = [text for _, text in self.panel.x.places]
-        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
-        half = [GROWTH * width(text) / 2 + 3 for text in texts]
-        ends = any(
-            x - w < -self.left or x + w > self.wide + RIGHT
-            for x, w in zip(middles, half, strict=True)
-        )
-        return ends or any(
-            middles[k] + half[k] > middles[k + 1] - half[k + 1] for k in range(len(middles) - 1)
-        )
+        """Whether names below the plot would meet, or leave the figure, if they stood level."""
+        ends = [(x - wide / 2 - 3, x + wide / 2 + 3) for x, wide in self.names]
+        leaves = any(left < -self.left or right > self.wide + RIGHT for left, right in ends)
+        return leaves or any(before[1] > after[0] for before, after in pairwise(ends))
 
     @property
     def beyond(self) -> float:
         """px by which slanted names run over the left edge of the figure."""
-        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
-        long = [0.87 * GROWTH * width(text) for _, text in self.panel.x.places]
-        edge = [self.left + x - w for x, w in zip(middles, long, strict=True)]
-        return max(0.0, -min(edge, default=0.0)) if self.is_slanted else 0.0
+        edges = [self.left + x - 0.87 * wide for x, wide in self.names]
+        return max(0.0, -min(edges, default=0.0)) if self.is_slanted else 0.0
 
     @property
     def below(self) -> float:
         """px below a plot for the numbers and the title of its x axis."""
-        slanted = max((0.5 * GROWTH * width(text) for _, text in self.panel.x.places), default=0.0)
-        return (14.0 + slanted if self.is_slanted else NUMBERS) + (
-            TITLE if self.panel.x.title else 0.0
-        )
+        slanted = 14.0 + max((0.5 * wide for _, wide in self.names), default=0.0)
+        title = TITLE if self.panel.x.title else 0.0
+        return (slanted if self.is_slanted else NUMBERS) + title
 
 
 def vertical(panel: Panel) -> Scale:
-    """The y axis of a plot."""
+    """Return the y axis of a plot."""
     data = [line.y for line in panel.lines] + [
         line.base for line in panel.lines if line.base is not None
     ]
@@ -89,7 +87,7 @@ def vertical(panel: Panel) -> Scale:
 
 
 def horizontal(panel: Panel, wide: float) -> Scale:
-    """The x axis of a plot."""
+    """Return the x axis of a plot."""
     data = (
         [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
     )
@@ -103,7 +101,7 @@ def horizontal(panel: Panel, wide: float) -> Scale:
 
 
 def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
-    """The ends of an axis of numbers that leave room for the symbols of lines."""
+    """Return the ends of an axis of numbers that leave room for the symbols of lines."""
     columns = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
     if (
         not any(x.size for x in columns)
@@ -118,14 +116,14 @@ def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
 
 
 def reached(panel: Panel, axis: str) -> list[FloatArray]:
-    """The levels as far as which an axis goes."""
+    """Return the levels as far as which an axis goes."""
     return [
         np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis
     ]
 
 
 def title_rows(panel: Panel) -> list[str]:
-    """What the y axis says, in one row, or in two where the plot is low."""
+    """Return the title of the y axis in one row, or in two if the plot is low."""
     title = panel.y.title
     if width(title) * GROWTH <= panel.height + TOP:
         return [title]
@@ -135,7 +133,7 @@ def title_rows(panel: Panel) -> list[str]:
 
 
 def margin(panel: Panel, y: Scale) -> float:
-    """px that title and numbers need to the left of a plot."""
+    """Return the px that title and numbers need to the left of a plot."""
     numbers = max((width(text) for _, text in y.ticks), default=0.0)
     return ROW * len(title_rows(panel)) + GROWTH * numbers + 9.0
 
@@ -159,7 +157,7 @@ def grid(frame: Frame) -> str:
 
 
 def axes(frame: Frame, *, has_numbers: bool) -> str:
-    """Two edges with numbers and titles; has_numbers: below the plot too."""
+    """Return two edges with numbers and titles; has_numbers: below the plot too."""
     left, foot = frame.left, frame.top + frame.high
     down = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
     parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
@@ -178,7 +176,7 @@ def axes(frame: Frame, *, has_numbers: bool) -> str:
 
 
 def _edges(frame: Frame) -> str:
-    """The left and the lower edge with their small marks."""
+    """Return the left and the lower edge with their small marks."""
     left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
     small = [
         f"M{shown(left - 3)} {shown(top + y)}h3"
@@ -192,7 +190,7 @@ def _edges(frame: Frame) -> str:
 
 
 def _below(frame: Frame) -> list[str]:
-    """Numbers or names below the plot."""
+    """Return numbers or names below the plot."""
     foot, made = frame.top + frame.high, []
     slanted = frame.is_slanted
     for value, text in frame.x.ticks:

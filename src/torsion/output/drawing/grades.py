@@ -26,14 +26,14 @@ BOLD = ' font-weight="bold"'
 
 
 def hatched(box: Box, grade: Grade) -> tuple[Stroke, str]:
-    """Strokes of a grade's hatching in a box in tenths of px; '' where it has none."""
+    """Return strokes of a grade's hatching in a box in tenths of px; '' if it has none."""
     pattern = GRADES[grade]
     path = "".join(hatching(box, pattern.apart, slope) for slope in pattern.slopes)
     return Stroke(pattern.colour or INK, 0.8, pattern.dash), path
 
 
 def area(box: Box, grade: Grade) -> str:
-    """A rectangle in tenths of px."""
+    """Return a rectangle in tenths of px."""
     left, top, right, foot = (round(edge) for edge in box)
     edges = f'x="{left}" y="{top}" width="{right - left}" height="{foot - top}"'
     look, path = hatched((left, top, right, foot), grade)
@@ -42,13 +42,13 @@ def area(box: Box, grade: Grade) -> str:
 
 
 def marked(x: float, y: float, sign: str) -> str:
-    """The sign in px of what does not keep a limit, in a disc."""
+    """Return the sign of a failed limit in a disc, in px."""
     disc = f'<circle cx="{shown(x)}" cy="{shown(y)}" r="{SIGN:g}" fill="#ffffff" stroke="{BAD}"/>'
     return disc + words(x, y + 3.7, sign, f'{MIDDLE}{BOLD} fill="{BAD}"')
 
 
 def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
-    """Height in px and elements of the key of the grades and marks that are there."""
+    """Return height in px and elements of the key of the grades and marks that are there."""
     known_uses = list(uses)
     grades, marks = {use.grade for use in known_uses}, {use.mark for use in known_uses}
     box = (0.0, -50.0, 10 * SAMPLE, 50.0)
@@ -72,7 +72,7 @@ def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
 
 
 def shares(shares_drawn: Shares, top: float) -> tuple[float, str]:
-    """Height in px and elements of the shares below `top`."""
+    """Return height in px and elements of the shares below `top`."""
     largest = max((row.share for row in shares_drawn.rows if math.isfinite(row.share)), default=1.0)
     end = BEYOND * min(max(largest, 1.0), MOST)
     limit = LEFT + (RIGHT - LEFT) / end
@@ -90,7 +90,7 @@ def shares(shares_drawn: Shares, top: float) -> tuple[float, str]:
 
 
 def _row(share: Share, end: float, top: float) -> str:
-    """A name, the area of its share, and its words; a share beyond the end is cut, which two strokes show."""
+    """Return a name, the area of its share, and its words; a share beyond the end is cut, which two strokes show."""
     middle, shown_share = top + ROW / 2, min(share.share, end)
     right = LEFT + (RIGHT - LEFT) * shown_share / end
     box = (10 * LEFT, 10 * (top + 2.0), 10 * max(right, LEFT + 0.8), 10 * (top + ROW - 2.0))

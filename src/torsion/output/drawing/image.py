@@ -26,7 +26,7 @@ Across = Callable[[FloatArray], FloatArray]
 
 
 def palette(*, is_log: bool = False) -> np.ndarray:
-    """(SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
+    """Return (SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
     shares = np.linspace(-1.0, 1.0, SHADES)
     places, words = zip(*(LOG_STOPS if is_log else STOPS), strict=True)
     colours = np.array(
@@ -40,7 +40,7 @@ def palette(*, is_log: bool = False) -> np.ndarray:
 
 
 def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
-    """An image of (rows, columns) numbers of colours, the last of which is clear."""
+    """Return an image of (rows, columns) numbers of colours, the last of which is clear."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return (
@@ -63,7 +63,7 @@ def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
 
 
 def cells(cells_drawn: Cells, across: Across, down: Across) -> Iterator[str]:
-    """The image in tenths of px: every cell reaches half way to its neighbours; the zero line over it."""
+    """Yield the image in tenths of px, where a cell reaches half way to its neighbours, and the zero line over it."""
     x, y = _edges(cells_drawn.x), _edges(cells_drawn.y)
     wide, high = (10 * float(np.ptp(scale(edges))) for scale, edges in ((across, x), (down, y)))
     left, top = 10 * float(across(x).min()), 10 * float(down(y).min())
@@ -88,7 +88,7 @@ def cells(cells_drawn: Cells, across: Across, down: Across) -> Iterator[str]:
 
 
 def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> FloatArray:
-    """Along an axis one value for each px: the largest of the cells that begin in it, else that of the cell it lies in.
+    """Return one value along an axis for each px: the largest of the cells that begin in it, else that of its cell.
 
     A peak between two px is not lost so.
     """
@@ -103,7 +103,7 @@ def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> Floa
 
 
 def _share(cells_drawn: Cells, values: FloatArray) -> FloatArray:
-    """0 of the first colour, 1 of the last."""
+    """Return 0 for the first colour, 1 for the last."""
     size = np.nan_to_num(values / cells_drawn.largest, nan=0.0)
     if not cells_drawn.decades:
         return np.asarray((np.clip(size, -1.0, 1.0) + 1.0) / 2.0)
@@ -113,7 +113,7 @@ def _share(cells_drawn: Cells, values: FloatArray) -> FloatArray:
 
 
 def _edges(places: FloatArray) -> FloatArray:
-    """Half way between the places, and as far beyond the ends."""
+    """Return the points half way between the places, and as far beyond the ends."""
     if places.size == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])
     middle = (places[1:] + places[:-1]) / 2

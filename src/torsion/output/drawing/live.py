@@ -33,7 +33,7 @@ class Page:
         self._names: dict[tuple[str, ...], int] = {}
 
     def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
-        """JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
+        """Return JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
         light = _light(figure)
         data: dict[str, Any] = {
             "plots": [
@@ -60,7 +60,7 @@ class Page:
         return packed(data)
 
     def numbers(self, level: int = 9) -> str:
-        """JSON of the lengths of all arrays, of their numbers one after another, and of all lists of names.
+        """Return JSON of the lengths of all arrays, of their numbers one after another, and of all lists of names.
 
         The numbers are little-endian doubles; the first bytes of all come first, then the second and so on, which
         shortens them most (zlib, at that level), in base64.
@@ -72,7 +72,7 @@ class Page:
         return packed({"lengths": lengths, "names": list(self._names), "doubles": doubles})
 
     def array(self, values: FloatArray | IntArray) -> int:
-        """The place of an array among those of the page."""
+        """Return the place of an array among those of the page."""
         return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
 
     def _criticals(self, criticals: Criticals) -> dict[str, Any]:
@@ -139,7 +139,7 @@ class Page:
 
 
 def _pieces(figure: Figure, light: Figure) -> list[Piece]:
-    """The table of a figure as CSV, of the lighter one where the whole is too large for a page."""
+    """Return the table of a figure as CSV, of the lighter one where the whole is too large for a page."""
     made = list(pieces(light))
     notes = (
         [THINNED]
@@ -156,7 +156,7 @@ def _is_short(stops: Stops) -> bool:
 
 
 def _lacking(figure: Figure) -> list[str]:
-    """What the page does not do with a figure, as it has too many points."""
+    """Return what the page does not do with a figure, as it has too many points."""
     lacks = (
         ["no cursor"]
         if any(panel.stops and not _is_short(panel.stops) for panel in figure.plots)
@@ -166,7 +166,7 @@ def _lacking(figure: Figure) -> list[str]:
 
 
 def _light(figure: Figure) -> Figure:
-    """A figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
+    """Return a figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
     lines = [line for panel in figure.plots for line in panel.lines]
     return replace(
         figure,
@@ -221,5 +221,5 @@ def _axis(axis: Axis, scale: Scale) -> dict[str, Any]:
 
 
 def packed(value: Any) -> str:
-    """JSON that may stand in a page: no sign in it can end its element."""
+    """Return JSON that may stand in a page: no sign in it can end its element."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

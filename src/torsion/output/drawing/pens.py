@@ -26,7 +26,7 @@ class Stroke:
     dash: str = ""
 
     def attributes(self, unit: float = 1.0) -> str:
-        """As SVG, where so many units are one px."""
+        """Return the attributes in SVG, where so many units are one px."""
         dash = " ".join(f"{unit * float(part):g}" for part in self.dash.split())
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         return f'stroke="{self.colour}" stroke-width="{unit * self.width:.3g}"{dashed}'
@@ -100,7 +100,7 @@ SYMBOLS = {  # path around (0, 0) in tenths of px, filled or not; about 6 px wid
 
 
 def stroke(pen: Pen, weight: float = 1.0) -> Stroke:
-    """Of a role, or of the line of that number: no two of the first 42 look alike."""
+    """Return the stroke of a role, or of the line of that number: no two of the first 42 look alike."""
     if isinstance(pen, str):
         role = ROLES[pen]
         return Stroke(role.colour, role.width * weight, role.dash)

@@ -31,7 +31,7 @@ ABOVE_OR_BELOW, BELOW, BESIDE = (1, 0, 2, 6, 5), (5, 6, 7), (3, 4)  # directions
 
 
 def drawn(frame: Frame, *, has_numbers: bool) -> Iterator[str]:
-    """The elements of a plot; has_numbers: its x axis has numbers and a title."""
+    """Yield the elements of a plot; has_numbers: its x axis has numbers and a title."""
     panel = frame.panel
     wide, high = round(TENTH * frame.wide), round(TENTH * frame.high)
     inside = (
@@ -64,7 +64,7 @@ def is_on(frame: Frame, level: Level) -> bool:
 
 
 def symbols(symbol: Symbol, pen: Pen, x: FloatArray, y: FloatArray, weight: float = 1.0) -> str:
-    """A symbol at every place in tenths of px."""
+    """Return a symbol at every place in tenths of px."""
     outline, is_filled = SYMBOLS[symbol]
     look = stroke(pen)
     finite = np.isfinite(x) & np.isfinite(y)
@@ -78,7 +78,7 @@ def symbols(symbol: Symbol, pen: Pen, x: FloatArray, y: FloatArray, weight: floa
 
 
 def _samples(frame: Frame) -> FloatArray:
-    """(points, 2) px along all lines and upright levels in even steps, of which words keep clear."""
+    """Return (points, 2) px along all lines and upright levels in even steps, of which words keep clear."""
     along = np.arange(0.0, frame.high, STEP)
     upright = [level for level in frame.panel.levels if level.axis == "x" and is_on(frame, level)]
     samples = [
@@ -108,7 +108,7 @@ def _tip(text: str) -> str:
 
 
 def _band(frame: Frame, band: Band) -> str:
-    """A range, hatched by its kind."""
+    """Return a range, hatched by its kind."""
     fill, colour, distance, sign = BANDS[band.kind]
     wide, high = round(TENTH * frame.wide), round(TENTH * frame.high)
     ends = TENTH * (frame.across if band.axis == "x" else frame.down)(
@@ -133,7 +133,7 @@ def _band(frame: Frame, band: Band) -> str:
 
 
 def hatching(box: tuple[float, float, float, float], distance: float, sign: int) -> str:
-    """Lines aslant that fill a box in tenths of px, and its upright edges."""
+    """Return oblique lines that fill a box in tenths of px, and its upright edges."""
     if not distance:
         return ""
     left, top, right, foot = box
@@ -166,7 +166,7 @@ def _level(frame: Frame, level: Level) -> str:
 
 
 def _line(frame: Frame, line: Line) -> str:
-    """A curve, with what lies between it and its base, and its symbols."""
+    """Return a curve, with what lies between it and its base, and its symbols."""
     x, y, look = (
         TENTH * frame.across(line.x),
         TENTH * frame.down(line.y),
@@ -187,7 +187,7 @@ def _line(frame: Frame, line: Line) -> str:
 
 
 def _marks(frame: Frame, marks: Marks, room: Room) -> str:
-    """Symbols that are not cut at the edges of the plot, each with its words."""
+    """Return symbols that are not cut at the edges of the plot, each with its words."""
     x, y = frame.across(marks.x), frame.down(marks.y)
     is_inside = (x >= -1) & (x <= frame.wide + 1) & (y >= -1) & (y <= frame.high + 1)
     for across, down in zip(x[is_inside].tolist(), y[is_inside].tolist(), strict=True):
@@ -206,7 +206,7 @@ def _marks(frame: Frame, marks: Marks, room: Room) -> str:
 
 
 def _labels(frame: Frame, room: Room) -> Iterator[str]:
-    """Words beside lines, levels, ranges and marks; the heaviest lines first, as there may not be room for all."""
+    """Yield words beside lines, levels, ranges and marks; the heaviest lines first, as room may lack for all."""
     panel = frame.panel
     for marks in panel.marks:
         for text, x, y in zip(marks.labels, marks.x.tolist(), marks.y.tolist(), strict=False):
@@ -238,7 +238,7 @@ def _points(frame: Frame, x: float, y: float) -> FloatArray:
 
 
 def _along(frame: Frame, line: Line) -> FloatArray:
-    """(points, 2) px of the largest value of a line that is on the plot, or of its last, and of some others."""
+    """Return (points, 2) px of the largest value of a line on the plot, or of its last, and of some others."""
     x, y = frame.across(line.x), frame.down(line.y)
     inside = np.flatnonzero((x >= 0) & (x <= frame.wide) & (y >= -1e-6) & (y <= frame.high + 1e-6))
     if inside.size == 0:
@@ -250,7 +250,7 @@ def _along(frame: Frame, line: Line) -> FloatArray:
 
 
 def _word(word: Word | None) -> Iterator[str]:
-    """A placed text, with a line to what it belongs to where that is apart."""
+    """Yield a placed text, with a line to what it belongs to where that is apart."""
     if word is None:
         return
     left, top, right, foot = word.box

@@ -32,7 +32,7 @@ class Scale:
     is_reversed: bool = False
 
     def share(self, values: FloatArray | float) -> FloatArray:
-        """0 at the low end, 1 at the high end; NaN where a logarithm has no value."""
+        """Return 0 at the low end, 1 at the high end; NaN where a logarithm has no value."""
         numbers = np.asarray(values, dtype=float)
         if self.is_log:
             logarithms = np.log(np.where(numbers > 0, numbers, np.nan))
@@ -43,7 +43,7 @@ class Scale:
 
 
 def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool = True) -> Scale:
-    """The axis over finite data with about `most` numbers.
+    """Return the axis over finite data with about `most` numbers.
 
     is_rounded: an end that is not stated lies at a number, or half way between two.
     """
@@ -73,7 +73,7 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
 
 
 def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
-    """The stated ends, or those of the data; a range without width is widened."""
+    """Return the stated ends, or those of the data; a range without width is widened."""
     finite = [
         column[np.isfinite(column) & (column > 0)] if axis.is_log else column[np.isfinite(column)]
         for column in data
@@ -99,7 +99,7 @@ def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
 
 
 def step_of(span: float, most: int) -> float:
-    """The smallest step 1, 2 or 5 times a power of ten that a span holds at most `most` times.
+    """Return the smallest step 1, 2 or 5 times a power of ten that a span holds at most `most` times.
 
     >>> step_of(100.0, 6), step_of(0.7, 5)
     (20.0, 0.2)
@@ -111,7 +111,7 @@ def step_of(span: float, most: int) -> float:
 
 
 def degree_step(span: float, most: int) -> float:
-    """A step of an angle that a revolution holds a whole number of times."""
+    """Return a step of an angle that a revolution holds a whole number of times."""
     revolution_step = next((step for step in DEGREES if span <= most * step * (1.0 + ROUND)), 0.0)
     return (revolution_step if span > 2 * DEGREES[0] else 0.0) or (
         360.0 * step_of(span / 360.0, most) if span > 360.0 else step_of(span, most)
@@ -119,14 +119,14 @@ def degree_step(span: float, most: int) -> float:
 
 
 def ticks_of(low: float, high: float, step: float) -> list[float]:
-    """The multiples of the step from low to high."""
+    """Return the multiples of the step from low to high."""
     first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
     digits = max(0, 2 - math.floor(math.log10(step)))
     return [round(k * step, digits) + 0.0 for k in range(first, last + 1)]
 
 
 def log_ticks(low: float, high: float, most: int) -> tuple[list[float], tuple[float, ...]]:
-    """Numbers and small marks of a logarithmic axis: decades, with 2 and 5 between them where there is room."""
+    """Return numbers and small marks of a logarithmic axis: decades, with 2 and 5 between them if there is room."""
     first, last = math.floor(math.log10(low) + ROUND), math.ceil(math.log10(high) - ROUND)
     candidates = [digit * 10.0**power for power in range(first, last + 1) for digit in range(1, 10)]
     inside = [tick for tick in candidates if low * (1 - ROUND) <= tick <= high * (1 + ROUND)]
@@ -149,7 +149,7 @@ def _digit(value: float) -> int:
 
 
 def texts(values: Sequence[float], step: float) -> list[str]:
-    """Numbers with the decimals that the step needs; very large and small ones with one power of ten.
+    """Return numbers with the decimals that the step needs; very large and small ones with one power of ten.
 
     >>> texts([0.0, 0.5, 1.0], 0.5), texts([0.0, 2e6], 2e6)
     (['0', '0.5', '1'], ['0', '2·10⁶'])
@@ -173,7 +173,7 @@ def texts(values: Sequence[float], step: float) -> list[str]:
 
 
 def _power(value: float, plain: tuple[float, float] = PLAIN) -> str:
-    """A number of a logarithmic axis: 0.001, 20, 10⁻⁷, 5·10⁶."""
+    """Return a number of a logarithmic axis: 0.001, 20, 10⁻⁷, 5·10⁶."""
     power = math.floor(math.log10(value) + ROUND)
     if plain[0] <= value < plain[1]:
         return f"{value:.6g}"
@@ -182,7 +182,7 @@ def _power(value: float, plain: tuple[float, float] = PLAIN) -> str:
 
 
 def error_texts(values: Sequence[float]) -> list[str]:
-    """Relative errors: above 1e-4 in per cent; where one lies above 100 %, all of them in powers of ten.
+    """Return relative errors: above 1e-4 in per cent; if one exceeds 100 %, all of them in powers of ten.
 
     >>> error_texts([1e-5, 0.001, 0.1]), error_texts([1e-12, 1e-4, 1.0, 1000.0])
     (['10⁻⁵', '0.1 %', '10 %'], ['10⁻¹²', '10⁻⁴', '1', '10³'])

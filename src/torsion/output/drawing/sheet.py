@@ -28,12 +28,12 @@ class Sheet:
     """Strokes and areas in units of the layout; those of one look become one element."""
 
     def __init__(self, across: float, left: float, thickness: float, down: float = TALL) -> None:
-        """across, down: px of a unit; left: unit at the left edge; thickness: times which lines are wide."""
+        """Set the scale; across, down: px of a unit; left: unit at the left edge; thickness: factor on widths of lines."""
         self.across, self.down, self.left, self.thickness = across, down, left, thickness
         self.drawn: dict[Look, list[str]] = {}
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """px of a place; y goes up."""
+        """Return the px of a place; y goes up."""
         return (x - self.left) * self.across, -y * self.down
 
     def line(
@@ -50,8 +50,13 @@ class Sheet:
         look = Look(Stroke(INK, width * self.thickness, dash), fill, near)
         self.drawn.setdefault(look, []).append(self._path(points) + "z")
 
-    def graded(self, corners: Points, use: Use, *, near: float) -> None:
-        """A polygon in the colour and the pattern of a grade; its hatching fills the middle of its corners' heights."""
+    def graded(self, corners: Points, use: Use | None, *, near: float) -> None:
+        """Draw a polygon in the colour and the pattern of a grade, if there is one.
+
+        Its hatching fills the middle of its corners' heights.
+        """
+        if use is None:
+            return
         self.area(corners, GRADES[use.grade].fill, 1.1, near=near)
         places = np.array([[10.0 * length for length in self.at(x, y)] for x, y in corners])
         x, y = np.sort(places[:, 0]), np.sort(places[:, 1])
@@ -68,7 +73,7 @@ class Sheet:
         return outline([places[0].tolist(), *np.diff(places, axis=0).tolist()])
 
     def elements(self) -> list[str]:
-        """From the farthest to the nearest."""
+        """Return the elements from the farthest to the nearest."""
         return [
             f'<path d="{"".join(paths)}" fill="{look.fill}" {look.stroke.attributes(10.0)}/>'
             for look, paths in sorted(self.drawn.items(), key=lambda item: item[0].near)
@@ -76,5 +81,5 @@ class Sheet:
 
 
 def height(row: float) -> float:
-    """Units up, of the axis of a row."""
+    """Return the units up of the axis of a row."""
     return -ROW * row

@@ -39,7 +39,7 @@ DOTTED = "1.6 2"
 
 
 def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
-    """Height in px and elements of the sketch below `top`."""
+    """Return height in px and elements of the sketch below `top`."""
     sheet = _sheet(sketch)
     for link in sketch.links:
         DRAWINGS[link.kind](sheet, link)
@@ -57,7 +57,7 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
 
 
 def _sheet(sketch: Sketch) -> Sheet:
-    """As wide as the figure, or less where the train is short."""
+    """Return a sheet as wide as the figure, or less if the train is short."""
     places = [(disc.x, disc.row) for disc in sketch.discs] + [
         end for link in sketch.links for end in (link.start, link.end)
     ]
@@ -124,19 +124,17 @@ def _zigzag(
 
 def _coupling(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), (height(link.start[1]), height(link.end[1]))
-    if link.use is not None:
-        edge = 0.18 * (x1 - x0)
-        sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
+    edge = 0.18 * (x1 - x0)
+    sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
     _zigzag(sheet, (x0, y[0]), (x1, y[1]))
 
 
 def _crank(sheet: Sheet, link: Link) -> None:
-    """Two webs and the pin between them, off the axis."""
+    """Draw two webs and the pin between them, off the axis."""
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
     middle, top = (x0 + x1) / 2, y + WEB
     webs = (middle - PIN * (x1 - x0), middle + PIN * (x1 - x0))
-    if link.use is not None:
-        sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
+    sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
     for first, last in ((x0, webs[0]), (webs[1], x1)):
         sheet.line([(first, y), (last, y)], 1.4)
     for x in webs:
@@ -162,7 +160,7 @@ def _shaft(sheet: Sheet, link: Link) -> None:
 
 
 def _gear(sheet: Sheet, link: Link) -> None:
-    """Two wheels that mesh; their heights follow the ratio."""
+    """Draw two wheels that mesh; their heights follow the ratio."""
     (x0, row0), (x1, row1) = link.start, link.end
     small = 0.26
     driving, driven = (small, small / link.ratio) if link.ratio < 1 else (small * link.ratio, small)
@@ -172,20 +170,15 @@ def _gear(sheet: Sheet, link: Link) -> None:
     )
     if row0 == row1:
         middle = (x0 + x1) / 2
-        if link.use is not None:
-            sheet.graded(
-                _corners(x0, x1, height(row0), max(driving, driven, 0.16) + 0.12),
-                link.use,
-                near=1.5,
-            )
+        half = max(driving, driven, 0.16) + 0.12
+        sheet.graded(_corners(x0, x1, height(row0), half), link.use, near=1.5)
         sheet.line([(x0, height(row0)), (x1, height(row1))], 1.4)
         _wheel(sheet, middle - 0.08, height(row0), max(driving, 0.16))
         _wheel(sheet, middle + 0.08, height(row1), max(driven, 0.16))
     else:
         sheet.line([(x0, height(row0)), (x0, height(row1)), (x1, height(row1))], 0.9, DOTTED)
-        if link.use is not None:
-            half = max(driven, 0.16) + 0.12
-            sheet.graded(_corners(x1 - 0.3, x1 + 0.1, height(row1), half), link.use, near=1.5)
+        half = max(driven, 0.16) + 0.12
+        sheet.graded(_corners(x1 - 0.3, x1 + 0.1, height(row1), half), link.use, near=1.5)
         _wheel(sheet, x1 - 0.1, height(row1), max(driven, 0.16))
 
 
@@ -199,9 +192,9 @@ def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
 def _joint(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
     middle, colour = (x0 + x1) / 2, COLOURS[1]
-    if link.use is not None:
-        colour = "#ffffff" if link.use.grade == "over" else colour
-        sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
+    if link.use is not None and link.use.grade == "over":
+        colour = "#ffffff"
+    sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
     for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
         sheet.line([(x, y) for x in ends], 1.4)
     for sign in (-1, 1):

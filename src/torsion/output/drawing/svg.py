@@ -30,12 +30,12 @@ Keyed = Line | Level | Band | Marks
 
 
 def svg(figure: Figure) -> str:
-    """The element; the same figure gives the same text."""
+    """Return the SVG element of a figure; the same figure gives the same text."""
     return framed(figure)[0]
 
 
 def framed(figure: Figure) -> tuple[str, list[Frame]]:
-    """The element, and where its plots stand in it."""
+    """Return the element, and where its plots stand in it."""
     pieces, frames, foot = list[str](), list[Frame](), 0.0
     for panel, has_numbers in _panels(figure):
         match panel:
@@ -66,7 +66,7 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
 
 
 def description(figure: Figure) -> str:
-    """The plots in words: what runs over what, the largest value of every line, and how much of a limit is used."""
+    """Return the plots in words: what runs over what, the largest value of every line, and how much of a limit is used."""
     sentences = []
     for panel in figure.panels:
         if isinstance(panel, Sketch):
@@ -93,7 +93,7 @@ def description(figure: Figure) -> str:
 
 
 def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
-    """Every plot, and whether its x axis has numbers: not where the next one has the same."""
+    """Yield every plot, and whether its x axis has numbers: not if the next one has the same."""
     for position, panel in enumerate(figure.panels):
         below = figure.panels[position + 1] if position + 1 < len(figure.panels) else None
         shares_axis = isinstance(panel, Panel) and isinstance(below, Panel) and panel.x == below.x
@@ -101,7 +101,7 @@ def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
 
 
 def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
-    """A plot under what stands already, as far to the right as the widest numbers of all need."""
+    """Return a plot under what stands already, as far to the right as the widest numbers of all need."""
     left = max(margin(panel_drawn, vertical(panel_drawn)) for panel_drawn in figure.plots)
     left += min(
         max(_framed(panel_drawn, left, foot).beyond for panel_drawn in figure.plots), WIDTH / 3.0
@@ -117,7 +117,7 @@ def _framed(panel: Panel, left: float, foot: float) -> Frame:
 
 
 def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
-    """Samples with their names in rows below the plots, and where they end."""
+    """Return samples with their names in rows below the plots, and where they end."""
     entries: dict[str, tuple[float, str]] = {}
     for frame in frames:
         panel = frame.panel
@@ -141,7 +141,7 @@ def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
 
 
 def _name(frame: Frame, entry: Keyed) -> str:
-    """In the key; of a limit that is off the scale also its value."""
+    """Return the name in the key; with the value of a limit that is off the scale."""
     if isinstance(entry, Level) and not is_on(frame, entry):
         axis = frame.panel.y if entry.axis == "y" else frame.panel.x
         return f"{entry.name}: {number(entry.value, 4)} {axis.unit}, not on this scale"
@@ -149,7 +149,7 @@ def _name(frame: Frame, entry: Keyed) -> str:
 
 
 def _sample(entry: Keyed) -> str:
-    """27 px wide, around the middle of a row."""
+    """Return a sample of 27 px around the middle of a row."""
     match entry:
         case Band():
             fill, colour, distance, sign = BANDS[entry.kind]
@@ -183,7 +183,7 @@ def _sample(entry: Keyed) -> str:
 
 
 def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
-    """The scale of the colours of an image as an entry of the key."""
+    """Return the scale of the colours of an image as an entry of the key."""
     shades, step = palette(is_log=bool(cells.decades))[::2].tolist(), 4.0
     ends = number(cells.largest, 2)
     low = f"≤ {number(cells.largest * 10.0**-cells.decades, 2)}" if cells.decades else f"−{ends}"

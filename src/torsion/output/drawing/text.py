@@ -9,7 +9,7 @@ FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def shown(value: float) -> str:
-    """A length in px, to a hundredth.
+    """Return a length in px, to a hundredth.
 
     >>> shown(12.5), shown(3.0), shown(-0.001)
     ('12.5', '3', '0')
@@ -19,7 +19,7 @@ def shown(value: float) -> str:
 
 
 def clean(text: str) -> str:
-    """A text for an attribute or an element: escaped, and without the signs that XML forbids."""
+    """Return a text for an attribute or an element: escaped, and without the signs that XML forbids."""
     return escape(FORBIDDEN.sub("�", text))
 
 
@@ -29,7 +29,7 @@ def plain(text: str) -> str:
 
 
 def words(x: float, y: float, text: str, more: str = "") -> str:
-    """A text at a place, its subscripts lowered; more: further attributes."""
+    """Return a text at a place, its subscripts lowered; more: further attributes."""
     inside = SUBSCRIPT.sub(
         r'<tspan dy="2.5" font-size="75%">\1</tspan><tspan dy="-2.5">&#8203;</tspan>', clean(text)
     )

@@ -49,7 +49,7 @@ COVERED, APART, ELSEWHERE = (
 
 
 def width(text: str, size: float = SIZE) -> float:
-    """Of a text in px.
+    """Return the width of a text in px.
 
     >>> width("mm", 10.0)
     16.66
@@ -58,7 +58,7 @@ def width(text: str, size: float = SIZE) -> float:
 
 
 def fitted(text: str, most: float) -> str:
-    """A text, cut where it is wider than so many px.
+    """Return a text, cut where it is wider than so many px.
 
     >>> fitted("a shaft", 100.0), fitted("a long name of a shaft", 60.0)
     ('a shaft', 'a long na…')
@@ -91,7 +91,7 @@ class Room:
     """A rectangle in which words find their places, one after another; what is placed is kept."""
 
     def __init__(self, box: Box, curves: FloatArray) -> None:
-        """curves: (points, 2) px, over which words had better not stand."""
+        """Set the box; curves: (points, 2) px, which words should not cover."""
         self.box = np.array(box)
         self.taken: list[Box] = []
         finite = np.isfinite(curves).all(axis=1)
@@ -118,7 +118,7 @@ class Room:
         reach: int = REACH,
         elsewhere: float = ELSEWHERE,
     ) -> Word | None:
-        """The best free place of a text, in one row or more, beside one of (points, 2) px, None where none is.
+        """Return the best free place of a text, in one row or more, beside one of (points, 2) px; None if there is none.
 
         ways: the DIRECTIONS from a point that will do; elsewhere: what another point than the first costs. Away from
         its point, with a line to it, only the first is tried.
@@ -148,7 +148,7 @@ class Room:
     def _tried(
         self, feet: FloatArray, half: FloatArray, away: float, ways: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Of every point and direction how many points of curves are covered, infinite without room, and the box."""
+        """Return for every point and direction the covered points of curves, infinite without room, and the box."""
         sideways = np.where(ways[:, 1] == 0, away, 0.0)
         offset = ways * np.column_stack([half[0] + sideways, np.full(len(ways), half[1] + away)])
         middle = (feet[:, None, :] + offset).reshape(-1, 2)
@@ -164,7 +164,7 @@ class Room:
         return np.where(free, covered, np.inf), boxes
 
     def _covered(self, first: FloatArray, last: FloatArray) -> FloatArray:
-        """(boxes,) points of curves between corners (boxes, 2), to a mesh."""
+        """Return (boxes,) numbers of points of curves between corners (boxes, 2), to a mesh."""
         size = np.array(self.before.shape) - 1
         (x0, y0), (x1, y1) = (
             np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T

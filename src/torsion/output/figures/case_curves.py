@@ -14,7 +14,7 @@ Curve = tuple[
 
 
 def curves(name: str, caption: str, drawn: Mapping[str, Curve], quantity: str, unit: str) -> Figure:
-    """One line a case, the first heavier; of many cases it and those that reach highest."""
+    """Draw one line a case, the first heavier; of many cases it and those that reach highest."""
     first, *highest_cases = drawn
     highest_cases = sorted(
         highest_cases, key=lambda key: -float(np.nanmax(np.append(drawn[key][1], 0.0)))

@@ -10,7 +10,7 @@ from torsion.arrays import BoolArray, FloatArray
 def level_line(
     x: FloatArray, y: FloatArray, values: FloatArray, level: float = 0.0
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Pieces (x, y) on which values (rows, columns), linear along the sides of each square of four, are the level."""
+    """Yield pieces (x, y) on which values (rows, columns), linear along the sides of each square, are the level."""
     z = values - level
     for row in range(z.shape[0] - 1):
         for column in np.flatnonzero(_changes(z[row : row + 2])).tolist():
@@ -26,7 +26,7 @@ def level_line(
 
 
 def _changes(pair: FloatArray) -> BoolArray:
-    """(columns - 1,) whether the sign changes in the square, all of whose values are known."""
+    """Return (columns - 1,) whether the sign changes in the square, all of whose values are known."""
     four = np.stack([pair[0, :-1], pair[0, 1:], pair[1, :-1], pair[1, 1:]])
     above = (four > 0).sum(axis=0)
     return np.asarray(np.isfinite(four).all(axis=0) & (above > 0) & (above < 4))

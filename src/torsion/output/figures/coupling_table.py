@@ -21,11 +21,13 @@ def coupling_table(
     loss_factor: FloatArray,
     modes: Sequence[tuple[float, float, str]] = (),
 ) -> Figure:
-    """at, stiffness (in `unit`), loss_factor: (points,); modes: place, stiffness and words of each mode within them."""
+    """Return the curves of a table; at, stiffness (in `unit`), loss_factor: (points,); modes: place, stiffness, words."""
     room = ROOM * float(at[-1] - at[0])
     x = Axis(over.quantity, over.unit, float(at[0]) - room, float(at[-1]) + room)
-    places, values = np.array([one[:2] for one in modes]).reshape(-1, 2).T
-    marks = Marks("modes", places, values, "disc", "natural", words=tuple(one[2] for one in modes))
+    places, values = np.array([mode[:2] for mode in modes]).reshape(-1, 2).T
+    marks = Marks(
+        "modes", places, values, "disc", "natural", words=tuple(mode[2] for mode in modes)
+    )
     curve = Line("stiffness", at, stiffness, symbol="box")
     panels = [Panel(x, Axis("stiffness", unit, low=0.0), (curve,), marks=(marks,) if modes else ())]
     if loss_factor.any():

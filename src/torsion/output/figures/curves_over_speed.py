@@ -306,12 +306,12 @@ def stability_map(
     rated: float | None = None,
 ) -> Figure:
     """Return the growth rate as colours; speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s or NaN."""
-    known = growth[np.isfinite(growth)]
-    largest = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
+    finite = growth[np.isfinite(growth)]
+    largest = float(np.quantile(np.abs(finite), SHARE)) if finite.size else 1.0
     cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)
     behind = (
         (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),)
-        if known.size < growth.size
+        if finite.size < growth.size
         else ()
     )
     x, y = span(SPEED, speed), span(Axis(quantity, unit), value)

@@ -11,7 +11,7 @@ SYMBOLS: tuple[Symbol, ...] = ("disc", "square", "triangle", "diamond")
 
 
 def modes(name: str, caption: str, *, frequency: Lines, shape: Lines, tolerance: float) -> Figure:
-    """frequency, shape: (model, (modes,) magnitudes of relative errors); shape is 1 - MAC."""
+    """Draw errors by mode; frequency, shape: (model, (modes,) magnitudes of relative errors), shape is 1 - MAC."""
     x = Axis("mode", "", 0.5, max(len(errors) for _, errors in frequency) + 0.5, is_whole=True)
     panels = []
     for quantity, errors in (("error of frequency", frequency), ("1 − MAC", shape)):
@@ -27,7 +27,7 @@ def modes(name: str, caption: str, *, frequency: Lines, shape: Lines, tolerance:
 def torques(
     name: str, caption: str, *, speed: FloatArray, lines: Lines, tolerance: float
 ) -> Figure:
-    """speed: (speeds,) rpm; lines: (model, (speeds,)), NaN where there is none."""
+    """Draw errors over speed: (speeds,) rpm; lines: (model, (speeds,)), NaN where there is none."""
     drawn = tuple(
         Line(model, speed, drawn_error(values), pen) for pen, (model, values) in enumerate(lines)
     )
@@ -37,12 +37,12 @@ def torques(
 
 
 def drawn_error(values: FloatArray) -> FloatArray:
-    """What is rounding, at its lowest place; what is no number or infinite, nowhere."""
+    """Return rounding as the lowest drawn error, and NaN for what is no number or infinite."""
     return np.where(np.isfinite(values), np.maximum(values, LEAST), np.nan)
 
 
 def _panel(x: Axis, quantity: str, lines: tuple[Line, ...], tolerance: float) -> Panel:
-    """The plot from the smallest error, or from rounding, to beyond the tolerance."""
+    """Return the plot from the smallest error, or from rounding, to beyond the tolerance."""
     errors = np.concatenate([np.array([tolerance]), *(line.y for line in lines)])
     low, high = 0.3 * float(np.nanmin(errors)), 4.0 * float(np.nanmax(errors))
     y = Axis(quantity, "", low, high, is_log=True, is_error=True)

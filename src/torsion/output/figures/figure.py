@@ -289,7 +289,7 @@ class Figure:
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
-    """First and last position of every run of true values.
+    """Return first and last position of every run of true values.
 
     >>> runs(np.array([True, False, True, True]))
     [(0, 0), (2, 3)]

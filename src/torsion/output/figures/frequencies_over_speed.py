@@ -36,7 +36,9 @@ def campbell(
     of: str = "within the tolerances",
     tolerated: Bands = (),
 ) -> Figure:
-    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode, of what is named.
+    """Return the Campbell diagram.
+
+    frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode, of what is named.
 
     barred, tolerated: rpm, of the file's figures and over its tolerances.
 
@@ -95,20 +97,22 @@ def whirl(
     crossings: Sequence[Crossing],
     rated: float | None,
 ) -> Figure:
-    """speed: (speeds,) rpm; frequency, Hz, direction and unstable: (speeds, modes).
+    """Return the whirl diagram of a shaft.
+
+    speed: (speeds,) rpm; frequency, Hz, direction and unstable: (speeds, modes).
 
     orders: (frequency of the order at the last speed, Hz; name).
     """
     first, last = float(speed[0]), float(speed[-1])
-    right, top = 1.08 * last, _top(frequency, max(at for at, _ in orders), crossings)
+    right, top = 1.08 * last, _top(frequency, max(hertz for hertz, _ in orders), crossings)
     lines = [
         piece
         for column, sense in zip(frequency.T, direction.T, strict=True)
         for piece in _whirling(speed, column, sense)
     ]
-    for at, words in orders:
-        end = min(right, top / at * last)
-        ends = np.array([0.0, end]), np.array([0.0, at * end / last])
+    for hertz, words in orders:
+        end = min(right, top / hertz * last)
+        ends = np.array([0.0, end]), np.array([0.0, hertz * end / last])
         lines.append(Line("orders", *ends, "pale", words, label_at="end"))
     rows, columns = np.nonzero(unstable)
     grows = Marks("UNSTABLE", speed[rows], frequency[rows, columns], "cross", "unstable")
@@ -124,40 +128,44 @@ def whirl(
 
 
 def _whirling(speed: FloatArray, frequency: FloatArray, sense: FloatArray) -> Iterator[Line]:
-    """One mode in the pens of its senses; a piece reaches to the next speed, so that no gap stands between two."""
+    """Yield one mode in the pens of its senses; a piece reaches to the next speed, so that there is no gap."""
     above = np.inf
-    for least, role in SENSES:
-        here = (sense >= least) & (sense < above)
-        above = least
-        if here.any():
-            shown = here | np.append(False, here[:-1])
+    for lowest, role in SENSES:
+        is_sense = (sense >= lowest) & (sense < above)
+        above = lowest
+        if is_sense.any():
+            shown = is_sense | np.append(False, is_sense[:-1])
             yield Line(role, speed, np.where(shown, frequency, np.nan), role)
 
 
 def _met(crossings: Sequence[Crossing], right: float, top: float) -> Iterator[Marks]:
-    """The crossings that lie on the diagram, which goes from nothing to these two."""
+    """Yield the crossings that lie on the diagram, which goes from nothing to these two ends."""
     for inside, words in (
         (True, "critical speed in the range"),
         (False, "critical speed outside the range"),
     ):
-        met = [one for one in crossings if one[2] == inside and one[0] <= right and one[1] <= top]
+        met = [
+            crossing
+            for crossing in crossings
+            if crossing[2] == inside and crossing[0] <= right and crossing[1] <= top
+        ]
         if met:
-            x, y = np.array([one[:2] for one in met]).T
-            said = tuple(one[3] for one in met)
+            x, y = np.array([crossing[:2] for crossing in met]).T
+            words_of = tuple(crossing[3] for crossing in met)
             yield Marks(
                 words,
                 x,
                 y,
                 "disc" if inside else "cross",
                 "plain" if inside else "outside",
-                words=said,
+                words=words_of,
             )
 
 
 def _top(frequency: FloatArray, reached: float, crossings: Sequence[Crossing]) -> float:
-    """What the orders meet, and of the modes above it those near."""
+    """Return the highest frequency shown: what the orders meet, and the modes near above it."""
     inside = max((hertz for _, hertz, is_inside, _ in crossings if is_inside), default=0.0)
-    known = frequency[np.isfinite(frequency)]
-    lowest = float(known.min()) if known.size else 0.0
-    near = known[known <= AHEAD * reached]
+    finite = frequency[np.isfinite(frequency)]
+    lowest = float(finite.min()) if finite.size else 0.0
+    near = finite[finite <= AHEAD * reached]
     return 1.1 * max(inside, float(near.max()) if near.size else 1.2 * lowest, reached)

@@ -125,5 +125,5 @@ def _scale(axis: Axis, axes: "Axes", name: str) -> None:
 
 
 def _text(words: str) -> str:
-    """Words of a figure with their subscripts as matplotlib writes them."""
+    """Return words of a figure with their subscripts as matplotlib writes them."""
     return re.sub(r"_\{(.*?)\}", r"$_{\\mathrm{\1}}$", words.replace("$", r"\$"))

@@ -28,7 +28,9 @@ def mode(
     stations: Sequence[str] = (),
     spans: Sequence[str] = (),
 ) -> Figure:
-    """x, row, marked (with a dot), angle: (stations,); ends: (spans, 2) stations; torque: (spans,); at one speed.
+    """Return the figure of a mode at one speed.
+
+    x, row, marked (with a dot), angle: (stations,); ends: (spans, 2) stations; torque: (spans,).
 
     stations, spans: names of the marked stations and of all spans, for the cursor.
     """
@@ -85,12 +87,12 @@ def mode(
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
-    """About `most` of the items in even steps, the first among them; all where there are no more."""
+    """Return about `most` of the items in even steps, the first among them; all where there are no more."""
     return items[:: max(1, -(-len(items) // most))] if most else items
 
 
 def _joined(x: FloatArray, y: FloatArray, ends: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Spans (spans, 2) as one line, broken where one does not start at the end of the one before."""
+    """Return spans (spans, 2) as one line, broken where one does not start at the end of the one before."""
     first = np.ones(len(ends), dtype=bool)
     first[1:] = ends[1:, 0] != ends[:-1, 1]
     stations = np.insert(ends[:, 1], np.flatnonzero(first), ends[first, 0])
@@ -99,11 +101,11 @@ def _joined(x: FloatArray, y: FloatArray, ends: IntArray) -> tuple[FloatArray, F
 
 
 def _steps(across: FloatArray, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Torque of each span as a step over its length, broken where no span is."""
+    """Return torque of each span as a step over its length, broken where no span is."""
     left, right = across.min(axis=1), across.max(axis=1)
     order = np.argsort(left, kind="stable")
     edges = np.column_stack([left, right])[order].ravel()
     size = np.repeat(torque[order], 2)
-    apart = np.flatnonzero(np.diff(edges) > 1e-9 * max(float(np.ptp(edges)), 1.0))
-    apart = apart[apart % 2 == 1] + 1  # gaps between one span's end and the next one's start
-    return np.insert(edges, apart, np.nan), np.insert(size, apart, np.nan)
+    gaps = np.flatnonzero(np.diff(edges) > 1e-9 * max(float(np.ptp(edges)), 1.0))
+    gaps = gaps[gaps % 2 == 1] + 1  # gaps between one span's end and the next one's start
+    return np.insert(edges, gaps, np.nan), np.insert(size, gaps, np.nan)

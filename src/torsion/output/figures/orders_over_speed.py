@@ -14,7 +14,7 @@ TORQUE = "torque amplitude"
 def orders(
     name: str, caption: str, *, over: Axis, x: FloatArray, lines: Lines, unit: str
 ) -> Figure:
-    """x: (windows,) ascending, on the axis `over`; lines: (name, amplitudes (windows,) in `unit`)."""
+    """Return curves over x: (windows,) ascending, on the axis `over`; lines: (name, (windows,) in `unit`)."""
     drawn = drawn_orders(x, lines, np.zeros(len(x), dtype=bool))
     y = amplitudes(TORQUE, unit, [values for _, values in lines])
     return Figure(name, caption, (Panel(span(over, x), y, drawn),))
@@ -31,7 +31,7 @@ def waterfall(
     reference: str,
     unit: str,
 ) -> Figure:
-    """y: (windows,) ascending, on the axis `over`; order: (orders,); amplitude: (windows, orders) in `unit`."""
+    """Return the cells of y: (windows,) on the axis `over`; order: (orders,); amplitude: (windows, orders) in `unit`."""
     largest = float(amplitude.max(initial=0.0)) or 1.0
     cells = Cells(order, y, amplitude, TORQUE, unit, largest, DECADES)
     x = Axis(f"order of {reference}", "", 0.0, float(order[-1]))

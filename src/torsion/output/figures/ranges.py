@@ -27,19 +27,19 @@ def unanswered(
 ) -> tuple[BoolArray, tuple[Band, ...]]:
     """Ranges where `bad` holds, from neighbour to neighbour, and (points,) those inside, which are left blank."""
     inside, bands = np.array(bad, dtype=bool), list[Band]()
-    least = float(x[-1] - x[0]) * LEAST
+    narrowest = float(x[-1] - x[0]) * LEAST
     for first, last in runs(inside.copy()):
         left, right = float(x[max(first - 1, 0)]), float(x[min(last + 1, len(x) - 1)])
-        if right - left < least:
+        if right - left < narrowest:
             middle = (left + right) / 2
-            left, right = middle - least / 2, middle + least / 2
+            left, right = middle - narrowest / 2, middle + narrowest / 2
         inside |= (x > left) & (x < right)
         bands.append(Band(name, left, right, "no answer"))
     return inside, tuple(bands)
 
 
 def barred_bands(barred: Bands, unstable: Bands = ()) -> tuple[Band, ...]:
-    """Ranges of speed, rpm."""
+    """Bands of the barred and the unstable ranges of speed, rpm."""
     return (
         *(Band("barred range", low, high, "barred") for low, high in barred),
         *(Band("unstable range", low, high, "unstable") for low, high in unstable),
@@ -55,17 +55,17 @@ def amplitudes(
     quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()
 ) -> Axis:
     """From zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
-    known = np.concatenate(
+    positive = np.concatenate(
         [np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)]
     )
-    if known.size == 0 or known.max() <= LOGARITHMIC * np.median(known):
+    if positive.size == 0 or positive.max() <= LOGARITHMIC * np.median(positive):
         return Axis(quantity, unit, low=0.0)
-    lowest = max(float(known.min()), float(known.max()) / MOST_DECADES)
+    lowest = max(float(positive.min()), float(positive.max()) / MOST_DECADES)
     return Axis(
         quantity,
         unit,
         low=lowest / 1.5,
-        high=max([2.0 * float(known.max()), *(1.5 * one for one in limits)]),
+        high=max([2.0 * float(positive.max()), *(1.5 * limit for limit in limits)]),
         is_log=True,
     )
 
@@ -80,7 +80,7 @@ def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
     sizes = [float(np.max(values, where=np.isfinite(values), initial=0.0)) for _, values in drawn]
     ranked = [k for k in sorted(range(len(sizes)), key=lambda k: -sizes[k]) if sizes[k] > 0]
     shown = ranked if len(ranked) <= MOST_ORDERS else ranked[:LARGEST]
-    found = [
+    drawn_lines = [
         Line(
             drawn[k][0],
             x,
@@ -91,10 +91,10 @@ def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
         )
         for pen, k in enumerate(sorted(shown))
     ]
-    if others := ranked[len(shown) :]:
-        largest = np.fmax.reduce([drawn[k][1] for k in others])
-        found.append(Line(f"envelope of the other {len(others)}", x, largest, "pale"))
-    return tuple(found)
+    if remaining := ranked[len(shown) :]:
+        largest = np.fmax.reduce([drawn[k][1] for k in remaining])
+        drawn_lines.append(Line(f"envelope of the other {len(remaining)}", x, largest, "pale"))
+    return tuple(drawn_lines)
 
 
 def span(axis: Axis, x: FloatArray) -> Axis:

@@ -24,7 +24,7 @@ def speed_range(
     unknown: Sequence[Band],
     critical: Sequence[Critical],
 ) -> Figure:
-    """All speeds in rpm; ranges with one speed alone are as wide as can be seen."""
+    """Draw all speeds in rpm; ranges of a single speed are as wide as can be seen."""
     ends = [*speeds, *([] if rated is None else [rated])]
     room = ROOM * ((max(ends) - min(ends)) or max(ends))
     bands = [

@@ -56,6 +56,12 @@ class FittedMode:
     )
     is_outside: bool = result("", (), "the measured frequency lies outside its band")
 
+    @derived("", (), "how its mode was found, or that it is outside its band")
+    def remark(self) -> str:
+        if self.is_outside:
+            return "OUTSIDE its band"
+        return "" if self.is_given else "paired by its band"
+
 
 @reported
 class FittedCurve:

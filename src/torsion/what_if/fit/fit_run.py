@@ -35,27 +35,26 @@ SHOWN = 4  # of one in words
 
 
 def run(work: Work) -> None:
-    """Where the file was read with figures that vary; the fitted file is solved the ordinary way too."""
+    """Fit, if the file was read with figures that vary; the fitted file is solved the ordinary way too."""
     settings, variation = work.settings("fit", FitSettings), work.study.variations.get("fit")
     if variation is None or work.solve is None:
         work.log.without("fit", "no parameter of the file varies")
         return
     with work.log.step("fit to measurements", "the file names it") as step:
-        made = curves(work.study, settings.measured)
+        measured = curves(work.study, settings.measured)
         modes = work.get(Modes)
         count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
         system = work.system.whole if modes is None else modes.system.whole
-        train = Train(variation, resolved_for(system, made), made, count)
+        train = Train(variation, resolved_for(system, measured), measured, count)
         problem = Problem(train, settings, work.progress)
-        found = problem.fitted()
-        deviation = problem.deviation
-        values = [float(f"{value:.{DIGITS}g}") for value in np.exp(found.values * deviation)]
+        best = problem.fitted()
+        values = [float(f"{value:.{DIGITS}g}") for value in problem.factors(best.values)]
         solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
         frequency = np.empty(0) if solved is None else solved.frequency
         step.method = "least squares of logarithms (Gauss-Newton in a trust region), with what is known beforehand"
-        sizes = f"{len(deviation)} figures, {problem.sigma.size} measured values"
-        step.size = f"{sizes}, {found.searches} starts, {found.steps} steps"
-    work.put(fit=_result(problem, found, values, frequency))
+        sizes = f"{len(values)} figures, {problem.sigma.size} measured values"
+        step.size = f"{sizes}, {best.searches} starts, {best.steps} steps"
+    work.put(fit=_result(problem, best, values, frequency))
 
 
 class Problem:
@@ -63,13 +62,11 @@ class Problem:
 
     def __init__(self, train: Train, settings: FitSettings, progress: Progress) -> None:
         self.train, self.settings, self.progress, self.steps = train, settings, progress, 0
-        self.deviation = np.array([one.law.lognormal for one in train.variation.figures])
-        self.pairs = pairs = paired(train, self.deviation, settings.measured)
-        measured, within = [], list[FloatArray]()
-        for place in pairs.place:
-            one = settings.measured[place]
-            measured.append(np.log([one.frequency or 1.0]))
-            within.append(np.array([one.within]))
+        self.deviation = np.array([figure.law.lognormal for figure in train.variation.figures])
+        self.pairs = paired(train, self.deviation, settings.measured)
+        frequencies = [settings.measured[place] for place in self.pairs.place]
+        measured = [np.log([one.frequency or 1.0]) for one in frequencies]
+        within = [np.array([one.within]) for one in frequencies]
         for curve in train.curves:
             logs = np.log(curve.amplitude)
             measured += [logs.real, logs.imag] if curve.has_phase else [logs.real]
@@ -84,140 +81,140 @@ class Problem:
                 [Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")]
             )
 
+    def factors(self, values: FloatArray) -> list[float]:
+        """Return the factors of figures (figures,) in deviations."""
+        return [float(factor) for factor in np.exp(values * self.deviation)]
+
     def fitted(self) -> Fitted:
-        """The least sum of squares."""
+        """Return the least sum of squares."""
         return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
 
     def residual(self, values: FloatArray) -> FloatArray:
-        """(measurements,) of figures (figures,)."""
-        logs = self.train.logarithms(np.exp(values * self.deviation).tolist(), self.pairs.number)
+        """Return (measurements,) of figures (figures,)."""
+        logs = self.train.logarithms(self.factors(values), self.pairs.number)
         return self.train.wrapped(logs - self.measured, len(self.pairs.number)) / self.sigma
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
-        """Figures (figures,) as near as can be at which a measured mode and a neighbour swap frequencies, by slopes."""
-        frequency = (
-            self.train.frequencies(np.exp(values * self.deviation).tolist())
-            if self.pairs.number
-            else ()
-        )
-        lower = sorted({number - below for number in self.pairs.number for below in (0, 1)})
-        for mode in (one for one in lower if 0 <= one < len(frequency) - 1):
-            rise = (
-                self.train.mode_slopes(values * self.deviation, [mode, mode + 1]) * self.deviation
-            )
+        """Yield figures (figures,) as near as can be at which a measured mode and a neighbour swap, by slopes."""
+        numbers = self.pairs.number
+        frequency = self.train.frequencies(self.factors(values)) if numbers else np.empty(0)
+        for mode in sorted({number - below for number in numbers for below in (0, 1)}):
+            if not 0 <= mode < len(frequency) - 1:
+                continue
+            logs = values * self.deviation
+            rise = self.train.mode_slopes(logs, [mode, mode + 1]) * self.deviation
             gap = float(np.log(frequency[mode + 1] / frequency[mode]))
             start = np.linalg.lstsq(rise, rise @ values + np.array([gap, -gap]), rcond=1e-3)[0]
             if (np.abs(start) < FARTHEST).all():
                 yield start
 
     def jacobian(self, values: FloatArray) -> FloatArray:
-        """(measurements, figures)."""
+        """Return (measurements, figures)."""
         self.steps += 1
-        self.progress(
-            f"fit to measurements, step {self.steps}",
-            min(self.steps / (USUAL_STEPS * (1 + 2 * len(values))), 0.99),
-        )
+        usual = USUAL_STEPS * (1 + 2 * len(values))
+        self.progress(f"fit to measurements, step {self.steps}", min(self.steps / usual, 0.99))
         slopes = self.train.slopes(values * self.deviation, self.pairs.number)
         return np.asarray(slopes * self.deviation / self.sigma[:, None])
 
 
-def _result(problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray) -> Fit:
-    """All that is stated; values: factors as they stand in the fitted file."""
-    known, train, count = found.known, problem.train, problem.sigma.size
-    each = np.sqrt(np.diag(known.covariance))
-    figures = tuple(_figures(problem, found, each, values))
-    made = Fit(
+def _result(problem: Problem, best: Fitted, values: Sequence[float], frequency: FloatArray) -> Fit:
+    """Return all that is stated; values: factors as they stand in the fitted file."""
+    identity, count = best.known, problem.sigma.size
+    deviations = np.sqrt(np.diag(identity.covariance))
+    figures = tuple(_figures(problem, best, deviations, values))
+    fit = Fit(
         figures,
-        tuple(_modes(problem, found, values)),
-        tuple(_curves(problem, found, values)),
-        directions(known, [one.name for one in figures], problem.deviation),
-        known.covariance / np.outer(each, each),
+        tuple(_modes(problem, best, values)),
+        tuple(_curves(problem, best, values)),
+        directions(identity, [figure.name for figure in figures], problem.deviation),
+        identity.covariance / np.outer(deviations, deviations),
         count,
-        float(np.square(found.residual).sum()),
-        count - identified(found.jacobian).used,
-        float(np.square(found.values).sum()),
-        known.rank,
-        found.steps,
-        found.searches,
-        tuple(_others(problem, found)),
+        float(np.square(best.residual).sum()),
+        count - identified(best.jacobian).used,
+        float(np.square(best.values).sum()),
+        identity.rank,
+        best.steps,
+        best.searches,
+        tuple(_others(problem, best)),
         (),
         frequency,
-        train.variation.text(values),
+        problem.train.variation.text(values),
     )
-    return replace(made, warnings=tuple(_warnings(made, found)))
+    return replace(fit, warnings=tuple(_warnings(fit, best)))
 
 
 def _figures(
-    problem: Problem, found: Fitted, each: FloatArray, values: Sequence[float]
+    problem: Problem, best: Fitted, deviations: FloatArray, values: Sequence[float]
 ) -> Iterator[FittedFigure]:
-    variation, logs = problem.train.variation, found.values * problem.deviation
-    lower, upper = (np.exp(end * problem.deviation) for end in found.interval(NINETY_FIVE))
-    for place, one in enumerate(variation.figures):
-        given, fitted_value = variation.stated(place, values[place])
+    variation, factors = problem.train.variation, problem.factors(best.values)
+    lower, upper = (problem.factors(end) for end in best.interval(NINETY_FIVE))
+    for place, figure in enumerate(variation.figures):
+        prior, deviation = float(problem.deviation[place]), float(deviations[place])
         yield FittedFigure(
-            one.name,
-            given,
-            fitted_value,
-            float(np.exp(logs[place])),
-            float(problem.deviation[place]),
-            float(each[place] * problem.deviation[place]),
-            float(lower[place]),
-            float(upper[place]),
-            float(found.values[place]),
-            max(float(1.0 - each[place] ** 2), 0.0),
+            figure.name,
+            *variation.stated(place, values[place]),
+            factors[place],
+            prior,
+            deviation * prior,
+            lower[place],
+            upper[place],
+            float(best.values[place]),
+            max(1.0 - deviation**2, 0.0),
         )
 
 
-def _others(problem: Problem, found: Fitted) -> Iterator[OtherFit]:
+def _others(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
     variation = problem.train.variation
-    for other in found.others:
-        factors = np.exp(other.values * problem.deviation)
-        values = (
-            variation.stated(place, float(f"{factor:.{SHOWN}g}"))[1]
-            for place, factor in enumerate(factors)
-        )
+    for other in best.others:
+        factors = np.array(problem.factors(other.values))
         words = listed(
-            [f"{one.name} {value}" for one, value in zip(variation.figures, values, strict=True)]
+            [
+                f"{figure.name} {variation.stated(place, float(f'{factor:.{SHOWN}g}'))[1]}"
+                for place, (figure, factor) in enumerate(
+                    zip(variation.figures, factors, strict=True)
+                )
+            ]
         )
-        chi2, prior = (float(np.square(one).sum()) for one in (other.residual, other.values))
+        chi2, prior = float(np.square(other.residual).sum()), float(np.square(other.values).sum())
         yield OtherFit(factors, chi2, prior, words)
 
 
-def _modes(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
-    pairs, measured = problem.pairs, problem.settings.measured
+def _modes(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
+    pairs = problem.pairs
     if not pairs.place:
         return
-    before, after = (problem.train.modes(one).frequency for one in ([1.0] * len(values), values))
+    before, after = (
+        problem.train.modes(factors).frequency for factors in ([1.0] * len(values), values)
+    )
     for row, (place, number) in enumerate(zip(pairs.place, pairs.number, strict=True)):
-        one, lower, upper = measured[place], float(pairs.lower[row]), float(pairs.upper[row])
-        hertz, slack = one.frequency or 0.0, np.exp(OUTSIDE * one.within)
+        measured = problem.settings.measured[place]
+        lower, upper = float(pairs.lower[row]), float(pairs.upper[row])
+        hertz, slack = measured.frequency or 0.0, np.exp(OUTSIDE * measured.within)
         yield FittedMode(
             number + 1,
-            one.mode is not None,
+            measured.mode is not None,
             hertz,
-            one.within,
+            measured.within,
             lower,
             upper,
             float(before[number]),
             float(after[number]),
-            float(found.residual[row]),
+            float(best.residual[row]),
             bool(not lower / slack <= hertz <= upper * slack),
         )
 
 
-def _curves(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedCurve]:
-    train, place, plain = problem.train, len(problem.pairs.place), [1.0] * len(values)
+def _curves(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[FittedCurve]:
+    train, nominal = problem.train, [1.0] * len(values)
+    sizes = [curve.speed.size for curve in train.curves for _ in range(1 + curve.has_phase)]
+    edges = np.cumsum([len(problem.pairs.place), *sizes])[:-1]
+    residuals = iter(np.split(best.residual, edges)[1:])
     for curve in train.curves:
-        size = curve.speed.size
         fine = np.union1d(np.linspace(curve.speed[0], curve.speed[-1], CURVE_POINTS), curve.speed)
-        own = found.residual[place : place + size]
-        place += size
-        phase = found.residual[place : place + size] if curve.has_phase else None
-        place += size if curve.has_phase else 0
-        before, after, drawn, fitted_curve = (
+        before, after, drawn, drawn_fit = (
             np.abs(train.amplitudes(factors, curve, speed))
             for speed in (curve.speed, fine)
-            for factors in (plain, values)
+            for factors in (nominal, values)
         )
         yield FittedCurve(
             curve.at,
@@ -231,48 +228,48 @@ def _curves(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterato
             np.abs(curve.amplitude),
             before,
             after,
-            own,
-            phase,
+            next(residuals),
+            next(residuals) if curve.has_phase else None,
             fine,
             drawn,
-            fitted_curve,
+            drawn_fit,
             curve.unused,
         )
 
 
-def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
+def _warnings(fit: Fit, fitted_values: Fitted) -> Iterator[str]:
     """What does not go together, the gravest first."""
-    for one in made.modes:
-        if one.is_outside:
-            side = "below" if one.measured < one.lower else "above"
+    for mode in fit.modes:
+        if mode.is_outside:
+            side = "below" if mode.measured < mode.lower else "above"
             yield (
-                f"The measured {one.measured:.6g} Hz of mode {one.mode} lies {side} the band of that mode, "
-                f"{one.lower:.6g} to {one.upper:.6g} Hz with every parameter within two deviations. The mode is "
+                f"The measured {mode.measured:.6g} Hz of mode {mode.mode} lies {side} the band of that mode, "
+                f"{mode.lower:.6g} to {mode.upper:.6g} Hz with every parameter within two deviations. The mode is "
                 "another one, the measurement is wrong, or the model lacks something."
             )
-    if made.is_wrong:
-        share, each = made.reduced, "degree of freedom"
-        if share is None:
-            share, each = made.chi2 / made.measurements, "measured value"
+    if fit.is_wrong:
+        chi2, unit = fit.reduced, "degree of freedom"
+        if chi2 is None:
+            chi2, unit = fit.chi2 / fit.measurements, "measured value"
         yield (
-            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: of {made.searches} searches none found "
+            f"Chi2 is {chi2:.3g} for each {unit}, above {MOST_CHI2:g}: of {fit.searches} searches none found "
             "values that explain the measurements as exactly as `within` requires. The model lacks something, a "
             "measured frequency is of another mode, or `within` is stated too small; the deviations and intervals "
             "do not hold."
         )
-    if made.others:
-        other, rest = made.others[0], len(made.others) - 1
-        more = other.chi2 + other.prior_chi2 - made.chi2 - made.prior_chi2
+    if fit.others:
+        other, count = fit.others[0], len(fit.others) - 1
+        greater = other.chi2 + other.prior_chi2 - fit.chi2 - fit.prior_chi2
         yield (
             f"Other values agree nearly as well: {other.words} (sum of squares greater by "
-            f"{max(more, 0.0):.2g}){f', and {rest} more' if rest else ''}. The measurements do not decide between "
+            f"{max(greater, 0.0):.2g}){f', and {count} more' if count else ''}. The measurements do not decide between "
             "them; intervals, deviations and what is known reach over all of them."
         )
-    for figure in made.figures:
+    for figure in fit.figures:
         if abs(figure.shift) > FARTHEST - 1e-6:
             yield f"{figure.name} went to the end of what is tried, {figure.shift:+.2g} of its deviations beforehand."
         elif abs(figure.shift) > FAR:
             yield f"{figure.name} moved by {figure.shift:+.2g} of its deviations beforehand: more than was expected."
-    if not found.converged:
-        yield f"After {found.steps} steps the sum of squares still falls: the figures are not the best ones."
-    yield from unidentified(made.directions, only_frequencies=not made.curves)
+    if not fitted_values.converged:
+        yield f"After {fitted_values.steps} steps the sum of squares still falls: the figures are not the best ones."
+    yield from unidentified(fit.directions, only_frequencies=not fit.curves)

@@ -12,8 +12,8 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.steady import Steady
 from torsion.findings import Results
-from torsion.rules import judgement, reached_speeds
-from torsion.rules.judgement import (
+from torsion.rules import reached_speeds, rule_over_speed
+from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
     Continuous,
@@ -54,9 +54,9 @@ def test_worst_of_several_infinite_shares_is_the_greatest_value_and_an_unknown_o
     None
 ):
     share = np.array([9.0, math.inf, math.inf, math.inf])
-    assert judgement.worst_of(share, np.array([99.0, 3.0, 5.0, 4.0])) == 2
-    assert judgement.worst_of(share, np.array([99.0, 3.0, 5.0, math.nan])) == 3
-    assert judgement.worst_of(np.array([0.5, 0.8, 0.8]), np.array([9.0, 1.0, 2.0])) == 2
+    assert rule_over_speed.worst_of(share, np.array([99.0, 3.0, 5.0, 4.0])) == 2
+    assert rule_over_speed.worst_of(share, np.array([99.0, 3.0, 5.0, math.nan])) == 3
+    assert rule_over_speed.worst_of(np.array([0.5, 0.8, 0.8]), np.array([9.0, 1.0, 2.0])) == 2
 
 
 @pytest.fixture
@@ -156,8 +156,17 @@ def test_a_speed_is_in_a_range_but_for_rounding() -> None:
             2 * (1 + TWO),
         ]
     )
-    assert judgement.within(use, at).tolist() == [False, True, True, True, True, True, True, False]
-    assert judgement.within(None, at).tolist() == [True] * 8
+    assert rule_over_speed.within(use, at).tolist() == [
+        False,
+        True,
+        True,
+        True,
+        True,
+        True,
+        True,
+        False,
+    ]
+    assert rule_over_speed.within(None, at).tolist() == [True] * 8
 
 
 def test_the_words_for_speeds_are_per_minute() -> None:
@@ -213,7 +222,7 @@ def test_rated_torque_between_two_speeds_is_straight_in_the_law_of_the_load(
         found = with_mean(
             study, [0.8 * RATED, 1.2 * RATED], [sign * 100.0, sign * 400.0], load=load
         )
-        assert judgement.rated_torque(found) == pytest.approx([torque], rel=1e-12)
+        assert rule_over_speed.rated_torque(found) == pytest.approx([torque], rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -231,19 +240,22 @@ def test_rated_torque_between_two_speeds_is_straight_in_the_law_of_the_load(
 )
 def test_rated_torque_is_known_within_the_speeds_computed(study, first, last, known) -> None:
     found = with_mean(study, [first * RATED, last * RATED], [70.0, 70.0])
-    assert (judgement.rated_torque(found) is not None) == known
+    assert (rule_over_speed.rated_torque(found) is not None) == known
 
 
 def test_rated_torque_is_unknown_without_a_mean_torque_or_a_rated_speed(study) -> None:
-    assert judgement.rated_torque(with_mean(study, [50.0, 150.0], [1.0, 1.0], rated=None)) is None
-    assert judgement.rated_torque(Results(study(PARTS), {})) is None
-    assert judgement.rated_torque(Results(study(PARTS, rated=None), {})) is None
+    assert (
+        rule_over_speed.rated_torque(with_mean(study, [50.0, 150.0], [1.0, 1.0], rated=None))
+        is None
+    )
+    assert rule_over_speed.rated_torque(Results(study(PARTS), {})) is None
+    assert rule_over_speed.rated_torque(Results(study(PARTS, rated=None), {})) is None
 
 
 def test_rated_speed_is_that_of_the_operation(study) -> None:
-    assert judgement.rated_speed(study(PARTS)) == pytest.approx(1000 * RPM, rel=1e-15)
+    assert rule_over_speed.rated_speed(study(PARTS)) == pytest.approx(1000 * RPM, rel=1e-15)
     with pytest.raises(ValueError, match="rated speed"):
-        judgement.rated_speed(study(PARTS, rated=None))
+        rule_over_speed.rated_speed(study(PARTS, rated=None))
 
 
 class Uses(RuleOverSpeed):
@@ -304,6 +316,6 @@ def test_a_missing_value_is_not_judged_and_a_singular_response_fails(
     clause = Clause(
         "c", "rubber", "what", "maker", curve(value, 4.0, status), np.ones(3, bool), "N m"
     )
-    line = judgement.judge_clause("r", clause, found)
+    line = rule_over_speed.judge_clause("r", clause, found)
     assert (line.verdict, line.speed) == (verdict, speed)
     assert math.isnan(line.value) == (verdict == "not judged")

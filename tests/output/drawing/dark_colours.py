@@ -1,7 +1,5 @@
-"""Colours on a dark screen: what stands out on paper stands out there, what lies behind lies behind, hues stay."""
+"""Colours on a dark screen, computed: what stands out on paper stands out there, what lies behind lies behind."""
 
-import re
-from collections.abc import Iterable
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +13,6 @@ AREAS = frozenset(
     pattern.fill for pattern in GRADES.values() if not pattern.slopes
 )  # plain: what is drawn on them is ink
 CONTRAST = 4.6  # at least, of what stands out against the dark paper
-USED = re.compile(r'(fill|stroke)="(#[0-9A-Fa-f]{6})"')
 # Björn Ottosson, "A perceptual color space for image processing" (2020): linear sRGB to cone responses to Oklab
 CONES = np.array(
     [
@@ -31,15 +28,6 @@ OKLAB = np.array(
         [0.0259040371, 0.7827717662, -0.8086757660],
     ]
 )
-
-
-def rules(drawings: Iterable[str]) -> str:
-    """Style rules that give the colours of drawings their counterparts where the screen is dark."""
-    used = sorted({attribute for text in drawings for attribute in USED.findall(text)})
-    return "\n".join(
-        f'figure [{what}="{colour}"]{{{what}:light-dark({colour},{dark(colour)})}}'
-        for what, colour in used
-    )
 
 
 @lru_cache

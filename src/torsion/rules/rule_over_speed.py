@@ -44,7 +44,7 @@ class Curve:
     status: IntArray  # (speeds,) kernels.tree_response.Status of the worst line
 
     def utilisation(self) -> FloatArray:
-        """(speeds,) value / limit; infinite where the response is not ok or the limit negative, 0 where both are 0."""
+        """Return (speeds,) value / limit; infinite where the response is not ok or the limit negative, 0 where both are 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(self.limit < 0, np.inf, self.value / self.limit)
         share[(self.value == 0) & (self.limit == 0)] = 0.0
@@ -105,7 +105,7 @@ class RuleOverSpeed(Rule[Settings]):
         return f"in continuous use, {in_rpm(self.use.first)} to {in_rpm(self.use.last)}"
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
-        """Yield what the rule judges."""
+        """Yield the values over speed that the rule compares with limits."""
         return iter(())
 
     def compare(
@@ -252,9 +252,8 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
         from torsion.rules.beside_exact_motion import UNPROVEN, unproven, words
 
         notes.append(words(evidence, clause.spans, float(curve.speed[row])))
-        open_speeds = curve.speed[unproven(evidence) & clause.within] if clause.spans.size else ()
-        if len(open_speeds):
-            doubt = UNPROVEN.format(speed=in_rpm(float(open_speeds[0])))
+        if clause.spans.size and np.any(is_open := unproven(evidence) & clause.within):
+            doubt = UNPROVEN.format(speed=in_rpm(float(curve.speed[is_open][0])))
 
     is_known = curve.status[row] == Status.OK and not is_missing[row]
     verdict: Verdict = "fail"
@@ -429,6 +428,6 @@ def rated_speed(study: Study) -> float:
 
 
 def _acts(torque: Torque) -> bool:
-    """A torque by order or at a frequency has an amplitude."""
+    """Return whether a torque by order or at a frequency has an amplitude."""
     of_speed = any(row[1] for row in torque.table)
     return torque.cylinder is not None or of_speed or bool(torque.torque or torque.of_mean)

@@ -1,0 +1,194 @@
+"""Elimination of a tree whose values may be complex: the stiffness that both sides of a span show, and what sources add.
+
+Beside `two_sides`: z/(1 + hc z) in place of 1/(h + 1/z), because quotients of complex zeros and infinities are not
+numbers. Only sums of terms, products and quotients: rigid spans and massless stations need no special case, and every
+value is accurate relative to the data of the springs, however unequal (Demmel and Gragg 1993). What a fixed station
+shows is infinite; the values of its spans are divided by it. Columns are frequencies or roots; floating point exceptions
+are left to the caller's `np.errstate`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.arrays import ComplexArray
+from torsion.kernels.layers import share
+from torsion.kernels.tree import Tree
+
+Values = NDArray[Any]  # real or complex
+Rows = list[Values]
+EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the sweeps need to know of a tree: plain lists, and which stations are moved rather than free to move."""
+
+    parent: list[int]
+    children: tuple[tuple[int, ...], ...]
+    held: list[bool]
+    rigid: list[bool]  # span i has no flexibility
+    prescribed: list[bool]  # fixed, or rigidly joined to such a root
+
+    @property
+    def size(self) -> int:
+        return len(self.parent)
+
+    @property
+    def roots(self) -> list[int]:
+        return [station for station, parent in enumerate(self.parent) if parent < 0]
+
+
+def layout(tree: Tree, compliance: Values) -> Layout:
+    """Return the lists for the sweeps; `compliance` is (stations,) or (stations, columns), rad/(N m).
+
+    Raises ValueError for a fixed station that is neither root nor leaf, and for a rigid span to a fixed leaf.
+    """
+    zero = (compliance == 0).reshape(tree.size, -1)
+    rigid = zero.all(axis=1)
+    if bool((zero.any(axis=1) & ~rigid).any()):
+        raise ValueError(
+            "a span is rigid at some frequencies only; expected rigid at all or at none"
+        )
+    leaf = tree.held & (tree.parent >= 0)
+    if any(tree.children[station] for station in np.flatnonzero(leaf)):
+        raise ValueError(
+            "a fixed station has spans on both sides; expected a root or a leaf (split the tree there)"
+        )
+    if bool((leaf & rigid).any()):
+        raise ValueError(
+            "a rigid span leads to a fixed leaf; expected that fixed station as the root"
+        )
+    prescribed = tree.held.copy()
+    for station in np.flatnonzero(rigid & (tree.parent >= 0)).tolist():
+        prescribed[station] = prescribed[tree.parents[station]]
+    lists = (values.tolist() for values in (tree.held, rigid, prescribed))
+    return Layout(tree.parents, tree.children, *lists)
+
+
+@dataclass(frozen=True)
+class SpanSides:
+    """What both sides of every span show: lists with a row (columns,) a station, which stay in a processor's cache.
+
+    Angle and torque of a station follow from z, f of its branch and zd, e of the rest: (f d + e)/D and
+    (e z - f zd)/D with D = z d + zd. Where the parent is prescribed zd = 1, d = hc and e is the angle of the parent
+    with the twist: all three over the infinite stiffness. A fixed leaf has z = 1, f = 0, D = d for the same reason.
+    """
+
+    compliance: Rows  # hc, rad/(N m)
+    branch: Rows  # z, N m/rad: the station and all beyond it
+    through: Rows  # z/(1 + hc z): the same felt by the parent through the span
+    transfer: Rows  # 1/(1 + hc z): angle of the station over that of its parent, without sources
+    rest: Rows  # zd, N m/rad: all but the branch, at the parent; 0 at a root
+    divisor: Rows  # d = 1 + hc zd; 1 at a root
+    meeting: Rows  # 1/D
+
+
+def eliminate(
+    plan: Layout, station_stiffness: Values, compliance: Values, *, guard: bool = False
+) -> SpanSides:
+    """Return both sides of every span from `station_stiffness` (stations, columns) N m/rad, of each by itself.
+
+    compliance: (stations, 1) or (stations, columns) rad/(N m). `guard` replaces a denominator that is exactly zero (a
+    branch in resonance with its root end fixed, such as a vibration absorber in tune) by eps, which is a relative change
+    of that one flexibility by eps.
+    """
+
+    def one_plus(product: Values) -> Values:
+        product += 1.0
+        if guard:
+            product[product == 0] = EPS
+        return product
+
+    size, kind = plan.size, np.result_type(station_stiffness, compliance)
+    hc, z = list(compliance), [row.astype(kind) for row in station_stiffness]
+    ones_row = np.ones(station_stiffness.shape[1], dtype=kind)
+    through, transfer, divisor, meeting = ([ones_row] * size for _ in range(4))
+    rest = [np.zeros_like(ones_row)] * size
+    for station in range(size - 1, -1, -1):
+        if (parent := plan.parent[station]) >= 0:
+            if plan.held[station]:
+                through[station] = ones_row / hc[station]
+            else:
+                transfer[station] = np.reciprocal(one_plus(hc[station] * z[station]))
+                through[station] = z[station] * transfer[station]
+            z[parent] += through[station]
+
+    for station, children in enumerate(plan.children):
+        if plan.prescribed[station]:
+            for child in children:
+                rest[child], divisor[child] = ones_row, hc[child] * ones_row
+        elif children:
+            share(
+                children,
+                through,
+                rest,
+                station_stiffness[station] + rest[station] / divisor[station],
+            )
+            for child in children:
+                divisor[child] = one_plus(hc[child] * rest[child])
+        if plan.held[station] and plan.parent[station] >= 0:
+            z[station], meeting[station] = ones_row, 1.0 / divisor[station]
+        else:
+            total = z[station] * divisor[station]
+            total += rest[station]
+            meeting[station] = np.reciprocal(total, out=total)
+    return SpanSides(hc, z, through, transfer, rest, divisor, meeting)
+
+
+def forced(
+    plan: Layout, sides: SpanSides, force: Values, twist: Values | None = None
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return angles (rad) and torques of the spans on their stations (N m), both (stations, columns).
+
+    force: N m on every station, (stations, 1) or (stations, columns), 0 on fixed ones. twist: rad, the same of the
+    spans; none: 0.
+    """
+    shape = plan.size, len(sides.meeting[0])
+    z, zd, divisor = sides.branch, sides.rest, sides.divisor
+    f = [np.broadcast_to(row, shape[1:]).astype(np.complex128) for row in force]
+    passed = _add_sources_of_branches(plan, sides, f, twist)
+    e: Rows = [np.zeros(shape[1])] * plan.size
+    angle, torque = np.zeros((2, *shape), dtype=np.complex128)
+    for station, children in enumerate(plan.children):
+        if plan.prescribed[station]:
+            for child in children:
+                e[child] = e[station]
+        elif children:
+            share(children, passed, e, force[station] + e[station] / divisor[station])
+        if twist is not None:
+            for child in children:
+                e[child] = e[child] + zd[child] * twist[child]
+        if plan.held[station]:
+            f[station] = np.zeros_like(e[station])
+        else:
+            np.multiply(f[station], divisor[station], out=angle[station])
+            angle[station] += e[station]
+            angle[station] *= sides.meeting[station]
+        if plan.parent[station] >= 0:
+            np.multiply(e[station], z[station], out=torque[station])
+            torque[station] -= f[station] * zd[station]
+            torque[station] *= sides.meeting[station]
+    return angle, torque
+
+
+def _add_sources_of_branches(
+    plan: Layout, sides: SpanSides, source: Rows, twist: Values | None
+) -> Rows:
+    """Add to the `source` of every station those of its branch, in place; return what each span passes on."""
+    passed: Rows = [np.zeros(len(source[0]))] * plan.size
+    for station in range(plan.size - 1, -1, -1):
+        parent = plan.parent[station]
+        if parent < 0:
+            continue
+        if not plan.held[station]:
+            acting = source[station]
+            if twist is not None:
+                acting = acting - sides.branch[station] * twist[station]
+            passed[station] = acting * sides.transfer[station]
+        elif twist is not None:
+            passed[station] = -twist[station] / sides.compliance[station]
+        source[parent] += passed[station]
+    return passed

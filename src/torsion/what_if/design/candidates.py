@@ -1,0 +1,333 @@
+"""Candidates of a design: of every candidate the objective, whether it meets the constraints, its mass and cost."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from torsion.analyses import VARYING
+from torsion.arrays import BoolArray, FloatArray
+from torsion.columns import NotInColumns, plain
+from torsion.errors import InputError, SolveError
+from torsion.findings import Work
+from torsion.study import Study, Variation
+from torsion.train import Train
+from torsion.what_if.design.design_settings import DesignSettings, Kept
+from torsion.what_if.variants.frequencies import frequencies
+from torsion.what_if.variants.one_by_one import (
+    TO_BE_VERIFIED,
+    Answer,
+    Answers,
+    Key,
+    analyses_of_variant,
+    solved,
+)
+
+FEWEST = 16  # trains of which the frequencies are found at once
+DIGITS = 6  # of the range of a figure, in which its values are chosen
+SAME = 9  # decimals to which two scores are equal
+WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any other
+BROKEN, DOUBTFUL, WITHOUT = (
+    -100.0,
+    -200.0,
+    -1000.0,
+)  # constraint broken; exceeded or not judged; no limit or no answer
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Of some variants, (variants,) each."""
+
+    aim: FloatArray  # smallest margin, or minus |ln(f / aim)|; NaN where there is none
+    score: FloatArray  # the same with penalties: the greater, the better
+    allowed: BoolArray
+    decides: tuple[Key | None, ...]
+    frequency: FloatArray  # Hz, that is aimed at
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One candidate."""
+
+    values: tuple[float, ...]
+    aim: float
+    score: float
+    is_allowed: bool
+    decides: Key | None
+    case: str  # with the aim; empty for the nominal case
+    worst: int  # sample with the aim; 0 is the file's own figures
+    nominal_score: float  # at the file's own figures, and its worst case
+    frequency: float
+    mass: float
+    cost: float
+
+
+@dataclass(frozen=True)
+class Case:
+    """The nominal case, or a case of the file, with all that a candidate puts in before."""
+
+    study: Study
+    work: Work
+    variation: Variation  # of the figures that are chosen
+    sampled: Variation  # and of those of the samples
+
+
+@dataclass
+class Candidates:
+    """All candidates that were tried so far."""
+
+    work: Work
+    settings: DesignSettings
+    variation: Variation
+    modes: int
+    sweep: Variation | None  # whose samples the worst is of
+    samples: FloatArray  # (samples, figures) of `sweep`
+    cases: Mapping[str, Case]  # that are judged, the nominal case first
+    limit: int = 0  # candidates at most
+    tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
+    standing: dict[Key, str] = field(default_factory=dict)
+    faults: dict[str, None] = field(default_factory=dict)
+    unsolved: int = 0
+
+    @property
+    def judged(self) -> bool:
+        """The aim is a margin of checks."""
+        return self.settings.target is None
+
+    @property
+    def best(self) -> list[Tried]:
+        """From the best to the worst; of equals the lightest, or cheapest, first."""
+        against = self.settings.against or "mass"
+
+        def rank(candidate: Tried) -> tuple[float, float]:
+            amount = float(np.nan_to_num(getattr(candidate, against)))
+            return -round(candidate.score, SAME), amount
+
+        return sorted(self.tried.values(), key=rank)
+
+    @cached_property
+    def searched(self) -> dict[str, Case]:
+        """The cases of which the worst counts: a frequency is that of the nominal case, constraints are of all."""
+        has_all = self.judged or self.settings.keeps_modes
+        return {name: case for name, case in self.cases.items() if not name or has_all}
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Return the scores (variants,) of candidates (variants, figures), each tried once: the greater, the better."""
+        figures = self.variation.figures
+        digits = [
+            None if figure.places else DIGITS - int(np.floor(np.log10(figure.law.width)))
+            for figure in figures
+        ]
+        keys = [
+            tuple(
+                value if decimals is None else round(value, decimals)
+                for value, decimals in zip(row, digits, strict=True)
+            )
+            for row in values.tolist()
+        ]
+        new = [key for key in dict.fromkeys(keys) if key not in self.tried]
+        if new:
+            self._try(np.array(new))
+        return np.array([self.tried[key].score for key in keys])
+
+    def _try(self, values: FloatArray) -> None:
+        count, samples, names = len(values), len(self.samples), list(self.searched)
+        rows = np.hstack([np.repeat(values, samples, axis=0), np.tile(self.samples, (count, 1))])
+        amounts = self.amounts(values)
+        judged = list[Judged]()
+        unsolved = set[int]()
+        for name, case in self.searched.items():
+            answers = self._answers(case, rows)
+            of_case = bool(name)
+            judged.append(self.judge(answers, np.repeat(amounts, samples, axis=0), of_case=of_case))
+            unsolved |= {place // samples for place in answers.faults}
+            self.faults |= dict.fromkeys(_of_case(name, why) for why in answers.faults.values())
+            self.standing |= answers.standing
+        self.unsolved += len(unsolved)
+
+        score = np.stack([over_case.score.reshape(count, samples) for over_case in judged], axis=1)
+        worst = score.reshape(count, -1).argmin(axis=1)  # of cases and samples
+        allowed = np.all([over_case.allowed for over_case in judged], axis=0).reshape(
+            count, samples
+        )
+        for k, row in enumerate(values.tolist()):
+            number, sample = divmod(int(worst[k]), samples)
+            place, decisive = k * samples + sample, judged[number]
+            self.tried[tuple(row)] = Tried(
+                tuple(row),
+                float(decisive.aim[place]),
+                float(decisive.score[place]),
+                bool(allowed[k].all()),
+                decisive.decides[place],
+                names[number],
+                sample,
+                float(score[k, :, 0].min()),
+                float(judged[0].frequency[k * samples]),
+                *amounts[k].tolist(),
+            )
+
+    def _answers(self, case: Case, rows: FloatArray) -> Answers:
+        """Return the answers of candidates with samples (variants, figures)."""
+        progress: Callable[[str, float], None] = lambda what, share: self.work.progress(  # noqa: E731
+            f"design, {len(self.tried)} choices tried", min(len(self.tried) / self.limit, 1.0)
+        )
+        work = replace(case.work, progress=progress)
+        if not self.judged:
+            return frequencies(work, case.sampled, rows, self.modes, least=FEWEST)
+        return solved(work, case.sampled, rows, self.modes, judged=True)
+
+    def judge(self, answers: Answers, amounts: FloatArray, *, of_case: bool = False) -> Judged:
+        """Return objectives and constraints of the answers; amounts (variants, 2): mass and cost of each.
+
+        of_case: a frequency that is aimed at is that of the nominal case, and a case may have no limit.
+        """
+        count, target = answers.frequency.shape[1], self.settings.target
+        unsolved = np.isin(np.arange(count), list(answers.faults))
+        decides: tuple[Key | None, ...] = (None,) * count
+        frequency, doubtful = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)
+        if target is None:
+            aim, decides, doubtful = self._margins(answers, count)
+            aim = np.where(of_case & ~unsolved & np.isnan(aim), WIDEST, aim)
+        elif of_case:
+            aim = np.full(count, WIDEST)
+        else:
+            frequency = answers.frequency[target[0].mode - 1]
+            aim = -np.abs(np.log(frequency / target[1]))
+        excesses = [
+            _excess(condition, answers.frequency, amounts) for condition in self.settings.kept
+        ]
+        broken = np.sum([np.zeros(count), *excesses], axis=0)
+        unknown = unsolved | ~np.isfinite(aim) | ~np.isfinite(broken)
+        value = np.where(unknown, 0.0, aim)
+        score = np.where(broken > 0.0, BROKEN - np.minimum(np.nan_to_num(broken), 50.0), value)
+        score = np.where(doubtful, DOUBTFUL + np.minimum(value, 0.0), score)
+        score = np.where(unknown, WITHOUT, score)
+        allowed = ~unknown & ~doubtful & (broken == 0.0) & ((target is not None) | (value >= 0.0))
+        return Judged(np.where(unknown, np.nan, aim), score, allowed, decides, frequency)
+
+    def _margins(
+        self, answers: Answers, count: int
+    ) -> tuple[FloatArray, tuple[Key | None, ...], BoolArray]:
+        """Return the smallest margin, the check that has it, and whether a check without a margin fails."""
+        standing = self.standing | answers.standing
+        doubtful = np.isin(np.arange(count), list(answers.partly))
+        for key, (used, fails) in answers.checks.items():
+            has_margin = (used > 1.0) & np.isfinite(used) & (standing.get(key) != TO_BE_VERIFIED)
+            doubtful |= fails & ~has_margin
+        keys = [key for key in answers.checks if standing.get(key) != TO_BE_VERIFIED]
+        if not keys:
+            return np.full(count, np.nan), (None,) * count, doubtful
+        used = np.stack([answers.checks[key][0] for key in keys])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            margin = np.where(np.isfinite(used), np.minimum(-np.log(used), WIDEST), np.inf)
+        smallest = margin.min(axis=0)
+        is_known = np.isfinite(smallest)
+        decisive = margin.argmin(axis=0)
+        names = tuple(
+            keys[k] if known else None for k, known in zip(decisive, is_known, strict=True)
+        )
+        return np.where(is_known, smallest, np.nan), names, doubtful
+
+    def nominal(self) -> Tried | None:
+        """Return the file without a choice, with its cases; None if it has no answer."""
+        if self.work.solve is None:
+            return None
+        mass, judged = float(shaft_mass(self.work.study.train)), list[Judged]()
+        for name, case in self.cases.items():
+            answers, only = (
+                Answers.unknown(self.modes, 1),
+                analyses_of_variant(case.work, judged=self.judged),
+            )
+            try:
+                findings = self.work.solve(bare(case.study), only=only)
+                answers.keep(0, Answer.of(findings))
+            except (InputError, SolveError):
+                return None
+            if name:
+                case.work.put(**findings.results)
+            self.standing |= answers.standing
+            judged.append(self.judge(answers, np.array([[mass, np.nan]]), of_case=bool(name)))
+        worst = min(judged, key=lambda case: case.score[0])
+        aim, score = float(worst.aim[0]), float(worst.score[0])
+        is_allowed = all(bool(case.allowed[0]) for case in judged)
+        frequency = float(judged[0].frequency[0])
+        return Tried(
+            (), aim, score, is_allowed, worst.decides[0], "", 0, score, frequency, mass, np.nan
+        )
+
+    def amounts(self, values: FloatArray) -> FloatArray:
+        """Return mass (kg) and cost (variants, 2) of candidates (variants, figures); NaN if not requested."""
+        requested = {self.settings.against, *(kept.subject.name for kept in self.settings.kept)}
+        amounts = np.full((len(values), 2), np.nan)
+        for column, name in enumerate(("mass", "cost")):
+            if name in requested:
+                amounts[:, column] = sum(
+                    (
+                        np.array([row.said.get(name, 0.0) for row in figure.rows])[
+                            chosen.astype(np.intp)
+                        ]
+                        for figure, chosen in zip(self.variation.figures, values.T, strict=True)
+                        if figure.rows
+                    ),
+                    np.zeros(len(values)),
+                )
+        if "mass" in requested:
+            amounts[:, 0] += self._shaft_masses(values)
+        return amounts
+
+    def _shaft_masses(self, values: FloatArray) -> FloatArray:
+        try:
+            mass = plain(shaft_mass(self.variation.in_columns(values)))
+            return np.asarray(mass + np.zeros(len(values)))
+        except NotInColumns:
+            return np.array([self._mass_of_shafts(row) for row in values.tolist()])
+
+    def _mass_of_shafts(self, row: Sequence[float]) -> float:
+        try:
+            return float(shaft_mass(self.variation.study(row).train))
+        except InputError:
+            return np.nan
+
+
+def _of_case(name: str, why: str) -> str:
+    """Return a fault with the case that it is of."""
+    return f"case '{name}': {why}" if name and not why.startswith(f"case '{name}'") else why
+
+
+def bare(study: Study) -> Study:
+    """Return the study without what varies figures, and without its cases."""
+    analyses = {name: one for name, one in study.analyses.items() if name not in VARYING}
+    return replace(study, analyses=analyses, variations={}, cases={})
+
+
+def shaft_mass(train: Train) -> float:
+    """Return the mass of all shafts with a density, by their dimensions, kg; NaN if a section is no circle.
+
+    A frustum has a third of length times the sum of both end areas and their geometric mean. A train in columns has a
+    column of masses.
+    """
+    if any(bar.section is not None for bar in train.bars):
+        return float("nan")
+    return sum(
+        bar.density * bar.length * (_mean_area(bar.outer) - _mean_area(bar.bore))
+        for bar in train.bars
+    )
+
+
+def _mean_area(ends: tuple[float, float]) -> float:
+    return float(np.pi / 12.0) * (ends[0] ** 2 + ends[0] * ends[1] + ends[1] ** 2)
+
+
+def _excess(condition: Kept, frequency: FloatArray, amounts: FloatArray) -> FloatArray:
+    """Return by how much a constraint is exceeded (variants,), as a logarithm; 0 if it is met, NaN if unknown."""
+    subject = condition.subject
+    value = frequency[subject.mode - 1] if subject.mode else amounts[:, int(subject.name == "cost")]
+    with np.errstate(divide="ignore"):
+        above = np.log(condition.high) - np.log(value)
+        below = np.where(np.isnan(value), np.nan, np.inf)
+        if condition.low:
+            below = np.log(value) - np.log(condition.low)
+    if condition.is_outside:
+        return np.asarray(np.maximum(np.minimum(below, above), 0.0))
+    return np.asarray(np.maximum(np.maximum(-below, -above), 0.0))
