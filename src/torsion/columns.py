@@ -19,21 +19,21 @@ class NotInColumns(Exception):
 
 
 def _operation(apply: Callable[[Any, Any], Any], *, reflected: bool = False) -> Any:
-    def method(column: "Column", other: object) -> Any:
-        if not isinstance(other, int | float | complex | Fraction | Column):
+    def method(column: "Column", operand: object) -> Any:
+        if not isinstance(operand, int | float | complex | Fraction | Column):
             return NotImplemented
-        left, right = column.values, plain(other)
+        left, right = column.values, plain(operand)
         return Column(apply(right, left) if reflected else apply(left, right))
 
     return method
 
 
 def _comparison(compare: Callable[[Any, Any], Any]) -> Any:
-    def method(column: "Column", other: object) -> Any:
-        if not isinstance(other, int | float | complex | Fraction | Column):
+    def method(column: "Column", operand: object) -> Any:
+        if not isinstance(operand, int | float | complex | Fraction | Column):
             return NotImplemented
         # The imaginary part is the step of a slope, no number of the file.
-        return _common_answer(compare(np.real(column.values), np.real(plain(other))))
+        return _common_answer(compare(np.real(column.values), np.real(plain(operand))))
 
     return method
 
@@ -124,7 +124,7 @@ def picker(value: Any) -> Picker | None:
         inner = {key: pick for key, item in value.items() if (pick := picker(item))}
         return (lambda variant: {**value, **_picked(inner, variant)}) if inner else None
     if isinstance(value, tuple):
-        places = {place: pick for place, item in enumerate(value) if (pick := picker(item))}
+        places = {position: pick for position, item in enumerate(value) if (pick := picker(item))}
         make = getattr(type(value), "_make", tuple)
         return (lambda variant: make(_replaced(value, places, variant))) if places else None
     if isinstance(value, type):
@@ -139,7 +139,8 @@ def _picked(pickers: Mapping[Any, Picker], variant: int) -> dict[Any, Any]:
 
 def _replaced(values: tuple[Any, ...], pickers: Mapping[int, Picker], variant: int) -> list[Any]:
     return [
-        pickers[place](variant) if place in pickers else value for place, value in enumerate(values)
+        pickers[position](variant) if position in pickers else value
+        for position, value in enumerate(values)
     ]
 
 

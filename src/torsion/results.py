@@ -79,12 +79,26 @@ class Derived(cached_property[Value]):
 
 
 def result(
-    unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any
+    unit: str,
+    axes: Axes | str,
+    meaning: str = "",
+    *,
+    default: Any = dataclasses.MISSING,
+    **traits: Any,
 ) -> Any:
-    """Declare a field of a result: its unit, what the axes of its array run over, its meaning; `traits` as of Quantity."""
-    return dataclasses.field(
-        default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)}
-    )
+    """Declare a field of a result: its unit, what the axes of its array run over, its meaning; `traits` as of Quantity.
+
+    A single value has no axes: its meaning follows the unit.
+    """
+    declared = _declared(unit, axes, meaning, traits)
+    return dataclasses.field(default=default, metadata={"declared": declared})
+
+
+def _declared(unit: str, axes: Axes | str, meaning: str, traits: Mapping[str, Any]) -> Quantity:
+    """Return the quantity of a unit, axes, which may be left out, and a meaning."""
+    if isinstance(axes, str):
+        return Quantity(unit, (), axes, **traits)
+    return Quantity(unit, axes, meaning, **traits)
 
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
@@ -97,13 +111,13 @@ def reported(kind: type[Value]) -> type[Value]:
 
 
 def derived(
-    unit: str, axes: Axes, meaning: str, **traits: Any
+    unit: str, axes: Axes | str, meaning: str = "", **traits: Any
 ) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
     """Declare a property of a result that is an output too, as a field is."""
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
         made = Derived(function)
-        made.declared = Quantity(unit, axes, meaning, **traits)
+        made.declared = _declared(unit, axes, meaning, traits)
         return made
 
     return declare

@@ -288,10 +288,6 @@ class Variation(Protocol):
     def behind(self, other: Any) -> "Variation":
         """Return both as one: the figures of the other first, and these about what those put in the file."""
 
-    @property
-    def ahead(self) -> "Variation":
-        """Without the figures that are about what others put in the file; those are the last."""
-
 
 @dataclass(frozen=True, repr=False)
 class Study(Displayed, StudyActions):

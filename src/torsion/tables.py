@@ -97,7 +97,7 @@ class Table:
     (';', ['0.5', '1.25'])
     """
 
-    def __init__(self, text: str, most: int = MOST_ROWS) -> None:
+    def __init__(self, text: str, most_rows: int = MOST_ROWS) -> None:
         self.faults: list[Fault] = []
         self.has_commas = False  # no comma parts the cells, so that it may be a decimal sign
         self._has_points = False  # some number has a decimal point
@@ -108,8 +108,8 @@ class Table:
         for row in self._rows(text, stated.end() if stated else 0):
             if any(map(itemgetter(0), row)):
                 self.rows.append(row)
-            if len(self.rows) > most:
-                self.fault(Cell("", 1, 1), f"the table has more than {most} rows")
+            if len(self.rows) > most_rows:
+                self.fault(Cell("", 1, 1), f"the table has more than {most_rows} rows")
                 break
 
     def fault(self, cell: Cell, message: str, hint: str = "") -> None:
@@ -139,29 +139,35 @@ class Table:
 
     def _quoted_row(self, text: str, start: int, line: int) -> tuple[list[Cell], int, int]:
         """A row of which cells stand in quotes, where the row behind it begins, and the line in which it ends."""
-        row, place = list[Cell](), start
+        row, position = list[Cell](), start
         while True:
-            at = line, place - start + 1
-            quoted = _QUOTED.match(text, place)
+            beginning = line, position - start + 1
+            quoted = _QUOTED.match(text, position)
             if quoted:
-                row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *at))
-                for ending in _BREAK.finditer(text, place, quoted.end()):
+                row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *beginning))
+                for ending in _BREAK.finditer(text, position, quoted.end()):
                     line, start = line + 1, ending.end()
-                place = quoted.end()
-            words = self._plain.match(text, place)
-            rest = words[0] if words else ""
-            place += len(rest)
-            if quoted and rest:
+                position = quoted.end()
+            words = self._plain.match(text, position)
+            following = words[0] if words else ""
+            position += len(following)
+            if quoted and following:
                 hint = "quotes within a cell are doubled"
-                self.fault(Cell("", *at), "text follows the closing quote", hint)
+                self.fault(Cell("", *beginning), "text follows the closing quote", hint)
             elif not quoted:
-                if rest.lstrip().startswith('"'):
-                    self.fault(Cell("", *at), "this quote is not closed")
-                row.append(Cell(rest.strip(), at[0], at[1] + len(rest) - len(rest.lstrip())))
-            if text[place : place + 1] != self.separator:
-                behind = _BREAK.match(text, place)
+                if following.lstrip().startswith('"'):
+                    self.fault(Cell("", *beginning), "this quote is not closed")
+                row.append(
+                    Cell(
+                        following.strip(),
+                        beginning[0],
+                        beginning[1] + len(following) - len(following.lstrip()),
+                    )
+                )
+            if text[position : position + 1] != self.separator:
+                behind = _BREAK.match(text, position)
                 return row, behind.end() if behind else len(text) + 1, line
-            place += 1
+            position += 1
 
     def plain(self, text: str) -> str:
         """A number with a decimal point for its decimal comma; of a list in brackets every number."""
@@ -193,8 +199,8 @@ class Table:
         self._has_points = bool(points)
         if commas and points:
             rarer, usual = sorted((points, commas), key=len)
-            (cell, figure), (other, sign) = rarer[0], usual[0]
-            message = f"`{figure}` here, and `{sign}` in line {other.line}: two decimal signs in one table"
+            (cell, figure), (opposite, sign) = rarer[0], usual[0]
+            message = f"`{figure}` here, and `{sign}` in line {opposite.line}: two decimal signs in one table"
             hint = "write all numbers with one of them, and no marks between thousands"
             self.fault(cell, message, hint)
         elif marked and all(_THOUSANDS.fullmatch(figure) for _, figure in marked):

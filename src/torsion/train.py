@@ -133,7 +133,9 @@ class Train(Displayed):
     def has_fillets(self) -> bool:
         """A step between shafts is a fillet of a stated radius, or a shaft has notches."""
         records = [p.shaft for p in self.parts if p.shaft is not None]
-        return any(one.notches or (one.step is not None and one.step.round) for one in records)
+        return any(
+            record.notches or (record.step is not None and record.step.round) for record in records
+        )
 
     @property
     def damping_of_components(self) -> str:
@@ -176,18 +178,18 @@ class Train(Displayed):
 
     @cached_property
     def sectioned(self) -> dict[str, list[Bar]]:
-        """Of every shaft from a table of its sections these, by its name."""
-        found: dict[str, list[Bar]] = {}
+        """The sections of every shaft from a table of sections, by the name of the shaft."""
+        bars: dict[str, list[Bar]] = {}
         for bar in self.bars:
             if (part := self.parts[bar.part]).whole != part.name:
-                found.setdefault(part.whole, []).append(bar)
-        return found
+                bars.setdefault(part.whole, []).append(bar)
+        return bars
 
     def shaft(self, bar: Bar) -> ShaftRecord:
         """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
-        if (found := self.parts[bar.part].shaft) is None:
+        if (record := self.parts[bar.part].shaft) is None:
             raise LookupError(bar.name)
-        return found
+        return record
 
 
 def train(
@@ -204,12 +206,12 @@ def train(
     steps: of the shafts that say no `step`, taken as springs when the train is assembled. Raises InputError with every
     fault of the train as a whole.
     """
-    found, faults = lowered(
+    lowered_train, faults = lowered(
         components, excitations=excitations, links=links, materials=materials, reference=reference
     )
-    if found is None or faults:
+    if lowered_train is None or faults:
         raise InputError(faults)
-    return replace(found, steps=steps)
+    return replace(lowered_train, steps=steps)
 
 
 def lowered(
@@ -248,16 +250,20 @@ def lowered(
 def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
     """Lower an excitation at a point, or at the mesh of a gear."""
     made = (
-        one for one in build.primitives if isinstance(one, Constraint) and one.name == excitation.at
+        constraint
+        for constraint in build.primitives
+        if isinstance(constraint, Constraint) and constraint.name == excitation.at
     )
-    mesh = next((one for one in made if build.parts[one.part].kind == "gear"), None)
+    mesh = next(
+        (constraint for constraint in made if build.parts[constraint.part].kind == "gear"), None
+    )
     if mesh is not None:
         from torsion.model.mesh_excitation import mesh_torque
 
-        if isinstance(found := mesh_torque(excitation, mesh, path), Fault):
-            build.faults.append(found)
+        if isinstance(excitation_torque := mesh_torque(excitation, mesh, path), Fault):
+            build.faults.append(excitation_torque)
         else:
-            build.add(found)
+            build.add(excitation_torque)
         return
     if (point := _named(build, excitation.at, (*path, "at"))) is None:
         return
@@ -273,7 +279,7 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
 def _train(build: Lowering, unit: Fraction) -> Train:
     """The train with its speeds counted from one that is `unit` of the first."""
 
-    def of(kind: type) -> tuple:  # type: ignore[type-arg]
+    def select(kind: type) -> tuple:  # type: ignore[type-arg]
         return tuple(p for p in build.primitives if isinstance(p, kind))
 
     referred = [
@@ -285,29 +291,29 @@ def _train(build: Lowering, unit: Fraction) -> Train:
             for p, to in zip(build.parts, referred, strict=True)
         ),
         tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
-        of(Inertia),
-        of(Spring),
-        of(Bar),
-        of(Constraint),
-        of(Damper),
-        of(Torque),
+        select(Inertia),
+        select(Spring),
+        select(Bar),
+        select(Constraint),
+        select(Damper),
+        select(Torque),
         build.materials,
     )
 
 
 def name_fault(
-    name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, point: bool = True
+    name: str, path: Path, kinds: Mapping[str, tuple[str, bool]], *, point: bool = True
 ) -> Fault | None:
     """The fault of a name that is none of the known components', or that of no point where one is needed.
 
     known: of every component its kind, and whether it is a point.
     """
-    names = [own for own, (_, is_point) in known.items() if is_point or not point]
+    names = [known_name for known_name, (_, is_point) in kinds.items() if is_point or not point]
     if name in names:
         return None
     listed = f"points: {', '.join(names)}" if point else "the name of a component"
-    if name in known:
-        kind = known[name][0]
+    if name in kinds:
+        kind = kinds[name][0]
         return Fault(path, f"'{name}' is a{'n' * (kind[0] in 'aeiou')} {kind}, not a point", listed)
     near = nearest(name, names)
     return Fault(
@@ -337,21 +343,21 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
     )
     if first is None or second is None:
         return
-    both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
+    both, ends_path = f"'{first.name}' and '{second.name}'", (*path, "between")
     senses = {build.stations[part.stations[0]].sense for part in (first, second)}
     if any("differential" in part.path for part in (first, second)):
         hint = "write the train without `differential`, both halves one by one"
-        build.faults.append(Fault(place, "a half of a differential takes no link", hint))
+        build.faults.append(Fault(ends_path, "a half of a differential takes no link", hint))
     elif first.stations == second.stations:
         build.faults.append(
-            Fault(place, f"{both} are one point", "a link joins two different points")
+            Fault(ends_path, f"{both} are one point", "a link joins two different points")
         )
     elif first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"
-        build.faults.append(Fault(place, f"{both} do not turn together", hint))
+        build.faults.append(Fault(ends_path, f"{both} do not turn together", hint))
     elif first.referred_to != second.referred_to:
         message = f"{both} are not referred to one speed, and so the link's figures to neither"
-        build.faults.append(Fault(place, message, "refer both (gear: referred), or neither"))
+        build.faults.append(Fault(ends_path, message, "refer both (gear: referred), or neither"))
     else:
         _join(build, first, second, link.component, path)
 
@@ -384,15 +390,17 @@ def _names(build: Lowering) -> None:
         seen.setdefault(part.name, part.path)
 
 
-def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
+def taken(name: str, path: Path, taken_by: Path, *, given: bool = True) -> Fault:
     """The fault of a name, given or automatic, that another component has; paths are those of the components."""
     if given:
-        return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
+        return Fault(
+            (*path, "name"), f"the name '{name}' is taken", "names are unique", other=taken_by
+        )
     return Fault(
         path,
         f"its name would be '{name}', which is taken",
         "give one of the two another `name`",
-        other=by,
+        other=taken_by,
     )
 
 
@@ -423,10 +431,10 @@ def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[
             if neighbour not in way:
                 way[neighbour] = [*way[reached], span]
                 met.append(neighbour)
-    before = [other for other in met if other in held and other < station]
+    before = [neighbour for neighbour in met if neighbour in held and neighbour < station]
     if not before:
         return
-    part, earlier = (train.parts[train.stations[one].part] for one in (station, before[0]))
+    part, earlier = (train.parts[train.stations[fixed].part] for fixed in (station, before[0]))
     uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
     hint = "put a stiffness between them, or fix one of them only"
     if uneven:

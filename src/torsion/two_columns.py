@@ -74,9 +74,9 @@ def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], 
     for fault in table.faults:
         raise ValueError(f"'{file}', line {fault.line}: {fault.message}", fault.hint)
     rows = [_row(file, row, factors, columns, table) for row in table.rows[1:]]
-    for place in range(1, 0 if columns.is_loop else len(rows)):
-        if rows[place][0] <= rows[place - 1][0]:
-            first, line = columns.names[0], table.rows[place + 1][0].line
+    for number in range(1, 0 if columns.is_loop else len(rows)):
+        if rows[number][0] <= rows[number - 1][0]:
+            first, line = columns.names[0], table.rows[number + 1][0].line
             message = f"'{file}', line {line}: the {first} does not rise"
             raise ValueError(message, f"{first}s ascend")
     return tuple(rows)

@@ -186,8 +186,8 @@ def _parts(text: str) -> tuple[Fraction, str]:
     """The number in front and the unit behind it in one spelling (empty if there is none)."""
     spelled = text.strip()[: _LONGEST + 1].translate(_SIGNS)
     spelled = _RAISED.sub(lambda raised: "**" + raised[0].translate(_SUPERSCRIPTS), spelled)
-    found = _NUMBER.match(spelled)
-    if not found:
+    number = _NUMBER.match(spelled)
+    if not number:
         if spelled.lstrip("+-.").casefold() in {"nan", "inf", "infinity"}:
             raise UnitFault(f"{_quoted(text)} is not a finite number")
         raise UnitFault(
@@ -195,26 +195,26 @@ def _parts(text: str) -> tuple[Fraction, str]:
         )
     if len(spelled) > _LONGEST:
         raise UnitFault(f"{_quoted(text)} is too long for a quantity")
-    written = spelled[found.end() :].strip()
+    written = spelled[number.end() :].strip()
     _refuse_slips(spelled, text)
     if re.match(r",\s*[0-9]", written):
         raise UnitFault(
             f"{_quoted(text)} has a comma in its number",
             "write a decimal point, and no mark between thousands",
         )
-    if found[1] and len(found[1].lstrip("+-0")) > 3:
+    if number[1] and len(number[1].lstrip("+-0")) > 3:
         raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
-    return Fraction(found[0].replace("_", "")), "1" + written if written.startswith(
+    return Fraction(number[0].replace("_", "")), "1" + written if written.startswith(
         "/"
     ) else written
 
 
 def _refuse_slips(spelled: str, text: str) -> None:
     """Raise UnitFault for marks between thousands, and for a date that a spreadsheet made of a number."""
-    if found := _MARKED.match(spelled):
-        right = f"write {re.sub(r'[^-+0-9]', '', found[1])}{found[3]}"
+    if mark := _MARKED.match(spelled):
+        right = f"write {re.sub(r'[^-+0-9]', '', mark[1])}{mark[3]}"
         raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
     if _DATE.fullmatch(spelled):
         hint = (
@@ -265,35 +265,36 @@ def _container(written: str) -> "UnitsContainer":
 def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
-    found, expected, dimension = (
+    container, expected, dimension = (
         _container(written),
         _container(unit),
         _registry().get_dimensionality,
     )
-    if unit == "rad/s" and found == _container("1/min"):
-        found = _container("rpm")
-    if dimension(found) != dimension(expected):
-        said = f"is {_kinds().get(dimension(found), f'in {written}')}"
+    if unit == "rad/s" and container == _container("1/min"):
+        container = _container("rpm")
+    if dimension(container) != dimension(expected):
+        measured = f"is {_kinds().get(dimension(container), f'in {written}')}"
         raise UnitFault(
-            f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit)
+            f"{_quoted(text)} {measured}, {_expected(unit)} is expected",
+            _remedy(text, container, unit),
         )
-    if unit == "K" and found in (_container("degC"), _container("degF")):
+    if unit == "K" and container in (_container("degC"), _container("degF")):
         raise UnitFault(
             f"{_quoted(text)} is a temperature, {_expected(unit)} is expected",
-            _remedy(text, found, unit),
+            _remedy(text, container, unit),
         )
     try:
-        return Fraction(_registry().convert(amount, found, expected))
+        return Fraction(_registry().convert(amount, container, expected))
     except PintError:
         raise UnitFault(
             f"{_quoted(text)} mixes a temperature scale with other units", "write K"
         ) from None
 
 
-def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:
+def _remedy(text: str, container: "UnitsContainer", unit: str) -> str:
     """What to write instead: the same with or without '/rad' if that is all that is wrong."""
     dimension = _registry().get_dimensionality
-    missing = dimension(_container(unit) / found)
+    missing = dimension(_container(unit) / container)
     written = " ".join(text.split())
     if unit.endswith("/rad") and missing == dimension(_container("1/rad")):
         return f"try '{written}/rad'"
@@ -330,9 +331,9 @@ def _similar(name: str) -> str:
 def _powers(written: str) -> Counter[str]:
     """The names in a product of units with their powers: 'kNm/rad' is kN 1, m 1, rad -1; raises UnitFault."""
     tokens, end = [], 0
-    while found := _TOKEN.match(written, end):
-        tokens.append(found[1])
-        end = found.end()
+    while token := _TOKEN.match(written, end):
+        tokens.append(token[1])
+        end = token.end()
     tokens.reverse()  # the next one is the last
     powers = _product(tokens, written)
     if tokens or end < len(written):

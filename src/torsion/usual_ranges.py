@@ -5,14 +5,12 @@ A range is wider than all that is built. A quantity names its row; one that name
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 from torsion import units
 
-WIDEST = 3.0  # m; the shafts of the largest water turbines
-SMALLEST, LARGEST = (
-    1e-60,
-    1e60,
-)  # in SI, of any number but 0: squares and cubes of these are numbers too
+# In SI, of any number but 0: squares and cubes of these are numbers too.
+SMALLEST, LARGEST = 1e-60, 1e60
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class UsualRange:
     above: str = ""
 
     def holds(self, number: float) -> bool:
-        """The number (SI) is usual."""
+        """Return whether a number (SI) is usual."""
         return number == 0 or self.low <= self._size(number) <= self.high
 
     def likely(self, number: float, unit: str) -> str:
@@ -61,91 +59,17 @@ class UsualRange:
         return abs(number) if self.low > 0.0 else number
 
 
-_MODULI = ("GPa", "MPa", "kPa", "Pa")
-_DENSITIES = ("g/cm**3", "kg/mm**3", "t/mm**3", "g/m**3")
+def _read_table() -> dict[str, UsualRange]:
+    """Read usual_ranges.txt: a row by the SI unit that it holds for, or by the name that a quantity gives."""
+    ranges = {}
+    for line in Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            name, low, high, *words = (cell.strip() for cell in line.split("|"))
+            slip, below, above = (*words, "", "", "")[:3]
+            ends = float(low or -math.inf), float(high or math.inf)
+            ranges[name] = UsualRange(*ends, tuple(slip.split()), below, above)
+    return ranges
 
-USUAL = {
-    # By unit: of a quantity without a row of its own.
-    "1": UsualRange(1e-12, 1e12),
-    "rad": UsualRange(1e-9, 1e3),
-    "rad/s": UsualRange(1e-6, 1e9),
-    "rad/s**2": UsualRange(1e-9, 1e12),
-    "Hz": UsualRange(1e-6, 1e7, ("Hz", "kHz")),
-    "s": UsualRange(1e-18, 1e5, ("s", "ms")),
-    "K": UsualRange(1e-6, 1e6),
-    "degC": UsualRange(-60.0, 250.0),
-    "N*m/rad": UsualRange(1e-3, 1e18, below="a flexibility"),
-    "rad/(N*m)": UsualRange(1e-18, 1e3, above="a stiffness"),
-    "N*m*s/rad": UsualRange(1e-12, 1e12),
-    "kg*m**2": UsualRange(1e-11, 1e10, ("kg*mm**2", "kg*cm**2")),
-    "kg": UsualRange(1e-9, 1e9, ("g",)),
-    "N*m": UsualRange(1e-30, 1e10),
-    "W": UsualRange(1e-6, 5e9, ("kW", "W")),
-    "m": UsualRange(1e-7, 20e3, ("m", "mm")),
-    "m**2": UsualRange(1e-12, 1e4, ("mm**2",)),
-    "m**3": UsualRange(1e-15, 1e6, ("mm**3",)),
-    "m/s": UsualRange(1e-6, 1e4, ("mm/s",)),
-    "m**2/s": UsualRange(1e-4, 10.0, ("cSt", "St")),
-    "N/m": UsualRange(1e-9, 1e15, ("N/mm",)),
-    "N*s/m": UsualRange(1e-6, 1e12, ("N*s/mm",)),
-    "Pa": UsualRange(1e-3, 1e13, _MODULI),
-    "rating": UsualRange(1e-9, 1e10, ("kN*m",)),
-    # Lengths
-    "length of a shaft": UsualRange(1e-6, 20e3, ("m", "mm")),
-    "diameter of a shaft": UsualRange(1e-5, WIDEST, ("mm", "m")),
-    "detail of a shaft": UsualRange(1e-6, 1.0, ("mm",)),
-    "length of a detail": UsualRange(1e-6, 20.0, ("m", "mm")),
-    "size of a gear": UsualRange(1e-5, 10.0, ("mm",)),
-    "module": UsualRange(1e-6, 0.2, ("mm",)),
-    "error of a gear": UsualRange(1e-10, 2e-3, ("um",)),
-    "size of an engine": UsualRange(1e-4, 10.0, ("mm",)),
-    "offset of a crank": UsualRange(-1.0, 1.0, ("mm",)),
-    "piston rod": UsualRange(1e-4, 1.0, ("mm",)),
-    "length of a pendulum": UsualRange(1e-5, WIDEST, ("mm",)),
-    "distance of bearings": UsualRange(1e-4, 100.0, ("mm",)),
-    "diameter of a propeller": UsualRange(1e-3, 400.0, ("mm",)),
-    "thickness of ice": UsualRange(1e-3, 10.0, ("mm", "cm")),
-    # Angles
-    "clearance": UsualRange(1e-8, 2.0 * math.tau),
-    "crank angle of an event": UsualRange(math.radians(0.5), 2.0 * math.tau, ("deg",)),
-    # Materials
-    "modulus": UsualRange(1e9, 1e12, _MODULI),
-    "strength": UsualRange(1e6, 1e10, _MODULI),
-    "density": UsualRange(500.0, 25e3, _DENSITIES),
-    # Stresses and pressures
-    "pressure of a gas": UsualRange(5e3, 5e8, ("bar", "MPa")),
-    "pressure of a fit": UsualRange(1e6, 1e9, ("MPa", "kPa")),
-    "permissible stress": UsualRange(1e5, 1e9, ("MPa", "kPa")),
-    "stress": UsualRange(1.0, 1e9, ("MPa", "kPa")),
-    # Temperatures
-    "temperature of silicone": UsualRange(0.0, 150.0),
-    "rise of temperature": UsualRange(1e-3, 200.0, above="a temperature"),
-    # Shares and factors
-    "psi": UsualRange(-math.inf, 4.0 * math.pi, ("%",)),
-    "loss factor": UsualRange(-math.inf, 2.0, ("%",)),
-    "magnifier": UsualRange(0.5, below="a loss factor"),
-    "damping ratio": UsualRange(-math.inf, 0.2, ("%",)),
-    "tolerance": UsualRange(-math.inf, 1.0, ("%",)),
-    "exponent of a load": UsualRange(-1.0, 4.0),
-    "deviation of a law": UsualRange(-math.inf, 0.6, ("%",)),
-    "deviation of a measurement": UsualRange(-math.inf, 0.5, ("%",)),
-    "share of a value": UsualRange(0.005, 50.0, ("%",)),
-    "factor of a case": UsualRange(0.01, 50.0, ("%",)),
-    "share of the mean torque": UsualRange(-math.inf, 5.0, ("%",)),
-    "factor of a stiffness": UsualRange(0.05, 3.0, ("%",)),
-    "application factor": UsualRange(-math.inf, 10.0, ("%",)),
-    "ratio of a propeller": UsualRange(1e-6, 5.0, ("%",)),
-    "efficiency": UsualRange(0.5, 1.0, ("%",)),
-    "share of a cylinder": UsualRange(0.5, 1.5, ("%",)),
-    "compression ratio": UsualRange(3.0, 40.0),
-    "ratio of heats": UsualRange(1.2, 1.67),
-    "shape of a heat release": UsualRange(0.1, 5.0),
-    "friction": UsualRange(0.05, 0.4, ("%",)),
-    "safety": UsualRange(-math.inf, 5.0),
-    "fluctuation": UsualRange(-math.inf, 2.0, above="degrees"),
-    "limit of tooth separation": UsualRange(-math.inf, 5.0, ("%",)),
-    "coefficient of a short circuit": UsualRange(1e-6, 100.0, ("%",)),
-    # Of whole shafts
-    "length over diameter": UsualRange(1e-5, 5e4),
-    "entrained water over inertia": UsualRange(1e-6, 5.0),
-}
+
+USUAL = _read_table()
+WIDEST = USUAL["diameter of a shaft"].high  # m; the shafts of the largest water turbines

@@ -8,13 +8,13 @@ import pytest
 
 import torsion
 from torsion.analyses.modes.coupling_tables import CouplingTables
+from torsion.analyses.response.component_loads import heat
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.tabled_spans import taken_at
 from torsion.errors import InputError, SolveError
 from torsion.kernels.stiffness_table import StiffnessTable
-from torsion.rules.coupling_maker import heat
 from torsion.study import Study
 
 HERTZ = 2.0 * math.pi

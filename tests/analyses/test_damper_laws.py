@@ -10,11 +10,11 @@ import pytest
 import torsion
 from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.modes.damper_optimum import Dampers
+from torsion.analyses.response.component_loads import heat
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 from torsion.model.silicone import Silicone
-from torsion.rules.coupling_maker import heat
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 

@@ -8,9 +8,9 @@ import pytest
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.response.component_loads import heat
 from torsion.assembly import assemble
 from torsion.errors import InputError
-from torsion.rules.coupling_maker import heat
 from torsion.study import Study
 
 RPM = math.pi / 30.0

@@ -14,11 +14,11 @@ from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.response.component_loads import heat
 from torsion.analyses.response.pendulums import Pendulums, deflections, effective_inertia
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.model.lowering import PendulumRecord
-from torsion.rules.coupling_maker import heat
 from torsion.study import Study
 
 RPM = math.pi / 30.0

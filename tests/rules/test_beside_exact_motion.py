@@ -12,10 +12,10 @@ from torsion import rules
 from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.analyses.motion.raised_synthesis import raised_synthesis
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import heat
 from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters.component_loads import couplings
-from torsion.rules.coupling_maker import heat
 from torsion.rules.verdict_line import Check, Checks
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "toothed_coupling.yaml"

@@ -19,7 +19,7 @@ from torsion.schema.aliases import aliases_of
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import declarations, pages
 from torsion.schema.scene_reader import parse
-from torsion.schema.setting_examples import SETTINGS
+from torsion.schema.setting_texts import setting_examples
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -160,7 +160,7 @@ def test_every_kind_has_examples_that_are_valid_and_defaults_are_said(validator)
             scene = {"name": "x", "train": [{"disc": {"inertia": 1}}], "analyses": {name: body}}
             assert [error.message for error in validator.iter_errors(scene)] == []
             assert settings_classes()[name].model_validate(
-                parse_source(SETTINGS[name], "f").data[name]
+                parse_source(setting_examples()[name], "f").data[name]
             )
     for name in RULES:
         for body in rules[name]["examples"]:

@@ -182,8 +182,8 @@ def test_every_path_has_the_place_of_its_value_and_of_its_key(
     path: Any, value: Any, key: Any
 ) -> None:
     read = parse_source(SCENE, "f")
-    assert read.place(path) == value
-    assert read.place(path, key=True) == key
+    assert read.find(path)[1] == value
+    assert read.find(path, key=True)[1] == key
 
 
 @pytest.mark.parametrize(
@@ -199,8 +199,8 @@ def test_every_path_has_the_place_of_its_value_and_of_its_key(
 )
 def test_what_is_missing_has_the_place_of_the_nearest_parent(path: Any, parent: Any) -> None:
     read = parse_source(SCENE, "f")
-    assert read.place(path) == read.place(parent)
-    assert read.place(path, key=True) == read.place(parent, key=True)
+    assert read.find(path)[1] == read.find(parent)[1]
+    assert read.find(path, key=True)[1] == read.find(parent, key=True)[1]
 
 
 @pytest.mark.usefixtures("parser")
@@ -220,7 +220,7 @@ def test_what_is_missing_has_the_place_of_the_nearest_parent(path: Any, parent: 
     ],
 )
 def test_columns_count_characters(text: str, path: Any, place: Any) -> None:
-    assert parse_source(text, "f").place(path) == place
+    assert parse_source(text, "f").find(path)[1] == place
 
 
 @pytest.mark.usefixtures("parser")
@@ -344,7 +344,7 @@ def test_a_byte_order_mark_at_the_beginning_is_no_part_of_the_text(tmp_path: Pat
     path.write_bytes("a: 1".encode("utf-8-sig"))
     source = read_source(path)
     assert source.data == {"a": 1}
-    assert source.place(("a",)) == (1, 4)
+    assert source.find(("a",))[1] == (1, 4)
 
 
 @pytest.mark.parametrize(
@@ -453,7 +453,7 @@ def test_any_text_is_data_with_places_or_an_input_error(text: str) -> None:
 
 
 def _walk(read: Source, value: Any, path: tuple[str | int, ...]) -> None:
-    line, column = read.place(path)
+    line, column = read.find(path)[1]
     assert 1 <= line <= len(read.lines)
     assert 1 <= column <= len(read.lines[line - 1]) + 1
     for step, part in (

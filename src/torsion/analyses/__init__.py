@@ -270,6 +270,15 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),
     ),
+    "component loads": Analysis(
+        "loads of gear meshes and couplings",
+        "torsion.analyses.response.component_loads",
+        needs=("response", "nonlinear peaks"),
+        results={"component_loads": "ComponentLoads"},
+        wanted=always,
+        chapters=("component_loads:gears", "component_loads:couplings"),
+        place=("analyses", "response"),
+    ),
     "frequency response": Analysis(
         "response over frequency",
         "torsion.analyses.response.over_frequency",

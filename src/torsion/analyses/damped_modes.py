@@ -40,7 +40,7 @@ class DampedModes:
     shape: ComplexArray  # (stations, modes) rad at own speed
     torque: ComplexArray  # (spans, modes) N m
     overdamped: FloatArray = result("1/s", ("root",), "real roots, which are not frequencies")
-    speed: float = result("rad/s", (), "reference speed at which damping was taken")
+    speed: float = result("rad/s", "reference speed at which damping was taken")
 
     def condensed(self, groups: SegmentGroups) -> "DampedModes":
         """Return the modes at the stations and spans that stand for segment groups."""

@@ -15,20 +15,18 @@ from torsion.sources import source
 class ToothForce:
     """The nominal forces at the reference cylinder of one mesh (ISO 6336-1: F_t = 2 T/d), without K_A."""
 
-    mesh: str = result("", (), "name of the mesh")
-    diameter: float = result(
-        "m", (), "pitch diameter d of the driving wheel", key="pitch_diameter_m"
-    )
+    mesh: str = result("", "name of the mesh")
+    diameter: float = result("m", "pitch diameter d of the driving wheel", key="pitch_diameter_m")
     driven_diameter: float = result(
-        "m", (), "pitch diameter of the driven wheel", key="driven_pitch_diameter_m"
+        "m", "pitch diameter of the driven wheel", key="driven_pitch_diameter_m"
     )
-    module: float | None = result("m", (), "normal module m_n, or null")
-    helix: float = result("rad", (), "helix angle beta", key="helix_angle_rad")
-    pressure_angle: float = result("rad", (), "normal pressure angle alpha_n")
-    torque: float = result("N*m", (), "mean torque T at the driving wheel, rated point")
-    tangential: float = result("N", (), "F_t = 2 T/d")
-    radial: float = result("N", (), "F_r = F_t tan(alpha_n)/cos(beta)")
-    axial: float = result("N", (), "F_a = F_t tan(beta)")
+    module: float | None = result("m", "normal module m_n, or null")
+    helix: float = result("rad", "helix angle beta", key="helix_angle_rad")
+    pressure_angle: float = result("rad", "normal pressure angle alpha_n")
+    torque: float = result("N*m", "mean torque T at the driving wheel, rated point")
+    tangential: float = result("N", "F_t = 2 T/d")
+    radial: float = result("N", "F_r = F_t tan(alpha_n)/cos(beta)")
+    axial: float = result("N", "F_a = F_t tan(beta)")
 
 
 @reported
@@ -36,7 +34,7 @@ class ToothForces:
     """Of every mesh that has a pitch diameter, in the order of the train."""
 
     meshes: tuple[ToothForce, ...] = result(
-        "", (), "nominal forces of every mesh with a pitch diameter", key=""
+        "", "nominal forces of every mesh with a pitch diameter", key=""
     )
 
 

@@ -84,8 +84,8 @@ class Modes(Displayed, Keyed):
         "Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both"
     )
     upper: FloatArray = result("Hz", ("mode",), "upper bound of each")
-    rigid: int = result("", (), "number of motions of exactly 0 Hz", key="rigid_motions")
-    certified: bool = result("", (), "counts prove the bounds", key="is_certified")
+    rigid: int = result("", "number of motions of exactly 0 Hz", key="rigid_motions")
+    certified: bool = result("", "counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
     distributed: "ShaftModes | None" = field(
         default=None, repr=False

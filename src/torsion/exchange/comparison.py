@@ -31,6 +31,7 @@ HEAD = {  # key of `scene`: words, unit
     "rated_power_W": ("rated power", "W"),
     "rules": ("rules", ""),
 }
+INERTIA, FLEXIBILITY = ("inertia", "kg m2"), ("flexibility", "rad/(N m)")  # name, unit
 SEVERITY = ("pass", "restricted", "not judged", "not kept", "fail")
 
 
@@ -57,7 +58,7 @@ class ModePair:
 
     @property
     def change(self) -> float | None:
-        """Relative change of the frequency."""
+        """Relative change of the frequency; None for a mode without a partner."""
         if self.frequency_before is None or self.frequency_after is None:
             return None
         return self.frequency_after / self.frequency_before - 1.0
@@ -105,7 +106,7 @@ class CaseComparison:
 
     @property
     def is_changed(self) -> bool:
-        """Anything differs."""
+        """Verdict, input, a mode or a check differs."""
         is_other = self.verdict_before != self.verdict_after
         return (
             is_other
@@ -126,7 +127,7 @@ class Comparison:
 
     @property
     def is_changed(self) -> bool:
-        """Anything differs in any case."""
+        """The results of at least one case differ."""
         return any(case.is_changed for case in self.cases)
 
 
@@ -188,20 +189,13 @@ def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comp
 def _compare_case(
     name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None
 ) -> CaseComparison:
-    comparison = CaseComparison(
-        name,
-        None if before is None else _verdict(before),
-        None if after is None else _verdict(after),
-    )
-    if before is None or after is None or not all("checks" in data for data in (before, after)):
+    verdicts = (None if data is None else _verdict(data) for data in (before, after))
+    comparison = CaseComparison(name, *verdicts)
+    if before is None or after is None or not ("checks" in before and "checks" in after):
         return comparison
     checks = sorted(_checks(before, after), key=lambda change: change.severity)
-    return replace(
-        comparison,
-        inputs=tuple(_inputs(before, after)),
-        modes=tuple(_modes(before, after)),
-        checks=tuple(checks),
-    )
+    inputs, modes = tuple(_inputs(before, after)), tuple(_modes(before, after))
+    return replace(comparison, inputs=inputs, modes=modes, checks=tuple(checks))
 
 
 def _verdict(data: Mapping[str, Any]) -> str:
@@ -225,51 +219,43 @@ def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Inp
             yield InputChange("", words, *values, unit)
 
     # Lumped segments give part of a shaft's inertia to its neighbours: other segments, other shares.
-    is_alike = [row["name"] for row in before["stations"]] == [
-        row["name"] for row in after["stations"]
-    ]
-    properties = [_properties(data, has_inertia=is_alike) for data in (before, after)]
+    names = [[row["name"] for row in data["stations"]] for data in (before, after)]
+    properties = [_properties(data, has_inertia=names[0] == names[1]) for data in (before, after)]
     for component in dict.fromkeys((*properties[0], *properties[1])):
-        old, new = (known.get(component) for known in properties)
+        old, new = (components.get(component) for components in properties)
         if old is None or new is None:
-            yield InputChange(
-                component,
-                "component",
-                *("-" if known is None else "present" for known in (old, new)),
-            )
+            presence = ("-" if values is None else "present" for values in (old, new))
+            yield InputChange(component, "component", *presence)
             continue
         for what, unit in dict.fromkeys((*old, *new)):
-            value, other = old.get((what, unit)), new.get((what, unit))
-            if not _is_same(value, other):
-                yield InputChange(component, what, value, other, unit)
+            value, value_after = old.get((what, unit)), new.get((what, unit))
+            if not _is_same(value, value_after):
+                yield InputChange(component, what, value, value_after, unit)
 
 
 def _properties(
     data: Mapping[str, Any], *, has_inertia: bool
 ) -> dict[str, dict[tuple[str, str], Any]]:
     """Return inertia and stiffness of every component from the sums over its segments, whatever their number."""
-    known: dict[str, dict[tuple[str, str], Any]] = {}
+    properties: dict[str, dict[tuple[str, str], Any]] = {}
     for row in data["stations"]:
-        values = known.setdefault(str(row.get("component") or row["name"]), {})
-        sums = values if has_inertia else known.setdefault("whole train", {})
-        sums["inertia", "kg m2"] = sums.get(("inertia", "kg m2"), 0.0) + (
-            row.get("inertia_kg_m2") or 0.0
-        )
+        values = properties.setdefault(str(row.get("component") or row["name"]), {})
+        sums = values if has_inertia else properties.setdefault("whole train", {})
+        sums[INERTIA] = sums.get(INERTIA, 0.0) + (row.get("inertia_kg_m2") or 0.0)
         values["speed ratio", ""] = row.get("speed_ratio")
     for row in data["spans"]:
-        values = known.setdefault(str(row.get("component") or row["name"]), {})
-        for what, key_in_file, unit in (
-            ("flexibility", "flexibility_rad_per_Nm", "rad/(N m)"),
-            ("damping", "viscous_Nms_per_rad", "N m s/rad"),
+        values = properties.setdefault(str(row.get("component") or row["name"]), {})
+        for quantity, key in (
+            (FLEXIBILITY, "flexibility_rad_per_Nm"),
+            (("damping", "N m s/rad"), "viscous_Nms_per_rad"),
         ):
-            values[what, unit] = values.get((what, unit), 0.0) + (row.get(key_in_file) or 0.0)
+            values[quantity] = values.get(quantity, 0.0) + (row.get(key) or 0.0)
         values["loss factor", ""] = row.get("loss_factor")
 
-    for values in known.values():
-        flexibility = values.pop(("flexibility", "rad/(N m)"), 0.0)
-        if flexibility > 0:
+    for values in properties.values():
+        if flexibility := values.pop(FLEXIBILITY, 0.0):
             values["stiffness", "N m/rad"] = 1.0 / flexibility
-    return known
+    return properties
 
 
 def _is_same(before: Any, after: Any) -> bool:
@@ -287,14 +273,12 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
         return
     frequencies = [data["modes"]["frequency_Hz"] for data in (before, after)]
     criterion = _assurance(before, after)
-    partners = (
-        _partners(criterion)
-        if criterion is not None
-        else {k: k for k in range(min(map(len, frequencies)))}
-    )
+    partners = {mode: mode for mode in range(min(map(len, frequencies)))}
+    if criterion is not None:
+        partners = _partners(criterion)
     for mode, frequency in enumerate(frequencies[0]):
         partner = partners.get(mode)
-        other = None if partner is None else frequencies[1][partner]
+        other_value = None if partner is None else frequencies[1][partner]
         value = (
             np.nan
             if criterion is None
@@ -302,7 +286,9 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
             if partner is None
             else float(criterion[mode, partner])
         )
-        yield ModePair(mode + 1, None if partner is None else partner + 1, frequency, other, value)
+        yield ModePair(
+            mode + 1, None if partner is None else partner + 1, frequency, other_value, value
+        )
     for mode in sorted(set(range(len(frequencies[1]))) - set(partners.values())):
         yield ModePair(None, mode + 1, None, frequencies[1][mode], 0.0)
 
@@ -311,7 +297,7 @@ def _partners(criterion: FloatArray) -> dict[int, int]:
     """Return the partner of every mode of A in B: the pairs with the largest criterion first, each mode once."""
     partners: dict[int, int] = {}
     for index in np.argsort(-criterion, axis=None, kind="stable"):
-        row, column = (int(place) for place in np.unravel_index(index, criterion.shape))
+        row, column = (int(position) for position in np.unravel_index(index, criterion.shape))
         if criterion[row, column] <= LEAST_MAC:
             break
         if row not in partners and column not in partners.values():
@@ -331,8 +317,8 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
     )
     weight = np.sqrt([inertia[name] for name in common])
     scaled = []
-    for shape, known in zip(shapes, names, strict=True):
-        places = [known.index(name) for name in common]
+    for shape, names_known in zip(shapes, names, strict=True):
+        places = [names_known.index(name) for name in common]
         values = np.array(shape, dtype=float)[:, places] * weight
         norm = np.linalg.norm(values, axis=1, keepdims=True)
         scaled.append(np.divide(values, norm, out=np.zeros_like(values), where=norm > 0))
@@ -341,15 +327,17 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
 
 def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[CheckChange]:
     """Yield every check whose verdict or utilisation differs, and every check that only one of both has."""
-    known = [{_name(check): check for check in data["checks"] or ()} for data in (before, after)]
-    for name in dict.fromkeys((*known[0], *known[1])):
-        old, new = (checks.get(name, {}) for checks in known)
-        used, other = old.get("utilisation"), new.get("utilisation")
-        is_same = old.get("verdict") == new.get("verdict") and _is_same(used, other)
-        if used is None and other is None:  # a limit of 0, or none
+    common_names = [
+        {_name(check): check for check in data["checks"] or ()} for data in (before, after)
+    ]
+    for name in dict.fromkeys((*common_names[0], *common_names[1])):
+        old, new = (checks.get(name, {}) for checks in common_names)
+        used, other_use = old.get("utilisation"), new.get("utilisation")
+        is_same = old.get("verdict") == new.get("verdict") and _is_same(used, other_use)
+        if used is None and other_use is None:  # a limit of 0, or none
             is_same = is_same and _is_same(old.get("value"), new.get("value"))
         if not is_same:
-            yield CheckChange(*name, old.get("verdict"), new.get("verdict"), used, other)
+            yield CheckChange(*name, old.get("verdict"), new.get("verdict"), used, other_use)
 
 
 def _name(check: Mapping[str, Any]) -> tuple[str, str, str, str]:

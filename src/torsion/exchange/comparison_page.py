@@ -1,7 +1,7 @@
 """A comparison as a document: tables for the terminal and the page, and rows for JSON."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -10,7 +10,6 @@ from torsion.exchange.comparison import (
     CheckChange,
     Comparison,
     InputChange,
-    ModePair,
 )
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.document import Cover, Document, numbered
@@ -55,65 +54,56 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
         yield Paragraph("No change.", brief=True)
         return
     if case.inputs:
-        titles = "< Component -> | < Input -> | A -> | B -> | < Unit -> | Change [%] -> %"
-        yield table(
-            titles, map(_input_row, case.inputs), "Input that differs", short="Input that differs"
-        )
+        titles = "< Component -> | < Input -> | A -> | B -> | < Unit -> | Change [%]:3 -> %"
+        yield _table(titles, map(_input_row, case.inputs), "Input that differs")
     if any(pair.is_changed for pair in case.modes):
         titles = (
             "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
+            "| Change [%]:3 -> % | MAC:3 -> MAC"
         )
-        titles += "| Change [%] -> % | MAC -> MAC"
-        yield table(
-            titles, map(_mode_row, case.modes), "Natural frequencies", short="Natural frequencies"
+        rows = (
+            (
+                pair.before or "new",
+                pair.after or "gone",
+                pair.frequency_before,
+                pair.frequency_after,
+                pair.change,
+                pair.criterion,
+            )
+            for pair in case.modes
         )
+        yield _table(titles, rows, "Natural frequencies")
     if case.checks:
-        titles = "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
-        titles += "| Utilisation A [%] -> % A | Utilisation B [%] -> % B"
-        yield table(
-            titles, map(_check_row, case.checks), "Checks that differ", short="Checks that differ"
+        titles = (
+            "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
+            "| Utilisation A [%]:4 -> % A | Utilisation B [%]:4 -> % B"
         )
+        yield _table(titles, map(_check_row, case.checks), "Checks that differ")
 
 
-def _input_row(change: InputChange) -> tuple[str, ...]:
-    before, after, relative = change.before, change.after, ""
+def _table(titles: str, rows: Iterable[tuple[Any, ...]], caption: str) -> Block:
+    return table(titles, rows, caption, short=caption)
+
+
+def _input_row(change: InputChange) -> tuple[Any, ...]:
+    before, after, relative = change.before, change.after, None
     if isinstance(before, int | float) and isinstance(after, int | float) and before:
-        relative = number(100.0 * (after / before - 1.0), 3)
-    return (
-        change.component or NONE,
-        change.what,
-        _value(before),
-        _value(after),
-        change.unit,
-        relative or NONE,
-    )
+        relative = after / before - 1.0
+    values = _value(before), _value(after)
+    return change.component or NONE, change.what, *values, change.unit, relative
 
 
-def _value(value: Any) -> str:
+def _value(value: Any) -> Any:
+    """Return a value of the input for a cell: a number, or the words of anything else."""
     if isinstance(value, list):
-        return ", ".join(map(_value, value)) or NONE
-    return (
-        number(value) if isinstance(value, int | float) else NONE if value is None else str(value)
-    )
+        return ", ".join(map(number, value)) or NONE
+    return float(value) if isinstance(value, int | float) else value
 
 
-def _mode_row(pair: ModePair) -> tuple[str, ...]:
-    modes = [
-        "new" if pair.before is None else str(pair.before),
-        "gone" if pair.after is None else str(pair.after),
-    ]
-    change = NONE if pair.change is None else number(100.0 * pair.change, 3)
-    frequencies = [number(frequency) for frequency in (pair.frequency_before, pair.frequency_after)]
-    return *modes, *frequencies, change, number(pair.criterion, 3)
-
-
-def _check_row(change: CheckChange) -> tuple[str, ...]:
-    verdicts = [
+def _check_row(change: CheckChange) -> tuple[Any, ...]:
+    verdicts = (
         "not present" if verdict is None else WORDS[verdict]
         for verdict in (change.verdict_before, change.verdict_after)
-    ]
-    used = [
-        NONE if share is None else number(100.0 * share, 4)
-        for share in (change.utilisation_before, change.utilisation_after)
-    ]
-    return change.what, change.component, change.rule, *verdicts, *used
+    )
+    shares = change.utilisation_before, change.utilisation_after
+    return change.what, change.component, change.rule, *verdicts, *shares

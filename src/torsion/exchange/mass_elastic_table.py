@@ -17,18 +17,22 @@ from torsion.schema.yaml_source import is_number
 from torsion.tables import Cell, Table, head_of, table_text, unit_fault
 
 # fmt: off
-TITLES = {  # title of a column in small letters: what it states
-    "no": "no", "nr": "no", "nr.": "no", "no.": "no", "#": "no", "mass": "no", "station": "no",
-    "name": "name", "description": "name", "designation": "name", "benennung": "name", "component": "name",
-    "j": "inertia", "inertia": "inertia", "moment of inertia": "inertia", "theta": "inertia", "θ": "inertia",
-    "massenträgheitsmoment": "inertia", "gd2": "gd2", "gd^2": "gd2", "gd²": "gd2", "wr2": "wr2", "wk2": "wr2",
-    "k": "stiffness", "c": "stiffness", "stiffness": "stiffness", "torsional stiffness": "stiffness",
-    "drehsteifigkeit": "stiffness", "flexibility": "flexibility", "compliance": "flexibility",
-    "d": "viscous", "damping": "viscous", "viscous": "viscous", "psi": "psi", "ψ": "psi",
-    "loss factor": "loss_factor", "loss_factor": "loss_factor", "eta": "loss_factor", "magnifier": "magnifier",
-    "ground": "ground", "external damping": "ground", "mass damping": "ground",
-    "ratio": "ratio", "speed ratio": "ratio",
+TITLES = {  # what a column states: its titles in small letters
+    "no": "no, nr, nr., no., #, mass, station",
+    "name": "name, description, designation, benennung, component",
+    "inertia": "j, inertia, moment of inertia, theta, θ, massenträgheitsmoment",
+    "gd2": "gd2, gd^2, gd²",
+    "wr2": "wr2, wk2",
+    "stiffness": "k, c, stiffness, torsional stiffness, drehsteifigkeit",
+    "flexibility": "flexibility, compliance",
+    "viscous": "d, damping, viscous",
+    "psi": "psi, ψ",
+    "loss_factor": "loss factor, loss_factor, eta",
+    "magnifier": "magnifier",
+    "ground": "ground, external damping, mass damping",
+    "ratio": "ratio, speed ratio",
 }
+COLUMNS = {title: key for key, titles in TITLES.items() for title in titles.split(", ")}
 UNITS = {  # column: SI unit
     "inertia": "kg*m**2", "gd2": "kg*m**2", "wr2": "kg*m**2", "stiffness": "N*m/rad", "flexibility": "rad/(N*m)",
     "viscous": "N*m*s/rad", "ground": "N*m*s/rad",
@@ -83,9 +87,9 @@ def _table_masses(source: Source) -> list[Mass]:
     table = Table(source.text)
     rows = table.rows
     if len(rows) < 2:
-        place = rows[0][0] if rows else Cell("", 1, 1)
+        first_cell = rows[0][0] if rows else Cell("", 1, 1)
         hint = "write a row of titles, then a row for each mass"
-        table.fault(place, "the table has no masses", hint)
+        table.fault(first_cell, "the table has no masses", hint)
         raise input_error(table.faults, source)
     columns = [_column(cell, table) for cell in rows[0]]
     table.read_signs(cell for row in rows[1:] for cell in row)
@@ -99,7 +103,7 @@ def _table_masses(source: Source) -> list[Mass]:
 def _column(cell: Cell, table: Table) -> tuple[str, str, str]:
     """Return the key of a column ('' for one that is not read), its unit as text, and its title."""
     title, unit = head_of(cell.text)
-    key = TITLES.get(title.casefold(), "")
+    key = COLUMNS.get(title.casefold(), "")
     spelled = SPELLINGS.get(unit, unit)
     if key in UNITS:
         fault = unit_fault(spelled, UNITS[key]) if spelled else None
@@ -116,7 +120,7 @@ def _column(cell: Cell, table: Table) -> tuple[str, str, str]:
 
 
 def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) -> Mass:
-    """Read one row."""
+    """Read one row; its faults are noted in the table."""
     values, unread, ratio = dict[str, str](), list[str](), Fraction(1)
     if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
         table.fault(row[len(columns)], "the row has more cells than there are titles")
@@ -145,7 +149,7 @@ def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) ->
 
 
 def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
-    """Read `23/71`, `0.324` or `1`."""
+    """Read a speed ratio like `23/71`, `0.324` or `1`; a fault is noted for another text."""
     try:
         ratio = Fraction(text.replace(" ", ""))
     except (ValueError, ZeroDivisionError):
@@ -162,9 +166,9 @@ def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
 
 def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> None:
     """Note every mass that nothing connects to the next, a stiffness after the last, and inertias stated twice."""
-    for place, (mass, row) in enumerate(zip(masses, rows, strict=True)):
+    for number, (mass, row) in enumerate(zip(masses, rows, strict=True)):
         elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
-        is_last = place + 1 == len(masses)
+        is_last = number + 1 == len(masses)
         if len(elastic) > 1:
             table.fault(
                 row[0],
@@ -177,7 +181,7 @@ def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> No
                 f"'{mass.name}' is the last mass and has a shaft to the next",
                 "leave its cells empty",
             )
-        if not is_last and not elastic and masses[place + 1].ratio == mass.ratio:
+        if not is_last and not elastic and masses[number + 1].ratio == mass.ratio:
             hint = "write it, or 0 in a column `flexibility` for a rigid connection"
             table.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
         if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
@@ -223,20 +227,20 @@ def _editor_masses(source: Source) -> list[Mass]:
 
 def _editor_values(element: dict[str, object], keys: dict[str, str]) -> dict[str, str]:
     """Return the numbers of an element with their SI units, by column; zero damping is left out."""
-    known = {column: element.get(key) for key, column in keys.items()}
+    values_of_element = {column: element.get(key) for key, column in keys.items()}
     return {
         column: f"{value!r} {UNITS[column]}"
-        for column, value in known.items()
+        for column, value in values_of_element.items()
         if isinstance(value, int | float) and (value or column == "inertia")
     }
 
 
 def _unread(element: dict[str, object], keys: Iterable[str]) -> tuple[str, ...]:
-    known = {"name", "type", *keys}
+    read_keys = {"name", "type", *keys}
     return tuple(
         f"{key}: {json.dumps(value)}"
         for key, value in element.items()
-        if key not in known and value
+        if key not in read_keys and value
     )
 
 
@@ -248,18 +252,18 @@ def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
         name = mass.name if mass.name not in used else f"{mass.name} (line {mass.line})"
         used.add(name)
         names.append(name)
-    for place, (mass, name) in enumerate(zip(masses, names, strict=True)):
+    for number, (mass, name) in enumerate(zip(masses, names, strict=True)):
         lines += [f"  # not read of {name}: {words}" for words in mass.unread]
         lines.append(
             f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}"
         )
-        if place + 1 == len(masses):
+        if number + 1 == len(masses):
             break
-        following = names[place + 1]
+        following = names[number + 1]
         if any(key in mass.values for key in ("stiffness", "flexibility")):
             link = "".join(_key(key, mass.values.get(key)) for key in LINK)
             lines.append(f"  - coupling: {{name: {_quoted(f'{name} to {following}')}{link}}}")
-        ratio = mass.ratio / masses[place + 1].ratio
+        ratio = mass.ratio / masses[number + 1].ratio
         if ratio != 1:
             extra = ", referred: true" if referred else ""
             lines.append(

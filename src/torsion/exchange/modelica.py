@@ -49,8 +49,8 @@ class _Text:
         self.declared.append(f"  {kind} {name}{f'({modifiers})' if modifiers else ''}{remark};")
         return name
 
-    def connect(self, flange: str, other: str) -> None:
-        self.connections.append(f"  connect({flange}, {other});")
+    def connect(self, flange: str, other_flange: str) -> None:
+        self.connections.append(f"  connect({flange}, {other_flange});")
 
     def join(self, station: int, flange: str) -> None:
         """Connect a flange to the node of a station."""
@@ -68,21 +68,28 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     _check(system)
     grid = np.array([speed])
     acting = [
-        one
-        for one in excitations(system)
-        if one.line.order is not None and order in (None, one.line.order)
+        excitation
+        for excitation in excitations(system)
+        if excitation.line.order is not None and order in (None, excitation.line.order)
     ]
     if not acting:
-        known = ", ".join(
-            str(one.line.order) for one in excitations(system) if one.line.order is not None
+        orders = ", ".join(
+            str(excitation.line.order)
+            for excitation in excitations(system)
+            if excitation.line.order is not None
         )
-        raise refusal(f"order {order} does not excite the train", f"orders: {known or 'none'}")
+        raise refusal(f"order {order} does not excite the train", f"orders: {orders or 'none'}")
     response = response_of_orders(
-        study, system, [one.line.order for one in acting if one.line.order], grid
+        study,
+        system,
+        [excitation.line.order for excitation in acting if excitation.line.order],
+        grid,
     )
     system = response.system
     steady = steady_if_known(study, system, grid)
-    frequencies = np.array([float(one.line.circular_frequency(grid)[0]) for one in acting])  # rad/s
+    frequencies = np.array(
+        [float(excitation.line.circular_frequency(grid)[0]) for excitation in acting]
+    )  # rad/s
 
     text = _Text({"Train"})
     _declare_stations(text, system, response, frequencies)
@@ -105,7 +112,7 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
 
 
 def _safe(text: str) -> str:
-    """Text within a Modelica string."""
+    """Return a text as it stands within a Modelica string."""
     return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
@@ -194,8 +201,10 @@ def _declare_spans(text: _Text, system: System, values: FloatArray) -> None:
         ends = list[tuple[str, str]]()
         if system.flexibility[number] != 0:
             kind = "SpringDamper" if stiffness and damping else "Spring" if stiffness else "Damper"
-            known = {"c": stiffness, "d": damping}
-            modifiers = ", ".join(f"{key}={value!r}" for key, value in known.items() if value)
+            coefficients = {"c": stiffness, "d": damping}
+            modifiers = ", ".join(
+                f"{key}={value!r}" for key, value in coefficients.items() if value
+            )
             part = text.declare(f"{ROTATIONAL}.Components.{kind}", span.name, modifiers)
             ends.append((f"{part}.flange_a", f"{part}.flange_b"))
         elif ratio == 1:

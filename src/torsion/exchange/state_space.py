@@ -95,10 +95,10 @@ def state_space(
             *(f"sqrt(stiffness) x twist of {name}" for name in names),
             *(f"sqrt(inertia) x speed of {name}" for name in view.names),
         ),
-        inputs=tuple(f"torque at {view.stations[place]} [N m]" for place in places),
+        inputs=tuple(f"torque at {view.stations[station]} [N m]" for station in places),
         outputs=(
             *(f"torque of {name} [N m]" for name in names),
-            *(f"speed of {view.stations[place]} [rad/s]" for place in seen),
+            *(f"speed of {view.stations[station]} [rad/s]" for station in seen),
         ),
     )
 
@@ -112,8 +112,8 @@ def write_state_space(model: StateSpace, file: Path) -> None:
         savemat(
             file,
             {
-                key: one if one.dtype.kind == "f" else one.astype(object)
-                for key, one in arrays.items()
+                key: array if array.dtype.kind == "f" else array.astype(object)
+                for key, array in arrays.items()
             },
         )
         return
@@ -150,7 +150,7 @@ def _station(stations: tuple[str, ...], basis: FloatArray, name: str) -> int:
         near = nearest(name, stations)
         hint = f"did you mean '{near}'?" if near else f"stations: {', '.join(stations[:12])}"
         raise refusal(f"no station is called '{printable(name)}'", hint)
-    place = stations.index(name)
-    if not basis[place].any():
+    position = stations.index(name)
+    if not basis[position].any():
         raise refusal(f"'{name}' is fixed, so no torque acts on it and it has no speed")
-    return place
+    return position

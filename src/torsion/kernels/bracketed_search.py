@@ -91,7 +91,7 @@ def find_root(
 
 
 def find_minimum(
-    function: Callable[[float], float],
+    function: Function,
     low: float,
     high: float,
     *,

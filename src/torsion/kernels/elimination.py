@@ -4,7 +4,7 @@ Beside `two_sides`: z/(1 + hc z) in place of 1/(h + 1/z), because quotients of c
 numbers. Only sums of terms, products and quotients: rigid spans and massless stations need no special case, and every
 value is accurate relative to the data of the springs, however unequal (Demmel and Gragg 1993). What a fixed station
 shows is infinite; the values of its spans are divided by it. Columns are frequencies or roots; floating point exceptions
-are left to the caller's `np.errstate`.
+are ignored: a massless branch and a node are meant.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import ComplexArray
+from torsion.arrays import FloatArray
 from torsion.kernels.layers import share
 from torsion.kernels.tree import Tree
 
@@ -44,7 +44,7 @@ class Layout:
 def layout(tree: Tree, compliance: Values) -> Layout:
     """Return the lists for the sweeps; `compliance` is (stations,) or (stations, columns), rad/(N m).
 
-    Raises ValueError for a fixed station that is neither root nor leaf, and for a rigid span to a fixed leaf.
+    Raises ValueError for a rigid span to a fixed station that is no root.
     """
     zero = (compliance == 0).reshape(tree.size, -1)
     rigid = zero.all(axis=1)
@@ -53,10 +53,6 @@ def layout(tree: Tree, compliance: Values) -> Layout:
             "a span is rigid at some frequencies only; expected rigid at all or at none"
         )
     leaf = tree.held & (tree.parent >= 0)
-    if any(tree.children[station] for station in np.flatnonzero(leaf)):
-        raise ValueError(
-            "a fixed station has spans on both sides; expected a root or a leaf (split the tree there)"
-        )
     if bool((leaf & rigid).any()):
         raise ValueError(
             "a rigid span leads to a fixed leaf; expected that fixed station as the root"
@@ -86,6 +82,7 @@ class SpanSides:
     meeting: Rows  # 1/D
 
 
+@np.errstate(all="ignore")
 def eliminate(
     plan: Layout, station_stiffness: Values, compliance: Values, *, guard: bool = False
 ) -> SpanSides:
@@ -138,24 +135,39 @@ def eliminate(
     return SpanSides(hc, z, through, transfer, rest, divisor, meeting)
 
 
+def eliminate_undamped(tree: Tree, w: FloatArray) -> tuple[Layout, SpanSides]:
+    """Return the layout and both sides of every span of an undamped tree at `w` (m,) rad/s, shafts included."""
+    square, flexibility, inertia = w * w, tree.flexibility_columns, tree.inertia_columns
+    if tree.shafts is not None:
+        flexibility, inertia = tree.at(square)
+        inertia[tree.held] = 0.0
+    plan = layout(tree, flexibility)
+    return plan, eliminate(plan, inertia * -square, flexibility)
+
+
+@np.errstate(all="ignore")
 def forced(
     plan: Layout, sides: SpanSides, force: Values, twist: Values | None = None
-) -> tuple[ComplexArray, ComplexArray]:
+) -> tuple[Values, Values]:
     """Return angles (rad) and torques of the spans on their stations (N m), both (stations, columns).
 
-    force: N m on every station, (stations, 1) or (stations, columns), 0 on fixed ones. twist: rad, the same of the
+    Of a distributed shaft the torque is that in its flexibility. force: N m on every station, (stations, 1) or
+    (stations, columns), 0 on fixed ones. twist: rad, the same of the
     spans; none: 0.
     """
     shape = plan.size, len(sides.meeting[0])
     z, zd, divisor = sides.branch, sides.rest, sides.divisor
-    f = [np.broadcast_to(row, shape[1:]).astype(np.complex128) for row in force]
+    acting = [force] if twist is None else [force, twist]
+    kind = np.result_type(z[0], *acting)
+    f = [np.broadcast_to(row, shape[1:]).astype(kind) for row in force]
     passed = _add_sources_of_branches(plan, sides, f, twist)
-    e: Rows = [np.zeros(shape[1])] * plan.size
-    angle, torque = np.zeros((2, *shape), dtype=np.complex128)
+    still = np.zeros(shape[1])
+    e: Rows = [still] * plan.size
+    angle, torque = np.zeros((2, *shape), dtype=kind)
     for station, children in enumerate(plan.children):
         if plan.prescribed[station]:
             for child in children:
-                e[child] = e[station]
+                e[child] = still if plan.held[station] else e[station]
         elif children:
             share(children, passed, e, force[station] + e[station] / divisor[station])
         if twist is not None:

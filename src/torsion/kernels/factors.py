@@ -34,7 +34,7 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     if len(factor) > _BODIES_FOR_SQUARE:
         square = np.linalg.eigvalsh(factor.T @ factor)
         return np.sqrt(square) if square[0] * _SPREAD_OF_SQUARE**2 > square[-1] else None
-    values: FloatArray = np.linalg.svd(factor, compute_uv=False)[::-1]
+    values = np.asarray(np.linalg.svd(factor, compute_uv=False)[::-1], dtype=np.float64)
     return values if values[0] * _SPREAD > values[-1] else None
 
 

@@ -77,12 +77,12 @@ class Fitted:
 
     @property
     def squares(self) -> float:
-        """Of data and prior together."""
+        """Sum of the squares of residuals and values, of data and prior together."""
         return float(np.square(self.residual).sum() + np.square(self.values).sum())
 
     @property
     def minima(self) -> "tuple[Fitted, ...]":
-        """This and all others."""
+        """This minimum and all others, the best first."""
         return self, *self.others
 
     @property
@@ -153,7 +153,10 @@ def fitted(
         searches += 1
         try:
             minimum = _searched(residual, new, start, COARSE)
-            if minimum.squares < min(other.squares for other in minima) + 2.0 * AS_WELL:
+            if (
+                minimum.squares
+                < min(known_minimum.squares for known_minimum in minima) + 2.0 * AS_WELL
+            ):
                 minima.append(_searched(residual, new, minimum.values, TOLERANCE))
                 starts += beyond(minima[-1].values)
         except (SolveError, _KnownMinimum):
@@ -162,12 +165,12 @@ def fitted(
     lowest = ranked[0].squares
     # The first minimum is the best if it is as good.
     best = next(minimum for minimum in minima if minimum.squares <= lowest + SAME)
-    others = tuple(
+    near_minima = tuple(
         minimum
         for minimum in ranked
         if minimum is not best and minimum.converged and minimum.squares < lowest + AS_WELL
     )
-    return replace(best, steps=steps, searches=searches, others=others)
+    return replace(best, steps=steps, searches=searches, others=near_minima)
 
 
 def _searched(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.elimination import eliminate, forced
+from torsion.kernels.elimination import eliminate, eliminate_undamped, forced
 from torsion.kernels.factors import jacobi_svd, star_mesh_factor
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
@@ -24,8 +24,6 @@ from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Rerooted, Tree
 from torsion.kernels.tree_response import TreeResponse, amplification_of, pose, residual_of
-from torsion.kernels.two_sides import forced as forced_undamped
-from torsion.kernels.two_sides import two_sides
 from torsion.sources import source
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -168,18 +166,16 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
     The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
     """
-    sides, ends = two_sides(tree, w), (train.first, train.second)
+    (plan, sides), ends = eliminate_undamped(tree, w), (train.first, train.second)
     acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
-    units = [
-        forced_undamped(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting
-    ]
+    units = [forced(plan, sides, row[:, None]) for row in acting]
     twist = around(tree, *ends) * tree.flexibility
     system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(
         train.flexibility
     )
 
     def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        angle, torque = forced_undamped(tree, sides, load)
+        angle, torque = forced(plan, sides, load)
         torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
         for row, unit in zip(torn, units, strict=True):
             angle, torque = angle + row * unit[0], torque + row * unit[1]
@@ -231,13 +227,14 @@ def looped_response(
         )
         loss *= amplification_of(plan, equations.own, sides)
         for unit, row in zip(units, torque, strict=True):
-            angles += unit[0] * row
-            torques += unit[1] * row
+            angles, torques = angles + unit[0] * row, torques + unit[1] * row
         loss[
             ~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0))
             | np.isnan(loss)
         ] = np.inf
         result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
+
+        # The residual is that of the tree under the torques of the chords, and of the chords themselves.
         problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
         result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
     return result
@@ -269,6 +266,8 @@ def _loop_torques(
     chord, identity = np.arange(len(sign)), np.eye(len(sign))
     matrix[:, chord, chord] += compliance.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
+
+    # The smallest singular value of the scaled equations says how many digits are lost.
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
     scaled[lost] = identity
     smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]

@@ -12,7 +12,7 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Slopes
 from torsion.kernels.tree import Tree
-from torsion.kernels.two_sides import TwoSides, sides_of, spread
+from torsion.kernels.two_sides import sides_of, spread
 from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
@@ -20,6 +20,9 @@ _LEAST_COLUMNS = 64  # at once, however many stations
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
 _EQUAL_SIZE = (
     1e-6  # relative; components that near count as equal when the sign of a shape is chosen
+)
+_ROUNDING_OF_ENDS = (
+    8e-15  # of the torque in a shaft; a smaller one at its end is a difference of equal terms
 )
 _OF_STATIONS, _OF_MODES = ("angle", "torque", "inner", "outer"), ("correction", "passed")
 
@@ -141,14 +144,11 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     with np.errstate(all="ignore"):
         sides = sides_of(tree, w)
         start, column = _least_residual(tree, sides.total), np.arange(len(w))
-        angle, torque, product, is_toward_root = spread(tree, sides, start)
+        angle, torque, product = spread(tree, sides, start)
         passed = np.add.reduce(np.abs(product, product), axis=0)
         mass = _weighted(tree.moving_inertia, np.multiply(angle, angle, product[: tree.size]))
-        inner = outer = angle[:0]
-        if tree.shafts is not None and isinstance(sides, TwoSides) and is_toward_root is not None:
-            inner, outer = _end_torques(
-                tree, tree.shafts.node, sides, angle, torque, is_toward_root
-            )
+        inner, outer = end_torques(tree, w * w, angle, torque)
+        if tree.shafts is not None:
             mass = mass + shaft_inertia(tree, tree.shafts.slopes(w * w), angle, torque).sum(axis=0)
         correction = sides.total[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)
@@ -176,28 +176,22 @@ def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
     return station
 
 
-def _end_torques(
-    tree: Tree,
-    node: IntArray,
-    sides: TwoSides,
-    angle: FloatArray,
-    torque: FloatArray,
-    is_toward_root: BoolArray,
+def end_torques(
+    tree: Tree, square: FloatArray, angle: FloatArray, torque: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Torques (shafts, m) N m at the inner and the outer end of each shaft: a stiffness times an angle."""
-    a, b, middle, of_rest = (
-        angle[tree.shaft_parent],
-        angle[node],
-        torque[node],
-        is_toward_root[node],
-    )
-    near, far = sides.rest[node], sides.branch[node]
-    inner = np.where(
-        np.isinf(near), middle, np.where(of_rest, -near, sides.branch_passed[node]) * a
-    )
-    return inner, np.where(
-        np.isinf(far), middle, np.where(of_rest, -sides.rest_passed[node], far) * b
-    )
+    """Return torques (shafts, m) N m at the inner and the outer end of each shaft at `square` (m,) of the frequencies.
+
+    From the torque in its flexibility and the inertia at both of its ends; what is less than the rounding of both is 0,
+    as at a free end.
+    """
+    if tree.shafts is None:
+        return torque[:0], torque[:0]
+    middle, (_, inner, outer) = torque[tree.shafts.node], tree.shafts.at(square)
+    ends = []
+    for inertia, turned in ((-inner, angle[tree.shaft_parent]), (outer, angle[tree.shafts.node])):
+        end = middle + square * inertia * turned
+        ends.append(np.where(np.abs(end) <= _ROUNDING_OF_ENDS * np.abs(middle), 0.0, end))
+    return ends[0], ends[1]
 
 
 def shaft_inertia(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray) -> FloatArray:

@@ -60,6 +60,8 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     rigid, wanted = len(bodies.free_roots), bodies.elastic if count is None else count
     if tree.shafts is None or not math.isfinite(tree.shafts.limit):
         wanted = min(wanted, bodies.elastic)
+
+    # Rigid spans between fixed stations carry reactions only: they are put back at the end.
     solved = cut(tree, bodies)
     rerooted = rerooted_at_middle(solved)
     swept = rerooted.tree
@@ -69,7 +71,7 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     else:
         frequency, shapes = _polish(swept, *_start(tree, swept, bodies, wanted))
         frequency, lower, upper, wrong = _enclosed(swept, frequency, rigid, shapes.passed)
-        if wrong.any():
+        if wrong.any():  # what bisection has corrected has another shape
             shapes = shapes_at(swept, frequency)
         if swept is not solved:
             shapes = replace(
@@ -116,11 +118,15 @@ def _polish(
             again = shapes_at(tree, frequency[left])
             shapes.put(left, again)
             correction = again.correction
+
+        # Rayleigh's quotient gives the change of the square; the root of it without a difference.
         estimate = frequency[left]
         with np.errstate(invalid="ignore", over="ignore"):
             share = correction / (estimate * estimate)
             change = share / (1.0 + np.sqrt(1.0 + share))
             moved = estimate * (1.0 + change)
+
+        # A step out of its bounds has gone to another mode: the enclosure will find that.
         inside = (moved >= low[left]) & (moved <= high[left])
         frequency[left[inside]] = moved[inside]
         left = left[inside & (np.abs(change) >= _SETTLED)]

@@ -5,7 +5,6 @@ only add, multiply and divide positive numbers, so that every frequency keeps it
 join to a fixed station does not move, and their torques are sums of reactions.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,9 +41,6 @@ class ReducedTrain:
 def rigidity(tree: Tree) -> Rigidity:
     """Rigid bodies, fixed stations and free parts of a tree."""
     size, parents = tree.size, tree.parents
-    if tree.is_plain:
-        none = np.zeros(size, dtype=np.int64)
-        return Rigidity(np.arange(size), none.astype(np.bool_), none, none[:1], size - 1)
     rigid = (tree.flexibility == 0.0).tolist()
     body, component = list(range(size)), list(range(size))
     for station, parent in enumerate(parents):
@@ -71,8 +67,6 @@ def rigidity(tree: Tree) -> Rigidity:
 
 def rigid_shapes(tree: Tree, bodies: Rigidity) -> FloatArray:
     """Angles (stations, rigid motions) rad, constant over each free part and mass-normalised."""
-    if tree.is_plain:
-        return np.full((tree.size, 1), 1.0 / math.sqrt(tree.inertia.sum()))
     part = bodies.component[:, None] == bodies.free_roots
     scaled: FloatArray = part / np.sqrt(tree.moving_inertia @ part)
     return scaled
@@ -86,11 +80,6 @@ def reduce_tree(
     `chords` gives the stations at both ends and the flexibility (loops,) rad/(N m), positive.
     """
     stations = np.arange(tree.size)
-    if tree.is_plain and chords is None:
-        stiffness, ground = 1.0 / tree.flexibility[1:], np.zeros(tree.size)
-        return ReducedTrain(
-            stations, tree.inertia, tree.parent[1:], stations[1:], stiffness, ground, True
-        )
     head = np.flatnonzero((bodies.body == stations) & ~bodies.fixed)
     number = np.full(tree.size, -1)
     number[head] = np.arange(len(head))

@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.mode_shapes import Shapes
+from torsion.kernels.elimination import Layout, SpanSides, eliminate_undamped, forced
+from torsion.kernels.mode_shapes import Shapes, end_torques
 from torsion.kernels.tree import Tree
-from torsion.kernels.two_sides import TwoSides, forced, two_sides
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
 _SHIFTS = (
@@ -96,9 +96,11 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     square = group_frequency * group_frequency
     inertia = _inertia(tree, square, square)
     load = root * np.random.default_rng(len(columns)).standard_normal((tree.size, len(columns)))
+
+    # First close to the group, so that all other modes die out, then far, where the response has no rounding.
     for shift, steps in zip(_SHIFTS, _STEPS, strict=True):
         shifted = group_frequency * (1.0 - shift * gap)
-        sides, mean = two_sides(tree, shifted), _inertia(tree, shifted * shifted, square)
+        sides, mean = eliminate_undamped(tree, shifted), _inertia(tree, shifted * shifted, square)
         uneven = [part for part in parts if shift * gap[part[0]] < _EVEN]
         for step in range(steps):
             shapes = _response(tree, sides, shifted * shifted, load)
@@ -107,14 +109,18 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
             load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
     shapes = _response(tree, sides, shifted * shifted, load)
     _normalise(inertia, shapes, parts)
+
+    # Parts of a train that do not touch have shapes of their own.
     for part in parts:
         shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
     return _with_ends(tree, square, shapes)
 
 
-def _response(tree: Tree, sides: TwoSides, square: FloatArray, load: FloatArray) -> FloatArray:
+def _response(
+    tree: Tree, sides: tuple[Layout, SpanSides], square: FloatArray, load: FloatArray
+) -> FloatArray:
     """Angles and torques (2 stations, m) under `load` (stations, m) N m, and the twists (shafts, m) of shafts."""
-    angle, torque = forced(tree, sides, load)
+    angle, torque = forced(*sides, load)
     if tree.shafts is None:
         return np.concatenate((angle, torque))
     return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))
@@ -137,16 +143,10 @@ def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> 
 def _with_ends(tree: Tree, square: FloatArray, shapes: FloatArray) -> Shapes:
     """Shapes at `square` (m,) from their angles, torques and twists of shafts."""
     angle, torque, twist = np.split(shapes, (tree.size, 2 * tree.size))
-    near, far, none = twist, twist, np.zeros(len(square))
+    none = np.zeros(len(square))
     if tree.shafts is not None:
-        flexibility, inner, outer = tree.shafts.at(square)
-        node = tree.shafts.node
-        torque[node] = middle = twist / flexibility
-        near, far = (
-            middle - square * inner * angle[tree.shaft_parent],
-            middle + square * outer * angle[node],
-        )
-    return Shapes(angle, torque, near, far, none, none)
+        torque[tree.shafts.node] = twist / tree.shafts.at(square)[0]
+    return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
 
 
 def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:

@@ -90,15 +90,15 @@ def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
         raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
     angle = np.hstack([modes.rigid_angle, modes.angle])
     torque = np.hstack([np.zeros_like(modes.rigid_angle), modes.torque])
-    square, own = np.append(np.zeros(modes.rigid), modes.frequency**2), modes.rigid + mode
-    kinetic = tree.moving_inertia[:, None] * angle[:, [own]] * angle
+    square, position = np.append(np.zeros(modes.rigid), modes.frequency**2), modes.rigid + mode
+    kinetic = tree.moving_inertia[:, None] * angle[:, [position]] * angle
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)[:, None]
-    change = np.vstack([flexibility * torque[:, [own]] * torque / square[own], -kinetic])
-    mass = np.append(np.zeros(tree.size), kinetic[:, own])
-    first, others = change[:, own].copy(), np.delete(change, own, axis=1)
-    gap = np.delete(1.0 - square / square[own], own)
+    change = np.vstack([flexibility * torque[:, [position]] * torque / square[position], -kinetic])
+    mass = np.append(np.zeros(tree.size), kinetic[:, position])
+    first, remaining = change[:, position].copy(), np.delete(change, position, axis=1)
+    gap = np.delete(1.0 - square / square[position], position)
     crossed = np.outer(first, mass)
-    second = np.diag(first) - crossed - crossed.T + 2.0 * (others / gap) @ others.T
+    second = np.diag(first) - crossed - crossed.T + 2.0 * (remaining / gap) @ remaining.T
     return np.asarray(0.5 * (second - np.outer(first, first)))
 
 

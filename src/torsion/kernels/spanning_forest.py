@@ -7,8 +7,6 @@ import numpy as np
 
 from torsion.arrays import BoolArray, IntArray
 
-MANY = 4000  # stations from which scipy's search over sparse graphs is the faster (measured)
-
 
 @dataclass(frozen=True)
 class Walk:
@@ -23,8 +21,6 @@ def walk(
     number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]
 ) -> Walk:
     """Breadth first from one of `roots`, else from the first station, of every separate part, over `chosen` spans."""
-    if number >= MANY:
-        return _walk_of_many(number, driving, driven, chosen, roots)
     near: list[list[tuple[int, int]]] = [[] for _ in range(number)]
     for span in np.flatnonzero(chosen).tolist():
         a, b = int(driving[span]), int(driven[span])
@@ -87,30 +83,3 @@ def closing_no_loop(
         a, b = root(int(driving[span])), root(int(driven[span]))
         group[a], chosen[span] = b, a != b
     return chosen
-
-
-def _walk_of_many(
-    number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]
-) -> Walk:
-    """One search from a point beside the train, which is joined to the root of every part."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import breadth_first_order
-
-    span = np.flatnonzero(chosen)
-    a, b = driving[span], driven[span]
-    part = connected(number, a, b)
-    begin = np.arange(number)
-    for station in reversed(roots):
-        begin[part[station]] = station
-    root = begin[np.unique(part)]
-    ends = np.concatenate([a, np.full(len(root), number)]), np.concatenate([b, root])
-    graph = coo_array(
-        (np.ones(len(ends[0]), dtype=np.int32), ends), shape=(number + 1, number + 1)
-    ).tocsr()
-    met, before = breadth_first_order(graph, number, directed=False)
-    order, parent = met[1:].astype(np.int64), before[:-1].astype(np.int64)
-    parent[root] = -1
-    above = np.full(number, -1, dtype=np.int64)
-    down, up = parent[b] == a, parent[a] == b
-    above[b[down]], above[a[up]] = span[down], span[up]
-    return Walk(order, parent, above)

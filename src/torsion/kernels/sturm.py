@@ -226,6 +226,8 @@ def enclose(
     if tree.shafts is not None:
         widest = max(widest, _WIDEST_OF_SHAFTS)
     half = expected_width(tree, frequency, 0.0 if passed is None else passed)
+
+    # A shape next to a repeated frequency says nothing of the width.
     unlikely = ~(half <= widest)
     if unlikely.any():
         half[unlikely] = expected_width(tree, frequency, 0.0)[unlikely]
@@ -235,6 +237,8 @@ def enclose(
         lower, upper = frequency * (1.0 - half), frequency * (1.0 + half)
         at_most, at_least = count_bounds(tree, lower[left], upper[left])
         proven[left] = (at_most <= left + rigid) & (at_least > left + rigid)
+
+        # What is not proven is tried in twice the width.
         half = np.where(proven, half, 2.0 * half)
         left = np.flatnonzero(~proven & (half <= widest))
     return lower, upper, proven

@@ -173,29 +173,12 @@ class Tree:
             flexibility=np.where(spans, 0.0, self.flexibility),
         )
 
-    @cached_property
-    def _rounds(self) -> tuple[IntArray, ...]:
-        """The shafts in groups within which no two begin at one station."""
-        if len(set(self.shaft_parent.tolist())) == len(self.shaft_parent):
-            return (np.arange(len(self.shaft_parent)),)
-        order = np.argsort(self.shaft_parent, kind="stable")
-        _, first, length = np.unique(
-            self.shaft_parent[order], return_index=True, return_counts=True
-        )
-        rank = np.arange(len(order)) - np.repeat(first, length)
-        return tuple(order[rank == k] for k in range(int(length.max(initial=0))))
-
     def add_ends(self, total: NDArray[Any], inner: NDArray[Any], outer: NDArray[Any]) -> None:
         """Add what the ends of every shaft bring, (shafts, ...) each, to that of the stations (stations, ...)."""
         if self.shafts is not None:
             total[self.shafts.node] += outer
-            for part in self._rounds:
-                total[self.shaft_parent[part]] += inner[part]
-
-    @cached_property
-    def flexibilities(self) -> list[FloatArray]:
-        """`flexibility` of each span as a value without axes, which is fast."""
-        return [self.flexibility[station, ...] for station in range(self.size)]
+            for parent, row in zip(self.shaft_parent.tolist(), inner, strict=True):
+                total[parent] += row  # several shafts may begin at one station
 
 
 @dataclass(frozen=True)

@@ -1,210 +1,75 @@
-"""The dynamic stiffness of both sides of every span; shapes and responses that follow without a difference of angles.
+"""The dynamic stiffness of both sides of every span, and shapes that follow without a difference of angles.
 
 One sweep from the leaves to the roots and one back give, at every span, the stiffness of the train toward the leaves
 and of all the rest, both as sums of terms only: the share of siblings is summed from the left and from the right, never
-taken from a total. Angles are then products along the train from one station, torques products of a stiffness and an
-angle, so that each component keeps its own relative accuracy (the re-rooted, or twisted, factorisation of Parlett and
-Dhillon 1997). A distributed shaft is seen through its outer end inertia, its flexibility and its inner one: there is no
-torque at a free end, exactly.
-
-The free shapes of springs have back ends with the same recurrence: a chain is swept from both ends at once, so that a
-row costs little more than half, a large tree layer by layer: a third of the time for 100 stations (measured).
-Infinite values are meant (a fixed station, a node): callers of `sides_of` and `spread` ignore them by `np.errstate`.
+as the total minus its own. Three back ends do the same: station by station (`elimination`), layer by layer, and along a
+chain from both ends at once (measured). Infinite values are meant (a fixed station, a node): callers of `sides_of` and
+`spread` ignore them by `np.errstate`.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.layers import add_children, of_the_rest, share, sweep_to_roots
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.elimination import eliminate_undamped
+from torsion.kernels.layers import add_children, of_the_rest, sweep_to_roots
 from torsion.kernels.tree import Tree
 
-Spread = tuple[FloatArray, FloatArray, FloatArray, BoolArray | None]
-
-
-@dataclass(frozen=True)
-class TwoSides:
-    """Dynamic stiffness at w (m,) rad/s, station by station; all (stations, m), N m/rad. At a root of the rest 0.
-
-    Of a spring, what lies at its ends is the same with and without the ends of the span.
-    """
-
-    branch: FloatArray  # z: of the station and all beyond it, seen at the station
-    passed: FloatArray  # the same with the outer end of the span to the parent, seen through the flexibility
-    rest: FloatArray  # zd: of all the rest, seen at the parent
-    returned: FloatArray  # the same with the inner end of the span, seen through the flexibility
-    branch_end: FloatArray  # `branch` with the outer end of the span
-    branch_passed: (
-        FloatArray  # zz: `passed` with the inner end, all that the span shows at the parent
-    )
-    rest_end: FloatArray  # `rest` with the inner end of the span
-    rest_passed: (
-        FloatArray  # y: `returned` with the outer end, all that the span shows at the station
-    )
-
-    @cached_property
-    def total(self) -> FloatArray:
-        """Dynamic stiffness of the whole train (stations, m), seen at each station; 0 at a natural frequency."""
-        return self.branch + self.rest_passed
-
-    @cached_property
-    def to_leaves(self) -> FloatArray:
-        """Angle of each station over that of its parent (stations, m), without sources beyond."""
-        return _ratio(self.passed, self.branch_end)
-
-    @cached_property
-    def to_root(self) -> FloatArray:
-        """Angle of each parent over that of the station (stations, m), without sources in the rest."""
-        return _ratio(self.returned, self.rest_end)
+Spread = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True)
 class Sides:
-    """What shapes take of `TwoSides`, by another back end; what is passed on may have one row more."""
+    """Dynamic stiffness at w (m,) rad/s, (stations, m) N m/rad; what is passed on may have one row more, of zeros.
 
-    total: FloatArray
-    passed: FloatArray
-    returned: FloatArray
-    to_leaves: FloatArray
-    to_root: FloatArray
+    The ends of distributed shafts count as inertia of the stations.
+    """
+
+    total: FloatArray  # Z: of the whole train at each station; 0 at a natural frequency
+    passed: FloatArray  # zz: of the station and all beyond it, seen by the parent through the span; 0 at a root
+    returned: FloatArray  # y: of all the rest, seen by the station through the span; 0 at a root
+    to_leaves: FloatArray  # angle of each station over that of its parent, without sources beyond
+    to_root: (
+        FloatArray  # angle of each parent over that of the station, without sources in the rest
+    )
 
 
-def sides_of(tree: Tree, w: FloatArray) -> Sides | TwoSides:
-    """Both sides of every span at angular frequencies `w` (m,), by the back end that suits the tree."""
-    if tree.is_chain and tree.shafts is None:
+def sides_of(tree: Tree, w: FloatArray) -> Sides:
+    """Return both sides of every span at angular frequencies `w` (m,), by the back end that suits the tree."""
+    if tree.shafts is None and tree.is_chain:
         return _sides_of_chain(tree, tree.own_stiffness(w * w))
-    if not tree.is_swept_by_stations and tree.shafts is None:
+    if tree.shafts is None and not tree.is_swept_by_stations:
         return _sides_of_layers(tree, tree.own_stiffness(w * w))
-    return two_sides(tree, w)
+    return _sides_by_stations(tree, w)
 
 
-def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
-    """The two sweeps at angular frequencies `w` (m,), station by station."""
-    square, h, near, far = (
-        w * w,
-        tree.flexibilities,
-        dict[int, FloatArray](),
-        dict[int, FloatArray](),
-    )
-    with np.errstate(all="ignore"):
-        station_stiffness = tree.own_stiffness(square)
-        stiffness, zd = np.zeros((3, *station_stiffness.shape)), [np.zeros(len(w))] * tree.size
-        stiffness[0] = station_stiffness
-        own_rows, z, zz, y = list(station_stiffness), *map(list, stiffness)
-        z_end, zz_end, zd_end, y_end = z, zz, zd, y
-        if tree.shafts is not None:
-            flexibility, inner, outer = tree.shafts.at(square)
-            node, h, ends = (
-                tree.shafts.node.tolist(),
-                h.copy(),
-                np.zeros((4, *station_stiffness.shape)),
-            )
-            near, far = (dict(zip(node, part * square, strict=True)) for part in (inner, outer))
-            z_end, zz_end, zd_end, y_end = map(list, ends)
-            for station, row in zip(node, flexibility, strict=True):
-                h[station] = row
-        parents, add, subtract, reciprocal = tree.parents, np.add, np.subtract, np.reciprocal
-        for i in range(tree.size - 1, -1, -1):
-            parent = parents[i]
-            z_end[i] = subtract(z[i], far[i], z_end[i]) if i in far else z[i]
-            if parent >= 0:
-                reciprocal(add(h[i], reciprocal(z_end[i], zz[i]), zz[i]), zz[i])
-                zz_end[i] = subtract(zz[i], near[i], zz_end[i]) if i in near else zz[i]
-                add(z[parent], zz_end[i], z[parent])
-        for i, children in enumerate(tree.children):
-            if children:
-                share(children, zz_end, zd, own_rows[i] + y_end[i])
-            for child in children:
-                zd_end[child] = (
-                    subtract(zd[child], near[child], zd_end[child]) if child in near else zd[child]
-                )
-                reciprocal(add(h[child], reciprocal(zd_end[child], y[child]), y[child]), y[child])
-                y_end[child] = (
-                    subtract(y[child], far[child], y_end[child]) if child in far else y[child]
-                )
-    seen = stiffness[0], stiffness[1], np.array(zd), stiffness[2]
-    if tree.shafts is None:
-        return TwoSides(*seen, *seen)
-    for part, plain_part in zip(ends, seen, strict=True):
-        part[tree.springs] = plain_part[tree.springs]
-    return TwoSides(*seen, *ends)
+def spread(tree: Tree, sides: Sides, start: IntArray) -> Spread:
+    """Return angles (stations, m) that are 1 at `start` (m,), span torques (stations, m) and their products.
 
-
-def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Angles (stations, m) rad and torques (stations, m) N m under `torque` (stations, m) N m at each station.
-
-    The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
-    a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
+    The products are those of the torques with the angles at the parents, and may have one row more. On the way from
+    the start to the root the torque is that of the rest of the train, elsewhere that of the branch.
     """
-    f, (ff, g), rest_source = (
-        torque.copy(),
-        np.zeros((2, *torque.shape)),
-        [np.zeros(torque.shape[1])] * tree.size,
+    if tree.shafts is None and tree.is_chain:
+        return _spread_along_chain(tree, sides, start)
+    if tree.shafts is None and not tree.is_swept_by_stations:
+        return _spread_by_layers(tree, sides, start)
+    return _spread_by_stations(tree, sides, start)
+
+
+def _sides_by_stations(tree: Tree, w: FloatArray) -> Sides:
+    """Return `sides_of` a small tree, or one with distributed shafts."""
+    plan, seen = eliminate_undamped(tree, w)
+    divisor, passed, to_leaves = (
+        np.array(rows) for rows in (seen.divisor, seen.through, seen.transfer)
     )
-    torque_rows, source, passed, back, parents = (
-        list(torque),
-        list(f),
-        list(ff),
-        list(g),
-        tree.parents,
-    )
-    with np.errstate(all="ignore"):
-        to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
-        for i in range(tree.size - 1, -1, -1):
-            parent = parents[i]
-            if parent >= 0:
-                np.multiply(source[i], to_leaves[i], passed[i])
-                np.add(source[parent], passed[i], source[parent])
-        for i, children in enumerate(tree.children):
-            if children:
-                share(children, passed, rest_source, torque_rows[i] + back[i])
-            for child in children:
-                np.multiply(rest_source[child], to_root[child], back[child])
-        fd, z, zz, zd, y = (
-            np.array(rest_source),
-            sides.branch_end,
-            sides.passed,
-            sides.rest_end,
-            sides.returned,
-        )
-        at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
-        span, angle = (
-            np.where(np.abs(zd) <= np.abs(z), at_parent, at_station),
-            (f + g) / sides.total,
-        )
-    if tree.holds:
-        angle[tree.held] = 0.0
-        span[np.isinf(sides.branch) & np.isinf(sides.rest)] = 0.0  # between two fixed stations
-    span[tree.roots] = 0.0
-    return angle, span
-
-
-def _ratio(through: FloatArray, stiffness: FloatArray) -> FloatArray:
-    """Like `_transmission`, from a `stiffness` z instead of its inverse."""
-    ratio: FloatArray = through / stiffness
-    soft = stiffness == 0.0
-    if soft.any():
-        ratio[soft] = 1.0
-    return ratio
-
-
-def spread(tree: Tree, sides: Sides | TwoSides, start: IntArray) -> Spread:
-    """Angles (stations, m) that are 1 at `start` (m,), span torques (stations, m), and the products of these with the
-    angles at the parents, which may have one row more; where stations are swept, also which (stations, m) lie on the
-    way from the start to the root.
-
-    On that way the torque is that of the rest of the train, elsewhere that of the branch.
-    """
-    if isinstance(sides, TwoSides):
-        return _spread_by_stations(tree, sides, start)
-    return (
-        _spread_along_chain(tree, sides, start)
-        if tree.is_chain
-        else _spread_by_layers(tree, sides, start)
-    )
+    to_root = 1.0 / divisor
+    returned = np.array(seen.rest) * to_root
+    passed[plan.roots] = to_leaves[plan.roots] = 0.0
+    to_leaves[tree.held] = 0.0
+    to_root[tree.held[tree.parent]] = 0.0  # a fixed parent does not turn
+    return Sides(np.array(seen.branch) + returned, passed, returned, to_leaves, to_root)
 
 
 def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
@@ -229,10 +94,10 @@ def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
         multiply(before, moment, share)
     torque[path, column] = -sides.returned[path, column] * angle[path, column]
     product[path, column] = torque[path, column] * angle[tree.parent[path], column]
-    return angle, torque, product, None
+    return angle, torque, product
 
 
-def _spread_by_stations(tree: Tree, sides: TwoSides, start: IntArray) -> Spread:
+def _spread_by_stations(tree: Tree, sides: Sides, start: IntArray) -> Spread:
     """Spread the angle at the start station by station, as `spread` returns it."""
     angle, product = np.zeros(sides.to_leaves.shape), np.empty(len(start))
     angle[start, np.arange(len(start))] = 1.0
@@ -252,7 +117,7 @@ def _spread_by_stations(tree: Tree, sides: TwoSides, start: IntArray) -> Spread:
     at_parent = angle[tree.parent]
     np.copyto(torque, sides.passed * at_parent, where=~is_toward_root)
     torque[tree.roots] = 0.0
-    return angle, torque, np.multiply(at_parent, torque, out=at_parent), is_toward_root
+    return angle, torque, np.multiply(at_parent, torque, out=at_parent)
 
 
 def _sides_of_layers(tree: Tree, station_stiffness: FloatArray) -> Sides:
@@ -348,4 +213,4 @@ def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
     returned = multiply(sides.returned[1:], angle[1:])
     np.copyto(moment, np.negative(returned, returned), where=is_toward_root)
     multiply(before, moment, product[1 : tree.size])
-    return angle, torque[: tree.size], product, None
+    return angle, torque[: tree.size], product

@@ -2,10 +2,9 @@
 
 From the modes of one train, the geometric middle of all, every other begins at what the shares of energy say of a
 change of its figures: d ln f/d ln k is half the share of a span in the elastic energy, -d ln f/d ln J that of a
-station in the kinetic one. Newton's steps from there make the dynamic stiffness zero that is seen at the station which
-has the most kinetic energy in the mode; the counts that enclose a frequency are the sweeps of one train, with a train
-in each column. Trains that counts do not confirm (close modes, or far from the middle) take Rayleigh's steps, from the
-singular values of each; then each is solved by itself.
+station in the kinetic one. Rayleigh's steps lead from there to its modes; the counts that enclose a frequency are the
+sweeps of one train, with a train in each column. Trains that counts do not confirm (close modes, or far from the middle)
+begin once more at the singular values of each, then each is solved by itself.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.mode_shapes import TreeModes, free_shapes
+from torsion.kernels.mode_shapes import free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
 from torsion.kernels.tree import Rerooted, Tree, by_layers, rerooted_at_middle
@@ -59,34 +58,33 @@ def variant_modes(
             f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
         )
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    known = tree_modes(middle, count)
-    if len(known.frequency) < count:
-        raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
-    numbered, square = _numbered(middle), known.frequency**2
-    sweeps = _sweeps(numbered, known) if numbered.tree.is_plain else []
-    by_flexibility = -0.5 * middle.flexibility[:, None] * known.torque**2 / square
-    by_inertia = -0.5 * middle.moving_inertia[:, None] * known.angle**2
+    middle_modes = tree_modes(middle, count)
+    if len(middle_modes.frequency) < count:
+        raise ValueError(
+            f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
+        )
+    numbered, square = _numbered(middle), middle_modes.frequency**2
+    by_flexibility = -0.5 * middle.flexibility[:, None] * middle_modes.torque**2 / square
+    by_inertia = -0.5 * middle.moving_inertia[:, None] * middle_modes.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
         h, j = flexibility[:, part], inertia[:, part]
-        start = np.log(known.frequency)[:, None] + by_flexibility.T @ changes(h, middle.flexibility)
+        start = np.log(middle_modes.frequency)[:, None]
+        start = start + by_flexibility.T @ changes(h, middle.flexibility)
         start += by_inertia.T @ changes(j, middle.moving_inertia)
         trains = _side_by_side(numbered, h, j)
-        found = [
-            _polished(trains, one, sweep) for one, sweep in zip(np.exp(start), sweeps, strict=False)
-        ]
-        bounds[:, :, part], proven = _proven(
-            trains, found or _settled_each(trains, np.exp(start)), known.rigid
-        )
+        settled = [_settled(trains, mode_start) for mode_start in np.exp(start)]
+        bounds[:, :, part], proven = _proven(trains, settled, middle_modes.rigid)
         if not proven.all() and trains.is_plain:
             left = np.flatnonzero(~proven)
             some = _columns(trains, left)
+            settled = [_settled(some, mode_start) for mode_start in _values(some)[:count]]
             bounds[:, :, part.start + left], proven[left] = _proven(
-                some, _settled_each(some, _values(some)[:count]), known.rigid
+                some, settled, middle_modes.rigid
             )
         for column in np.flatnonzero(~proven).tolist():
-            one = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
-            bounds[:, :, part.start + column] = one.frequency, one.lower, one.upper
+            modes = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
+            bounds[:, :, part.start + column] = modes.frequency, modes.lower, modes.upper
             alone += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, alone)
@@ -130,42 +128,13 @@ def _columns(trains: Tree, chosen: Selection) -> Tree:
 
 
 def _values(trains: Tree) -> FloatArray:
-    """Elastic frequencies (modes, trains) rad/s to begin with: singular values of K^1/2 J^-1/2, of all at once."""
-    size = trains.size
-    factor, span, parent = (
-        np.zeros((trains.inertia.shape[1], size - 1, size)),
-        np.arange(1, size),
-        trains.parent[1:],
-    )
-    for sign, station in ((1.0, parent), (-1.0, span)):
-        factor[:, span - 1, station] = (
-            sign / np.sqrt(trains.flexibility[span] * trains.inertia[station])
-        ).T
+    """Return elastic frequencies (modes, trains) rad/s to begin with: singular values of K^1/2 J^-1/2, of all at once."""
+    size, span = trains.size, np.arange(1, trains.size)
+    factor = np.zeros((trains.inertia.shape[1], size - 1, size))
+    for sign, station in ((1.0, trains.parent[1:]), (-1.0, span)):
+        inertia = trains.inertia[station]
+        factor[:, span - 1, station] = (sign / np.sqrt(trains.flexibility[span] * inertia)).T
     return np.asarray(np.linalg.svd(factor, compute_uv=False).T[::-1])
-
-
-@dataclass(frozen=True)
-class _Sweep:
-    """How to sweep for one mode."""
-
-    steps: list[
-        tuple[int, int, int]
-    ]  # station, the one toward the root, and the span between them; the leaves first
-    root: int  # the station with the most kinetic energy
-    passed: float  # sum of |torque| |angle at the parent| over s in the middle of the trains
-
-
-def _sweeps(numbered: Rerooted, known: TreeModes) -> list[_Sweep]:
-    """The sweep for each mode of the middle train, `known` in the numbering before it."""
-    tree = numbered.tree
-    station, span = np.argsort(numbered.station), np.argsort(numbered.span)
-    angle, torque = np.abs(known.angle[station]), np.abs(known.torque[span])
-    passed = (torque[1:] * angle[tree.parent[1:]]).sum(axis=0) / known.frequency**2
-    roots = np.argmax(tree.inertia[:, None] * angle**2, axis=0)
-    return [
-        _Sweep(toward(tree, root), root, one)
-        for root, one in zip(roots.tolist(), passed.tolist(), strict=True)
-    ]
 
 
 def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
@@ -174,68 +143,24 @@ def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     for station, behind in reached:
         near = [(child, child) for child in tree.children[station]]
         near += [(tree.parents[station], station)] if tree.parents[station] >= 0 else []
-        for other, span in near:
-            if other != behind:
-                reached.append((other, station))
-                steps.append((other, station, span))
+        for neighbour, span in near:
+            if neighbour != behind:
+                reached.append((neighbour, station))
+                steps.append((neighbour, station, span))
     return steps[::-1]
-
-
-def _polished(trains: Tree, start: FloatArray, sweep: _Sweep) -> tuple[FloatArray, FloatArray]:
-    """Frequency (trains,) rad/s after Newton's steps, and the sum of |torque| |angle at the parent| of its shape."""
-    square, left, some = start * start, np.arange(len(start)), trains
-    for _ in range(_STEPS):
-        here = square[left]
-        with np.errstate(all="ignore"):
-            stiffness, inertia = _seen_at_root(some, here, sweep)
-            change = stiffness / (inertia * here)
-        change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        square[left] = here + here * change
-        going = np.abs(change) > 2.0 * _SETTLED
-        if not going.any():
-            break
-        if np.count_nonzero(going) < _STAYING * len(left):
-            left = left[going]
-            some = _columns(trains, left)
-    return np.sqrt(square), sweep.passed * square
-
-
-def _seen_at_root(trains: Tree, square: FloatArray, sweep: _Sweep) -> tuple[FloatArray, FloatArray]:
-    """Dynamic stiffness z (trains,) N m/rad at the root, and -dz/ds (trains,) kg m2, at s = `square` (trains,).
-
-    A span passes on z r and r^2 dz/ds with r = 1 / (1 + h z): one reciprocal for both, and no sum of unlike signs
-    among the inertias.
-    """
-    seen, through, product = trains.inertia * -square, np.empty_like(square), np.empty_like(square)
-    inertia, flexibility = list(trains.inertia), trains.flexibility
-    for station, toward, span in sweep.steps:
-        z = seen[station]
-        np.multiply(flexibility[span], z, through)
-        np.add(through, 1.0, through)
-        np.reciprocal(through, through)
-        np.multiply(z, through, z)
-        np.add(seen[toward], z, seen[toward])
-        np.multiply(through, through, through)
-        np.multiply(through, inertia[station], product)
-        inertia[toward] = np.add(inertia[toward], product, z)  # z is no longer wanted
-    return seen[sweep.root], inertia[sweep.root]
-
-
-def _settled_each(trains: Tree, start: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    return [_settled(trains, one) for one in start]
 
 
 def _proven(
     trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: int
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s of `settled` modes, and which trains are proven."""
-    frequency = np.stack([one for one, _ in settled])
+    frequency = np.stack([hertz for hertz, _ in settled])
     order = np.argsort(frequency, axis=0)
     frequency = np.take_along_axis(frequency, order, axis=0)
-    passed = np.take_along_axis(np.stack([one for _, one in settled]), order, axis=0)
+    passed = np.take_along_axis(np.stack([hertz for _, hertz in settled]), order, axis=0)
     bounds, proven = np.stack([frequency] * 3), np.ones(frequency.shape[1], dtype=np.bool_)
-    for mode, one in enumerate(frequency):
-        bounds[1:, mode], is_proven = _enclosed(trains, one, passed[mode], mode + rigid)
+    for mode, hertz in enumerate(frequency):
+        bounds[1:, mode], is_proven = _enclosed(trains, hertz, passed[mode], mode + rigid)
         proven &= is_proven
     return bounds, proven
 
@@ -249,13 +174,13 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
         trains,
     )
     for _ in range(_STEPS):
-        here = frequency[left]
-        shapes = free_shapes(some, here)
+        frequencies = frequency[left]
+        shapes = free_shapes(some, frequencies)
         with np.errstate(all="ignore"):
-            share = shapes.correction / here**2
+            share = shapes.correction / frequencies**2
             change = share / (1.0 + np.sqrt(1.0 + share))
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        frequency[left] = here * (1.0 + change)
+        frequency[left] = frequencies * (1.0 + change)
         passed[left] = shapes.passed
         going = np.abs(change) > _SETTLED
         if not going.any():

@@ -81,39 +81,43 @@ def network_modes(
     )
 
     def alone(h: FloatArray, j: FloatArray, c: FloatArray, shafts: Shafts | None) -> TreeModes:
-        own = replace(tree, flexibility=h, inertia=j, shafts=shafts)
-        return counted_modes(own, *ends, c, count) if len(c) else tree_modes(own, count)
+        train = replace(tree, flexibility=h, inertia=j, shafts=shafts)
+        return counted_modes(train, *ends, c, count) if len(c) else tree_modes(train, count)
 
     middle = (
         None
         if tree.shafts is None or factors is None
         else _shafts_of(tree.shafts, middle_of(factors))
     )
-    known = alone(middle_of(flexibility), middle_of(inertia), middle_of(chord), middle)
-    if len(known.frequency) < count:
-        raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
+    middle_modes = alone(middle_of(flexibility), middle_of(inertia), middle_of(chord), middle)
+    if len(middle_modes.frequency) < count:
+        raise ValueError(
+            f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
+        )
     mean = replace(
         tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia), shafts=middle
     )
     torn, rows = _torn(many, mean, ends)
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)), trains):
-        own = many.chosen(part)
+        some = many.chosen(part)
         proven = np.zeros(
-            own.chord.shape[1] if len(chord) else own.tree.flexibility.shape[1], dtype=np.bool_
+            some.chord.shape[1] if len(chord) else some.tree.flexibility.shape[1], dtype=np.bool_
         )
         if torn.tree.parents.count(-1) == 1:
             bounds[:, :, part], proven = _modes(
-                torn.chosen(part), rows, own, mean, known, middle_of(chord)
+                torn.chosen(part), rows, some, mean, middle_modes, middle_of(chord)
             )
         for column in (part.start + np.flatnonzero(~proven)).tolist():
-            one = (
+            train_shafts = (
                 None
                 if tree.shafts is None or factors is None
                 else _shafts_of(tree.shafts, factors[:, column])
             )
-            found = alone(flexibility[:, column], inertia[:, column], chord[:, column], one)
-            bounds[:, :, column] = found.frequency, found.lower, found.upper
+            modes_alone = alone(
+                flexibility[:, column], inertia[:, column], chord[:, column], train_shafts
+            )
+            bounds[:, :, column] = modes_alone.frequency, modes_alone.lower, modes_alone.upper
             number += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, number)
@@ -132,33 +136,36 @@ def counted_modes(
     >>> found.certified, bool((found.lower < np.sqrt(3.0)).all() and (found.upper > np.sqrt(3.0)).all())
     (True, True)
     """
-    found = graph_modes(tree, first, second, flexibility, count)
-    modes = len(found.frequency)
-    if found.certified or not modes or len(first) > _MOST_CHORDS:
-        return found
-    one = Network(
+    modes_found = graph_modes(tree, first, second, flexibility, count)
+    modes = len(modes_found.frequency)
+    if modes_found.certified or not modes or len(first) > _MOST_CHORDS:
+        return modes_found
+    single = Network(
         replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]),
         pairs(tree.size, first, second),
         flexibility[:, None],
     )
-    torn, rows = _torn(one, tree, (first, second))
+    torn, rows = _torn(single, tree, (first, second))
     if torn.tree.parents.count(-1) != 1:
-        return found
-    energy = (tree.moving_inertia[:, None] * found.angle**2).sum(axis=1)
-    passed = np.abs(found.torque * found.angle[tree.parent]).sum(axis=0) / found.frequency**2
+        return modes_found
+    energy = (tree.moving_inertia[:, None] * modes_found.angle**2).sum(axis=1)
+    passed = (
+        np.abs(modes_found.torque * modes_found.angle[tree.parent]).sum(axis=0)
+        / modes_found.frequency**2
+    )
     bounds, proven = enclosed_each(
         torn.chosen(np.zeros(modes, dtype=np.int64)),
-        found.frequency,
+        modes_found.frequency,
         passed,
-        np.arange(modes) + found.rigid,
+        np.arange(modes) + modes_found.rigid,
         int(rows[np.argmax(energy)]),
     )
     if not proven.all():
-        return found
+        return modes_found
     _, lower, upper = bounds
     return replace(
-        found,
-        frequency=np.clip(found.frequency, lower, upper),
+        modes_found,
+        frequency=np.clip(modes_found.frequency, lower, upper),
         lower=lower,
         upper=upper,
         certified=True,
@@ -166,7 +173,7 @@ def counted_modes(
 
 
 def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
-    """The shafts of all trains."""
+    """Return the shafts with the figures of their laws in a column for each train."""
     if tree.shafts is None:
         return None
     sizes = [law.figures.size for law in tree.shafts.laws]
@@ -174,18 +181,19 @@ def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
         raise ValueError(
             f"the laws of the shafts have {sum(sizes)} figures; expected factors of each for every train"
         )
-    own = np.split(factors, np.cumsum(sizes)[:-1])
+    pieces = np.split(factors, np.cumsum(sizes)[:-1])
     return replace(
-        tree.shafts, laws=tuple(Columns.of(*one) for one in zip(tree.shafts.laws, own, strict=True))
+        tree.shafts,
+        laws=tuple(Columns.of(*pair) for pair in zip(tree.shafts.laws, pieces, strict=True)),
     )
 
 
 def _shafts_of(shafts: Shafts, factors: FloatArray) -> Shafts:
     """The shafts of one train, with `factors` (figures,)."""
     sizes = [law.figures.size for law in shafts.laws]
-    own = np.split(factors[:, None], np.cumsum(sizes)[:-1])
+    pieces = np.split(factors[:, None], np.cumsum(sizes)[:-1])
     return replace(
-        shafts, laws=tuple(Columns.of(*one).rows for one in zip(shafts.laws, own, strict=True))
+        shafts, laws=tuple(Columns.of(*pair).rows for pair in zip(shafts.laws, pieces, strict=True))
     )
 
 
@@ -195,10 +203,10 @@ def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[N
         return many, np.arange(mean.size)
     tree = many.tree
     torn = stiffest_tree(mean, *ends, middle_of(many.chord))
-    own = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=np.bool_))
+    is_used = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=np.bool_))
     given, flexibility = np.concatenate([tree.flexibility, many.chord]), None
     flexibility = np.zeros((mean.size + len(torn.first), given.shape[1]))
-    flexibility[torn.span[own]] = given[own]
+    flexibility[torn.span[is_used]] = given[is_used]
     moved = np.empty_like(tree.inertia)
     moved[torn.station] = tree.inertia
     new = replace(torn.tree, flexibility=flexibility[: mean.size], inertia=moved)
@@ -213,8 +221,8 @@ def _way(trains: Network, root: int, square: float) -> Way:
     load, inertia, soft = np.zeros_like(sign), middle_of(trains.tree.moving_inertia), list[int]()
     for station, near, span in steps:
         sign[:, near] += sign[:, station]
-        beside = max(inertia[station], inertia[near]) * square
-        if len(sign) and middle_of(trains.tree.flexibility[[span]])[0] * beside > _SOFT:
+        stiffest = max(inertia[station], inertia[near]) * square
+        if len(sign) and middle_of(trains.tree.flexibility[[span]])[0] * stiffest > _SOFT:
             load[:, station] += sign[:, station]
             load[:, near] -= 0.0 if trains.tree.held[near] else sign[:, station]
             soft.append(station)
@@ -229,13 +237,13 @@ def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
     """Frequency (trains,) rad/s after Newton's steps to where the dynamic stiffness that the root sees is zero."""
     square, left, some = start * start, np.arange(len(start)), trains
     for _ in range(_STEPS):
-        here = square[left]
+        squares = square[left]
         with np.errstate(all="ignore"):
-            seen = Elimination(some, here * (1.0 + 1j * _STEP), way)
+            seen = Elimination(some, squares * (1.0 + 1j * _STEP), way)
             stiffness = seen.at_root[0] + (_through_chords(seen) if seen.number else 0.0)
             change = -stiffness.real / (stiffness.imag / _STEP)
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        square[left] = here + here * change
+        square[left] = squares + squares * change
         going = np.abs(change) > _SETTLED
         if not going.any():
             break
@@ -245,12 +253,12 @@ def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
 
 def _through_chords(seen: Elimination) -> NDArray[Any]:
     """What the chords add (trains,) to the stiffness that the root sees."""
-    own = seen.at_root[1]
-    if len(own) < 2:
-        return np.asarray((own**2 / seen.matrix[:, 0]).sum(axis=0))
-    matrix, load = seen.matrix.transpose(2, 0, 1), own.T[:, :, None]
+    loads = seen.at_root[1]
+    if len(loads) < 2:
+        return np.asarray((loads**2 / seen.matrix[:, 0]).sum(axis=0))
+    matrix, load = seen.matrix.transpose(2, 0, 1), loads.T[:, :, None]
     lost = ~(np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(load).all(axis=(1, 2)))
-    matrix = np.where(lost[:, None, None], np.eye(len(own)), matrix)
+    matrix = np.where(lost[:, None, None], np.eye(len(loads)), matrix)
     try:
         return np.asarray((load * np.linalg.solve(matrix, load)).sum(axis=(1, 2)))
     except np.linalg.LinAlgError:  # of some train exactly; then all are solved by themselves
@@ -258,29 +266,37 @@ def _through_chords(seen: Elimination) -> NDArray[Any]:
 
 
 def _modes(
-    torn: Network, rows: IntArray, own: Network, mean: Tree, known: TreeModes, chord: FloatArray
+    torn: Network,
+    rows: IntArray,
+    given: Network,
+    mean: Tree,
+    middle_modes: TreeModes,
+    chord: FloatArray,
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s, and which trains are proven.
 
     torn: the trains that are eliminated, whose stations are `rows` of those given, `own`; known: modes of the `mean`.
     """
     start, passed, ways = [], [], []
-    for mode, w in enumerate(known.frequency.tolist()):
+    for mode, w in enumerate(middle_modes.frequency.tolist()):
         h, j = (
-            one[:, 0] for one in replace(mean, inertia=mean.moving_inertia).at(np.array([w * w]))
+            values[:, 0]
+            for values in replace(mean, inertia=mean.moving_inertia).at(np.array([w * w]))
         )
-        angle, torque = known.angle[:, mode], known.torque[:, mode].copy()
+        angle, torque = middle_modes.angle[:, mode], middle_modes.torque[:, mode].copy()
         if mean.shafts is not None:
             node = mean.shafts.node
             torque[node] = (angle[mean.parent[node]] - angle[node]) / h[node]
-        all_h, all_j = _at(own.tree, w * w)
+        all_h, all_j = _at(given.tree, w * w)
         moved = (torque**2 * h) @ changes(all_h, h) + w * w * (angle**2 * j) @ changes(all_j, j)
         if len(chord):
-            moved = moved + (known.loop_torque[:, mode] ** 2 * chord) @ changes(own.chord, chord)
+            moved = moved + (middle_modes.loop_torque[:, mode] ** 2 * chord) @ changes(
+                given.chord, chord
+            )
         start.append(w * np.exp(np.nan_to_num(-0.5 * moved / w**2)))
         ways.append(_way(torn, int(rows[np.argmax(j * angle**2)]), w * w))
         passed.append(np.abs(torque * angle[mean.parent]).sum() / w**2)
-    return _proven(torn, np.stack(start), ways, np.array(passed), known.rigid)
+    return _proven(torn, np.stack(start), ways, np.array(passed), middle_modes.rigid)
 
 
 def _at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
@@ -307,7 +323,7 @@ def _proven(
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s by Newton from `start`, and which trains are proven."""
     frequency = np.stack(
-        [_polished(trains, one, way) for one, way in zip(start, ways, strict=True)]
+        [_polished(trains, mode_start, way) for mode_start, way in zip(start, ways, strict=True)]
     )
     order = np.argsort(frequency, axis=0)
     frequency, passed = np.take_along_axis(frequency, order, axis=0), passed[order]
@@ -320,12 +336,14 @@ def _proven(
         is_beside = _enclosed(some, near, passed[mode, column], mode + rigid, way, half=_BESIDE)[1]
         for k in np.unique(mode[~is_beside]).tolist():
             lost = (mode == k) & ~is_beside
-            own = trains.chosen(column[lost])
+            lost_trains = trains.chosen(column[lost])
             near[lost] = _polished(
-                own, _bracketed(own, start[k, column[lost]], k + rigid, ways[k]), ways[k]
+                lost_trains,
+                _bracketed(lost_trains, start[k, column[lost]], k + rigid, ways[k]),
+                ways[k],
             )
-        found = enclosed_each(some, near, passed[mode, column], mode + rigid, way.root)
-        bounds[:, mode, column], proven[mode, column] = found
+        enclosed_modes = enclosed_each(some, near, passed[mode, column], mode + rigid, way.root)
+        bounds[:, mode, column], proven[mode, column] = enclosed_modes
     return bounds, np.asarray(proven.all(axis=0))
 
 
@@ -339,14 +357,14 @@ def enclosed_each(
     """
     bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
     near = frequency.copy()
-    for one in _roots(trains.tree, root):
+    for station in _roots(trains.tree, root):
         proven_before = proven.sum()
         for is_modal in (True, False) if len(trains.chord) else (False,):
             left = np.flatnonzero(~proven)
             if not left.size:
                 return bounds, proven
             some = trains.chosen(left)
-            way = _way(some, one, float(near[left].max()) ** 2)
+            way = _way(some, station, float(near[left].max()) ** 2)
             if is_modal:
                 way, square = modal_way(some, near[left] ** 2, way)
                 near[left] = np.sqrt(square)

@@ -27,5 +27,5 @@ KINDS = {
 
 def component(kind: str) -> type[Component]:
     """The class of a kind; raises KeyError for a word that is no kind."""
-    found: type[Component] = resolve_name(KINDS[kind])
-    return found
+    kind_class: type[Component] = resolve_name(KINDS[kind])
+    return kind_class

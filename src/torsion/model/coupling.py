@@ -256,12 +256,12 @@ class Coupling(Component, keyword="coupling", sort="link"):
             return
         contact = None if self.clearance is None else self.clearance.stiffness
         if contact is not None:
-            flexibility = 1.0 / build.own(contact)
+            flexibility = 1.0 / build.to_own_speed(contact)
         elif self.flexibility is not None:
             flexibility = self.flexibility * scale / factor
         else:
-            flexibility = 1.0 / build.own(self.stiffness or 1.0) / factor
-        viscous = build.own(self.viscous or 0.0)
+            flexibility = 1.0 / build.to_own_speed(self.stiffness or 1.0) / factor
+        viscous = build.to_own_speed(self.viscous or 0.0)
         nonlinear = _nonlinear_record(self, 1.0 / flexibility if flexibility else math.inf, scale)
         if nonlinear is not None:
             build.record(nonlinear=nonlinear)

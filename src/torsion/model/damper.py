@@ -33,8 +33,8 @@ class RingDamper(Component, keyword="damper", sort="point"):
 - damper: {housing: 1.5, ring: 4, silicone: {viscosity: 0.15 m**2/s, shape: 5 m**3, temperature: 75 degC}}"""
 
     clashes = tuple(
-        excludes(law, *others, hint=f"`{law}` gives stiffness and damping")
-        for law, others in (
+        excludes(law, *other_keys, hint=f"`{law}` gives stiffness and damping")
+        for law, other_keys in (
             ("table", ("stiffness", "damping", *HYSTERESES, "silicone")),
             ("silicone", ("stiffness", "damping", *HYSTERESES)),
         )
@@ -92,6 +92,8 @@ class RingDamper(Component, keyword="damper", sort="point"):
             table = law.lowered(build.arrival.scale)
             build.add(tabled_spring(name, build.part, (housing, ring), table, NOMINAL_FREQUENCY))
             return
-        flexibility = math.inf if self.stiffness is None else 1.0 / build.own(self.stiffness)
-        damping = build.own(self.damping or 0.0)
+        flexibility = (
+            math.inf if self.stiffness is None else 1.0 / build.to_own_speed(self.stiffness)
+        )
+        damping = build.to_own_speed(self.damping or 0.0)
         build.add(Spring(name, build.part, housing, ring, flexibility, damping, loss_factor(lost)))

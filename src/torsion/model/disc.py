@@ -48,9 +48,11 @@ class Disc(Rotor, keyword="disc"):
     def lower(self, build: Lowering) -> None:
         station = self.lower_rotor(build)
         if self.damping:
-            build.add(Damper(station, constant=build.own(self.damping)))
+            build.add(Damper(station, constant=build.to_own_speed(self.damping)))
         if self.stiffness:
             ground = build.station(f"{build.name} ground", is_ground=True)
             build.inertia(ground, math.inf)
             name = f"{build.name} to ground"
-            build.add(Spring(name, build.part, station, ground, 1.0 / build.own(self.stiffness)))
+            build.add(
+                Spring(name, build.part, station, ground, 1.0 / build.to_own_speed(self.stiffness))
+            )

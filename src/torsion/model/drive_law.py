@@ -66,10 +66,10 @@ class DriveLaw(Declared):
     def _refuse_kloss(self) -> None:
         if self.pull_out is None and self.at_slip is None:
             return
-        for key, other in (("pull_out", "at_slip"), ("at_slip", "pull_out"), ("pull_out", "slip")):
-            if getattr(self, other) is None:
+        for key, needed in (("pull_out", "at_slip"), ("at_slip", "pull_out"), ("pull_out", "slip")):
+            if getattr(self, needed) is None:
                 raise refuse(
-                    f"`{key}` without `{other}`",
+                    f"`{key}` without `{needed}`",
                     "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`",
                     key,
                 )
@@ -95,8 +95,10 @@ class DriveLaw(Declared):
     def slope_at_rated(self, torque: float, speed: float) -> float:
         """Return -dT/dω (N m s/rad) of `slip` or `droop`, from rated torque (N m) and speed (rad/s); else 0."""
         if self.slip is not None and self.pull_out is not None and self.at_slip is not None:
-            slip, most = self.slip, self.at_slip
-            over_slip = 2.0 * self.pull_out * most * (most**2 - slip**2) / (most**2 + slip**2) ** 2
+            slip, at_slip = self.slip, self.at_slip
+            over_slip = (
+                2.0 * self.pull_out * at_slip * (at_slip**2 - slip**2) / (at_slip**2 + slip**2) ** 2
+            )
             return over_slip * (1.0 - slip) / speed
         if self.slip is not None:
             return torque * (1.0 - self.slip) / (self.slip * speed)
@@ -115,8 +117,8 @@ class DriveLaw(Declared):
         if self.slip is not None or self.droop is not None:
             name, share = ("slip", self.slip) if self.slip is not None else ("droop", self.droop)
             lag = "" if self.lag is None else f", lag {self.lag:g} s"
-            most = "" if self.pull_out is None else f", pull-out torque {self.pull_out:g} N m"
-            return f"{name} {100.0 * (share or 0.0):g} %{most}{lag}"
+            pull_out = "" if self.pull_out is None else f", pull-out torque {self.pull_out:g} N m"
+            return f"{name} {100.0 * (share or 0.0):g} %{pull_out}{lag}"
         if self.torque is not None:
             return "torque by a table over speed"
         return "speed kept by a controller" if self.is_controlled else "constant torque"

@@ -210,9 +210,9 @@ class CouplingWarming(Declared):
         key, values = given_damping(self, HYSTERESES) or ("", ())
         of_psi = 2.0 * math.pi if key == "psi" else 1.0
         rows = tuple((t, value / of_psi) for t, value in values)
-        now = np.array(self.now)
+        temperature = np.array(self.now)
         points, factors = np.array(self.stiffness).T
-        first = float(np.interp(now, points, factors))
+        first = float(np.interp(temperature, points, factors))
         factor = tuple((t, value / first) for t, value in self.stiffness)
         warming = Warming(self.now, self.to, self.rise / self.at, factor, rows, key == "magnifier")
-        return warming, first, float(warming.loss_factor(now)) if rows else None
+        return warming, first, float(warming.loss_factor(temperature)) if rows else None

@@ -198,7 +198,7 @@ class Gear(Component, keyword="gear", sort="link"):
         )
 
     def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
-        """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
+        """Return the teeth of the driving gear with a wheel; a gear of its own beside it has the size of the module alone."""
         helix = self.helix_angle or 0.0
         angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
         on_driving_gear = not teeth or self.teeth is None or teeth[0] == self.teeth[0]
@@ -217,7 +217,7 @@ class Gear(Component, keyword="gear", sort="link"):
         return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])
 
     def _driving_teeth(self, wheel: "Gear | GearBranch") -> int:
-        """Of the driving gear, where it meshes with a wheel that has teeth."""
+        """Return the number of teeth of the driving gear where it meshes with a wheel that has teeth."""
         teeth = wheel.teeth or (1,)
         return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
 

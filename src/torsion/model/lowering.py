@@ -53,12 +53,12 @@ class Support(Declared):
 
     @property
     def stiffness_of_planes(self) -> tuple[float, float]:
-        """N/m in y and z."""
+        """Stiffness (N/m) in y and in z."""
         return self.stiffness[0], self.stiffness[-1]
 
     @property
     def damping_of_planes(self) -> tuple[float, float]:
-        """N s/m in y and z."""
+        """Damping (N s/m) in y and in z."""
         return self.damping[0], self.damping[-1]
 
 
@@ -81,7 +81,7 @@ class CouplingRatings:
     heat_in_misfire: "HeatInMisfire | None" = None  # while a cylinder does not fire
 
     def times(self, factor: float) -> "CouplingRatings":
-        """Of that many equal couplings side by side."""
+        """Return the limits of `factor` equal couplings side by side."""
         limits = {
             name: limit.times(factor) if hasattr(limit, "times") else factor * limit
             for name, limit in vars(self).items()
@@ -91,7 +91,7 @@ class CouplingRatings:
 
     @property
     def limit_heat(self) -> bool:
-        """There is a limit of the heat."""
+        """The maker states a limit of the power loss."""
         return any((self.heat_limit, self.heat_over_frequency, self.heat_in_misfire))
 
     @property
@@ -107,7 +107,7 @@ class CouplingRatings:
 
     @property
     def limit_anything(self) -> bool:
-        """There is a limit at all."""
+        """The maker states at least one limit."""
         return self.rated_torque is not None or self.limit_vibration
 
 
@@ -226,7 +226,7 @@ class Part:
 
     @property
     def whole(self) -> str:
-        """Of a section of a shaft, as `line [2]`, the shaft, `line`; of all else its own name."""
+        """The name of the shaft, `line`, of a section `line [2]`; the own name of any other part."""
         section = re.fullmatch(r"(.*) \[\d+\]", self.name) if self.kind == "shaft" else None
         return section[1] if section else self.name
 
@@ -243,7 +243,7 @@ class Part:
 
     @property
     def stiffness_tolerance(self) -> float:
-        """Relative, of a coupling; 0 where the file gives none."""
+        """Relative tolerance of the stiffness of a coupling; 0 where the file gives none."""
         return 0.0 if self.ratings is None else self.ratings.tolerance or 0.0
 
     @property
@@ -392,17 +392,23 @@ class Lowering:
         return driving, driven
 
     def add(self, *primitives: Primitive) -> None:
-        """Collect primitives."""
+        """Collect primitives in the order in which components add them."""
         self.primitives.extend(primitives)
 
     def inertia(self, station: int, given: float, what: str = "", part: int | None = None) -> None:
         """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
         if given:
             self.add(
-                Inertia(station, self.own(given), self.part if part is None else part, what, given)
+                Inertia(
+                    station,
+                    self.to_own_speed(given),
+                    self.part if part is None else part,
+                    what,
+                    given,
+                )
             )
 
-    def own(self, value: float) -> float:
+    def to_own_speed(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
         return value / self.arrival.scale
 

@@ -93,12 +93,12 @@ class Machine(Rotor):
 
     @property
     def is_driver(self) -> bool:
-        """It delivers power."""
+        """The machine delivers power to the train."""
         return self.drives_train
 
     @property
     def harmonics(self) -> tuple[Harmonic, ...]:
-        """Its own harmonic torques."""
+        """The harmonic torques that the machine itself excites with."""
         torques: tuple[Harmonic, ...] = getattr(self, self.harmonics_key, ())
         return torques
 
@@ -173,7 +173,7 @@ class Machine(Rotor):
         """A slope s with a time constant is a damper s in series with a spring s/lag: s iω/(1 + iω lag)."""
         assert self.speed is not None
         torque = self.torque if self.torque is not None else (self.power or 0.0) / self.speed
-        slope = build.own(drive.slope_at_rated(torque, self.speed))
+        slope = build.to_own_speed(drive.slope_at_rated(torque, self.speed))
         field = build.station(f"{build.name} drive")
         build.add(
             Spring(f"{build.name} drive", build.part, station, field, lag / slope),
@@ -194,7 +194,7 @@ class Machine(Rotor):
         if damping.model == "law":
             return Damper(station, load_factor=1.0)
         if damping.model == "viscous":
-            return Damper(station, constant=build.own(damping.value or 0.0))
+            return Damper(station, constant=build.to_own_speed(damping.value or 0.0))
         if damping.model == "schwanecke":
             diameter, pitch, area = (
                 getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio")
@@ -228,5 +228,5 @@ class GeneralMachine(Machine, keyword="machine"):
 
     @property
     def is_driver(self) -> bool:
-        """It delivers power."""
+        """The machine delivers power to the train."""
         return self.drives

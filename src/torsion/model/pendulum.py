@@ -65,8 +65,8 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
         build.inertia(carrier, self.inertia, "carrier")
         build.inertia(ring, bobs, "bobs")
         stiffness, damping = (
-            build.own(bobs) * square,
-            build.own(self.number * (self.damping or 0.0)) * lever**2,
+            build.to_own_speed(bobs) * square,
+            build.to_own_speed(self.number * (self.damping or 0.0)) * lever**2,
         )
         law = power_law("speed", REACH, (stiffness, 2.0), (damping, 0.0), key="")
         build.add(tabled_spring(f"{build.name} bobs", build.part, (carrier, ring), law, REACH[0]))

@@ -100,18 +100,18 @@ class Planetary(Declared):
         """
         if not self.has_moving_planets or self._softness_of_mesh >= 0.0:
             return
-        fixed, other = self.fixed, self.meshing
-        stiffness = {"sun": self.sun_mesh, "ring": self.ring_mesh}[other]
+        fixed, mesh = self.fixed, self.meshing
+        stiffness = {"sun": self.sun_mesh, "ring": self.ring_mesh}[mesh]
         hint = "leave out `planet_inertia` (the planets then have no inertia about their axes) or both meshes (rigid)"
         if stiffness is None:
-            hint = f"give `{other}_mesh` too, or {hint}"
+            hint = f"give `{mesh}_mesh` too, or {hint}"
         else:
-            least = stiffness * self._mesh_ratio
-            step = 10.0 ** (math.floor(math.log10(least)) - 4)
-            rounded_up = step * math.ceil(least / step * (1.0 - ROUNDING))
-            hint = f"at least {rounded_up:.5g} N*m/rad with this `{other}_mesh`, or {hint}"
+            smallest = stiffness * self._mesh_ratio
+            step = 10.0 ** (math.floor(math.log10(smallest)) - 4)
+            rounded_up = step * math.ceil(smallest / step * (1.0 - ROUNDING))
+            hint = f"at least {rounded_up:.5g} N*m/rad with this `{mesh}_mesh`, or {hint}"
         raise refuse(
-            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {other}: the program has no "
+            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {mesh}: the program has no "
             "model of such planets",
             hint,
             f"{fixed}_mesh",
@@ -124,9 +124,9 @@ class Planetary(Declared):
         """
         with_sun, with_ring = (float(teeth) for teeth in self.teeth)
         share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
-        most = math.pi / math.asin(share) if share < 1.0 else 1.0
+        rounded = math.pi / math.asin(share) if share < 1.0 else 1.0
         room = max(
-            math.ceil(most * (1.0 - ROUNDING)) - 1, 1
+            math.ceil(rounded * (1.0 - ROUNDING)) - 1, 1
         )  # where most is whole, so many circles touch
         if self.planets > room:
             message = f"{self.planets} planets of these teeth overlap"
@@ -136,7 +136,7 @@ class Planetary(Declared):
     def driven(self) -> Member:
         """The member at the end behind it."""
         return next(
-            one for one in ("sun", "ring", "carrier") if one not in (self.fixed, self.driving)
+            term for term in ("sun", "ring", "carrier") if term not in (self.fixed, self.driving)
         )
 
     @cached_property
@@ -161,7 +161,7 @@ class Planetary(Declared):
 
     @cached_property
     def speeds(self) -> dict[str, Fraction]:
-        """Of the members, and of a planet about its own axis, over that of the driving member."""
+        """Speeds of the members, and of a planet about its own axis, over the speed of the driving member."""
         speeds = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
         carrier = speeds["carrier"]
         spin = carrier - Fraction(self.sun) / self.teeth[0] * (speeds["sun"] - carrier)
@@ -178,13 +178,13 @@ class Planetary(Declared):
 
     @property
     def meshings(self) -> Fraction:
-        """Of its teeth per revolution of the driving member."""
+        """Meshings of its teeth per revolution of the driving member."""
         teeth = self.ring if self.meshing == "ring" else self.sun
         return teeth * abs(self.speeds[self.meshing] - self.speeds["carrier"])
 
     @property
     def flexibility(self) -> float:
-        """Of the meshes in series (rad/(N m)), at the driving member, of planets without inertia."""
+        """Flexibility (rad/(N m)) of the meshes in series, at the driving member, of planets without inertia."""
         weights, yields = self.weights, 0.0
         for member, stiffness in (("sun", self.sun_mesh), ("ring", self.ring_mesh)):
             if stiffness is not None:
@@ -250,8 +250,8 @@ class Planetary(Declared):
             return None
         speeds, yields = self.speeds, self._yields
         if self.fixed == "carrier":
-            other = yields[self.driven] * float(1 / self.speed) ** 2
-            return Star(yields[self.driving], other, 0.0, is_mesh_driving=True)
+            other_mesh = yields[self.driven] * float(1 / self.speed) ** 2
+            return Star(yields[self.driving], other_mesh, 0.0, is_mesh_driving=True)
         planets, carrier, fixed = self._coefficients
         to_carrier, to_planets = (
             float(-share / (speeds[self.meshing] * fixed**2)) * yields[self.fixed]

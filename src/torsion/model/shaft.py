@@ -134,7 +134,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
     def _stands_alone(
         cls, section: MeshedSection | None, info: ValidationInfo
     ) -> MeshedSection | None:
-        """Of `diameter` and `section` one is there; a check of a field is reported beside the faults of others."""
+        """Require either `diameter` or `section`; a check of a field is reported beside the faults of others."""
         diameter = info.data.get("diameter")
         if section is None and diameter == ():
             hint = "outer diameter in m, or `section: {mesh: file.msh}`"

@@ -26,7 +26,7 @@ class ModulusLaw(Declared):
     power: Number = required("of the frequency in Hz, of an endless temperature")
     power_slope: Annotated[float, Quantity("K")] = required("by which that power falls with 1/T")
 
-    def at(self, temperature: float) -> tuple[float, float]:
+    def modulus_at(self, temperature: float) -> tuple[float, float]:
         """Pa at 1 Hz and the power of the frequency at a temperature (K)."""
         return self.factor * math.exp(
             self.activation / temperature
@@ -85,7 +85,7 @@ class Silicone(Declared):
         """
         laws = next(iter(KNOWN.values()))
         storage, loss = self.storage or laws[0], self.loss or laws[1]
-        (g1, p), (g2, q) = (law.at(self.temperature + KELVIN) for law in (storage, loss))
+        (g1, p), (g2, q) = (law.modulus_at(self.temperature + KELVIN) for law in (storage, loss))
         of_hertz = 2.0 * math.pi
         k, c = self.shape / scale * g1, self.shape / scale * g2 / of_hertz
         silicone = "silicone" if self.viscosity is None else f"silicone of {self.viscosity:g} m²/s"

@@ -10,16 +10,16 @@ from torsion.what_if.design.design_results import Design
 
 def designed(document: Document, findings: Findings) -> str | None:
     """Its text, with what was chosen in the first lines; None where nothing was."""
-    found, variation = findings.get(Design), findings.study.variations.get("design")
-    if found is None or variation is None or not found.picked.size or document.report.keys:
+    design, variation = findings.get(Design), findings.study.variations.get("design")
+    if design is None or variation is None or not design.picked.size or document.report.keys:
         return None
     words = [
-        f"{one.name}: {one.chosen}" + (f", before {one.before}" if one.before else "")
-        for one in found.figures
+        f"{figure.name}: {figure.chosen}" + (f", before {figure.before}" if figure.before else "")
+        for figure in design.figures
     ]
-    text = variation.text(found.picked.tolist(), without=["design"])
+    text = variation.text(design.picked.tolist(), without=["design"])
     head = [
-        f"{findings.study.name}, with the values that its design chose for {found.aim}:",
+        f"{findings.study.name}, with the values that its design chose for {design.aim}:",
         *words,
     ]
     if _names_files(findings, text):

@@ -8,12 +8,14 @@ from torsion.what_if.fit.fit_results import Fit
 
 def fitted(document: Document, findings: Findings) -> str | None:
     """The text of the file; None where nothing was fitted."""
-    found = findings.get(Fit)
-    if found is None or document.report.keys:
+    fit = findings.get(Fit)
+    if fit is None or document.report.keys:
         return None
-    changes = "".join(f"# {one.name}: {one.given} -> {one.fitted}\n" for one in found.figures)
+    changes = "".join(
+        f"# {figure.name}: {figure.given} -> {figure.fitted}\n" for figure in fit.figures
+    )
     file = one_line(findings.study.shown_file)
     words = (
         f"# {file} with the figures that fit its measurements best; files that it names count from"
     )
-    return f"{words}\n# the folder of that one.\n{changes}{found.scene}"
+    return f"{words}\n# the folder of that one.\n{changes}{fit.scene}"

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
-from torsion.output.drawing.live import Page
+from torsion.output.drawing.page_data import Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure

@@ -74,9 +74,9 @@ def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
                 sentences.append(words)
             case Table(rows_in_summary=rows) if rows and block.rows and tables < MOST_TABLES:
                 tables += 1
-                grid, lines = _grid(block, rows, width, most_lines=room)
+                grid, height = _grid(block, rows, width, most_lines=room)
                 items.append(grid)
-                room -= lines
+                room -= height
     return [*items, *(Text(_in_two_lines(text, width)) for text in sentences[:MOST_SENTENCES])]
 
 

@@ -1,16 +1,15 @@
 """Rule `coupling-maker`: the limits in a coupling's catalogue (terms of DIN 740-2: T_KN, T_KW, T_Kmax, P_KW)."""
 
-import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import raised, raised_heat
 from torsion.analyses.response.synthesis import half_range as half_range_of
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.system import System
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
@@ -24,7 +23,6 @@ from torsion.rules.rule_over_speed import (
     RuleOverSpeed,
     UseSettings,
     curve_of,
-    exact_share,
     spans_of,
     within,
 )
@@ -186,40 +184,6 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
         yield Clause("ΔT", part.name, what, "maker", curve, use, "K", notes, infinite_fails=True)
 
 
-def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """Return (speeds,) W: the mean power that spans turn into heat, all lines together."""
-    return np.asarray(np.sum(harmonic_heat(response, system, spans), axis=1))
-
-
-def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """Return (speeds, lines) W: the mean power that spans turn into heat.
-
-    Of each line omega Im K |twist|^2/2 with twist = torque/K and K = k (1 + i eta) + i omega c, of a coupling with
-    play, friction or stages as harmonic balance has it; with damping by hysteresis alone it is
-    psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
-    """
-    omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
-    added = {} if response.balanced is None else response.balanced.added
-    for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
-        stiffness, loss = system.elastic(
-            span, omega, response.carried(span), response.speed[:, None]
-        )
-        if span in added:
-            balance = added[span]
-            loss = balance.share[:, None] * loss + balance.extra.imag[:, None]
-            stiffness = balance.share[:, None] * stiffness + balance.extra.real[:, None]
-        size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
-        twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
-        power += 0.5 * omega * loss * twist**2
-    return power
-
-
-def raised_heat(evidence: Results, spans: IntArray) -> FloatArray:
-    """Return (speeds, lines) W: the heat of the spans, raised as exact motions beside harmonic balance raise the torque."""
-    heat_by_line = harmonic_heat(evidence.need(Response), evidence.system, spans)
-    return _nonlinear(evidence, spans, heat_by_line, power=2)
-
-
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
     """Yield every coupling with its position in the train's parts, and its maker's limits."""
     for number, part in enumerate(study.train.parts):
@@ -260,14 +224,14 @@ def _over_frequency(
     response = evidence.need(Response)
     limits, (frequency, lowest) = limit.at(response.frequency), limit.rows[0]
     phasors = response.torque[:, :, spans[0]]
-    share = _nonlinear(evidence, spans, np.abs(phasors)) / limits
+    share = raised(evidence, spans, np.abs(phasors)) / limits
     worst = np.arange(len(share)), np.argmax(np.nan_to_num(share, nan=np.inf), axis=1)
     what = "Vibratory torque of one harmonic component"
     yield what, (share * limits)[worst], limits[worst], "", share
 
     weighted = phasors * (lowest / limits)
     squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
-    value = _nonlinear(evidence, spans, np.maximum(half_range_of(response, weighted), squares))
+    value = raised(evidence, spans, np.maximum(half_range_of(response, weighted), squares))
     words = f"each component times T_KW({frequency:g} Hz) / T_KW(f)"
     what = "Vibratory torque of all components, weighted by frequency"
     yield what, value, lowest, words, share
@@ -277,18 +241,3 @@ def misfires(study: Study) -> bool:
     """Return whether a cylinder of an engine does not fire."""
     engines = [part.engine for part in study.train.parts if part.engine is not None]
     return any(cylinder.state != "firing" for engine in engines for cylinder in engine.cylinders)
-
-
-def _nonlinear(
-    evidence: Results, spans: IntArray, values: FloatArray, power: int = 1
-) -> FloatArray:
-    """Return values (speeds, ...) of a torque to that power, raised as exact motions beside harmonic balance raise it.
-
-    Infinite where such a motion is needed and none is known.
-    """
-    if not evidence.study.train.has_nonlinear_couplings:
-        return values
-    shape = (-1, *(1,) * (values.ndim - 1))
-    is_known = np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])
-    factor = exact_share(evidence, spans) ** power
-    return np.where(is_known.reshape(shape), values * factor.reshape(shape), np.inf)

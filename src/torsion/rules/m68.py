@@ -42,6 +42,7 @@ class M68(ShaftStress):
     title = "IACS UR M68"
     scope = LAST_CONTINUOUS  # speed ratio to which speeds are demanded
     source = "IACS UR M68 as in KR 2025 Pt 5 Ch 4, 206.1"  # of the states that it demands
+    letters = "tau_C", "tau_T"  # of its limits, in continuous use and in passing
     has_limits_of: tuple[str, ...] = m68_shafts.ROLES
 
     def faults(self, study: Study) -> list[Fault]:
@@ -72,7 +73,7 @@ class M68(ShaftStress):
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Yield every round line shaft that has a role."""
-        return m68_shafts.classed_shafts(study, self.settings)
+        return m68_shafts.classed_shafts(study, self.settings, self.letters)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the checks of every shaft: stresses, its least diameter behind them, and strengths in barred ranges."""

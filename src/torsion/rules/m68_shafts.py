@@ -233,13 +233,21 @@ def judged(train: Train, roles: tuple[str, ...] = ROLES) -> list[tuple[Part, Sha
     return [(part, shaft) for _, part, shaft in with_role(train, *roles)]
 
 
-def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft]:
-    """Yield every round line shaft of the train that has a role."""
+def classed_shafts(
+    study: Study, settings: M68Settings, letters: tuple[str, str] = ("tau_C", "tau_T")
+) -> Iterator[ClassedShaft]:
+    """Yield every round line shaft of the train that has a role; letters: of its limits, in use and in passing."""
     for number, _, shaft in with_role(study.train, *ROLES):
-        yield _classed(study, settings, number, shaft)
+        yield _classed(study, settings, letters, number, shaft)
 
 
-def _classed(study: Study, settings: M68Settings, number: int, record: ShaftRecord) -> ClassedShaft:
+def _classed(
+    study: Study,
+    settings: M68Settings,
+    letters: tuple[str, str],
+    number: int,
+    record: ShaftRecord,
+) -> ClassedShaft:
     part, material = study.train.parts[number], study.train.materials[record.material]
     # A tube shaft is ruled with the propeller shafts (cap of sigma_B, F).
     is_tube = "tube shaft" in record.features
@@ -265,12 +273,13 @@ def _classed(study: Study, settings: M68Settings, number: int, record: ShaftReco
     seat = (SEAT.format(part.name),) if "shrink fit" in record.features else ()
 
     made_of: tuple[Any, ...] = strength, max(outer for outer, _ in ends), governing.c_k
-    continuous = partial(tau_c, *made_of)
-    pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
+    continuous, passing = partial(tau_c, *made_of), partial(tau_t, *made_of)
+    ends_of_pieces = FLAT_FROM, LAST_CONTINUOUS
+    pieces = tuple(Piece(letters[0], last, continuous) for last in ends_of_pieces)
     return ClassedShaft(
         number,
         part.name,
-        LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of))),
+        LimitCurve(pieces, Piece(letters[1], BARRED_BELOW, passing)),
         governing.c_k_mark if stated is not None else "to be verified",
         _notes(details, ends, strength, stated),
         keyways=tuple(feature for feature, detail in details if detail.has_keyway),

@@ -31,7 +31,6 @@ from torsion.rules.shaft_limits import (
     MM,
     PA,
     ROUNDING,
-    LimitCurve,
     LimitedShaft,
     diameters,
     with_role,
@@ -100,6 +99,7 @@ class SocietyRule(M68):
         super().__init__(settings, name)
         self.society = society = society_limits.SOCIETIES[name]
         self.title, self.mark, self.scope = society.title, society.mark, society.scope
+        self.letters = society.letters
         if society.crank == "ccs":
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
@@ -114,16 +114,9 @@ class SocietyRule(M68):
         society, drive = self.society, _drive(study, self.settings)
         agreed = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
         for shaft in super().shafts(study):
-            passing, pieces = shaft.curve.passing, shaft.curve.pieces
-            yield replace(
-                shaft,
-                curve=LimitCurve(
-                    tuple(replace(piece, clause=society.letters[0]) for piece in pieces),
-                    passing and replace(passing, clause=society.letters[1]),
-                ),
-                standing=shaft.standing if society.mark == "rule text" else society.mark,
-                restrictions=(*shaft.restrictions, *agreed),
-            )
+            standing = shaft.standing if society.mark == "rule text" else society.mark
+            restrictions = (*shaft.restrictions, *agreed)
+            yield replace(shaft, standing=standing, restrictions=restrictions)
         for number, part, record in with_role(study.train, *OTHER_ROLES):
             if record.role in self.has_limits_of:
                 yield self._limit_other(study, number, part, record)
@@ -180,14 +173,11 @@ class SocietyRule(M68):
         """Yield a row for each engine without the diameter of its journals, where the society limits crankshafts."""
         if not self.society.crank or any(with_role(study.train, "crank")):
             return
-        what, note = (
-            "Torsional stress amplitude of the crankshaft",
-            "`journal` of the engine is not given",
-        )
+        what, mark = "Torsional stress amplitude of the crankshaft", self.society.crank_mark
         for part in study.train.parts:
             if part.engine is not None:
-                about = self.name, "crankshaft", part.name, what, note
-                yield unjudged(*about, self.society.crank_mark)
+                note = "`journal` of the engine is not given"
+                yield unjudged(self.name, "crankshaft", part.name, what, note, mark)
 
 
 class LloydsRule(SocietyRule):

@@ -62,15 +62,15 @@ def with_canonical_keys(source: Source) -> Source:
 
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:
     """Return the aliases of the keys of a component or of a mapping within one."""
-    known = set(keys)
+    names = set(keys)
     return {
-        alias: key for alias, key in KEYS_BY_ALIAS.items() if key in known and alias not in known
+        alias: key for alias, key in KEYS_BY_ALIAS.items() if key in names and alias not in names
     }
 
 
-def canonical_column(name: str, known: Iterable[str]) -> str:
+def canonical_column(name: str, columns: Iterable[str]) -> str:
     """Return the key of a column of a CSV table, which may be an alias in small letters."""
-    keys = {alias.casefold(): key for alias, key in aliases_of(known).items()}
+    keys = {alias.casefold(): key for alias, key in aliases_of(columns).items()}
     return keys.get(name, name)
 
 

@@ -99,12 +99,14 @@ def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
     """
     given = {"name": name, **sections}
     begin = [f"{key}: {in_brackets(plain_value(given[key]))}" for key in FIRST if key in given]
-    rest = [
+    sections_after = [
         f"{key}: {in_brackets(plain_value(value))}"
         for key, value in given.items()
         if key not in FIRST
     ]
-    return parse("\n".join([*begin, "train:", *(entry.text for entry in train), *rest]) + "\n")
+    return parse(
+        "\n".join([*begin, "train:", *(entry.text for entry in train), *sections_after]) + "\n"
+    )
 
 
 disc = Constructor("disc")

@@ -15,23 +15,23 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
     """Every row of a catalogue of a component, with mass and cost; the reader of the source has opened the table."""
     reading = Reading(source, None, dict(source.tables), [])
     for row in Rows(reading.tables[name], CATALOGUE + part.kind).nodes(reading):
-        label, said = str(row.value[LABEL]), {}
+        label, stated = str(row.value[LABEL]), {}
         for key in STATED.keys() & row.parts.keys():
             try:
-                said[key] = _number(row.parts[key].value, key)
-                if said[key] < 0.0:
+                stated[key] = _number(row.parts[key].value, key)
+                if stated[key] < 0.0:
                     raise units.UnitFault(
                         f"a {key} of {row.parts[key].value} is below 0", "0 or more"
                     )
             except units.UnitFault as fault:
-                at = row.parts[key]
+                cell = row.parts[key]
                 reading.faults.append(
                     Fault(
                         (),
                         fault.message,
                         fault.hint,
-                        line=at.line,
-                        column=at.column,
+                        line=cell.line,
+                        column=cell.column,
                         file=reading.tables[name].name,
                     )
                 )
@@ -40,7 +40,7 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
         puts["source"] = replace(
             origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else "")
         )
-        yield Row(label, tuple(((*part.path, key), node) for key, node in puts.items()), said)
+        yield Row(label, tuple(((*part.path, key), node) for key, node in puts.items()), stated)
     faults += reading.faults
 
 

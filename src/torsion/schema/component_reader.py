@@ -8,7 +8,7 @@ from torsion.errors import Fault, Path
 from torsion.fields import shown
 from torsion.model import KINDS, component
 from torsion.model.component import Component
-from torsion.schema.declaration_reader import declared, entries_of, unknown
+from torsion.schema.declaration_reader import declared, entries_of, unknown_word
 from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import word_for
 
@@ -25,7 +25,7 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
         faults.append(Fault(path, message, hint, at_key=path[-1] in KINDS))
         return ()
     read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
-    return tuple(found for found in read if found is not None)
+    return tuple(component for component in read if component is not None)
 
 
 def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
@@ -54,7 +54,7 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
 
 def _unknown_kind(kind: str, path: Path) -> Fault:
     """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
-    fault = unknown(path, "component", kind, list(KINDS))
+    fault = unknown_word(path, "component", kind, list(KINDS))
     return replace(fault, hint=word_for("component", kind, fault.hint))
 
 

@@ -29,26 +29,28 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
         faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", keys))
         return None
     absent = getattr(kind, "unbuilt", ())
-    known = [_without_value((*path, *where), where) for where in _empty(body)]
-    known += [unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None]
-    noted = [fault.path[len(path) :] for fault in known]
-    there = _filled({key: item for key, item in body.items() if key not in absent})
+    noted_faults = [_without_value((*path, *where), where) for where in _empty(body)]
+    noted_faults += [
+        unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None
+    ]
+    noted = [fault.path[len(path) :] for fault in noted_faults]
+    values = _filled({key: item for key, item in body.items() if key not in absent})
     try:
-        read = kind.model_validate(there, strict=True)
+        read = kind.model_validate(values, strict=True)
     except ValidationError as error:
         read, details = None, error.errors(include_url=False)
-        for detail in (*details, *_between_sound_keys(kind, there, details)):
+        for detail in (*details, *_between_sound_keys(kind, values, details)):
             where, fault = _fault(kind, detail, body)
             if not _is_echo(detail, body) and not any(
-                where[: len(other)] == other[: len(where)] for other in noted
+                where[: len(noted_path)] == noted_path[: len(where)] for noted_path in noted
             ):
-                known.append(replace(fault, path=(*path, *fault.path)))
-    faults += known
-    return None if known else read
+                noted_faults.append(replace(fault, path=(*path, *fault.path)))
+    faults += noted_faults
+    return None if noted_faults else read
 
 
 def _between_sound_keys(
-    kind: type[Declared], there: dict[str, Any], details: list[ErrorDetails]
+    kind: type[Declared], values: dict[str, Any], details: list[ErrorDetails]
 ) -> Iterator[ErrorDetails]:
     """What checks between keys refuse that read no faulty key; pydantic leaves them all out where one is faulty.
 
@@ -63,12 +65,12 @@ def _between_sound_keys(
         if key not in faulty
     }
     partly = kind.model_construct(
-        _fields_set={field for field, key in sound.items() if key in there}
+        _fields_set={field for field, key in sound.items() if key in values}
     )
     try:
         for field in partly.model_fields_set:
             reader = TypeAdapter(kind.model_fields[field].rebuild_annotation())
-            vars(partly)[field] = reader.validate_python(there[sound[field]], strict=True)
+            vars(partly)[field] = reader.validate_python(values[sound[field]], strict=True)
     except ValidationError:  # it is sound only because the component says `unusual`
         return
     for field in kind.model_fields.keys() - sound.keys():
@@ -82,7 +84,7 @@ def _between_sound_keys(
                     "type": "fault",
                     "loc": (),
                     "msg": "",
-                    "input": there,
+                    "input": values,
                     "ctx": refusal.context or {},
                 }
             except AttributeError:  # it reads a key that is faulty
@@ -105,8 +107,8 @@ def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
     return Fault(path, f"{what} is part of the format but not built yet", hint, at_key=True)
 
 
-def unknown(
-    path: Path, what: str, word: str, candidates: list[str], every: Sequence[str] = ()
+def unknown_word(
+    path: Path, what: str, word: str, candidates: list[str], choices: Sequence[str] = ()
 ) -> Fault:
     """The fault of a word that is none of the candidates, or of `every` one there is."""
     marked = without_mark(word, candidates) if what == "component" or "{" in word else None
@@ -114,7 +116,7 @@ def unknown(
         message, hint = words_for(*marked, dash="- " if what in ("component", "rule") else "")
         return Fault(path, message, hint, at_key=True)
     near = nearest(word, candidates, CLOSE if what == "key" else 0.6)
-    hint = f"did you mean `{near}`?" if near else f"there is {', '.join(every or candidates)}"
+    hint = f"did you mean `{near}`?" if near else f"there is {', '.join(choices or candidates)}"
     if what == "key" and not near and len(candidates) > MOST_LISTED:
         hint = f"docs/reference/model-file lists the {len(candidates)} keys"
     if what == "key":
@@ -171,8 +173,8 @@ def _without_value(path: Path, where: Path) -> Fault:
         if name[:1].isdecimal()
         else "give one, or leave the key out"
     )
-    if found := re.match(r"([\w-]+):(?=\S)", name):
-        hint = f"a blank is missing after the colon: `{found[0]} {printable(name[found.end() :])}`"
+    if glued := re.match(r"([\w-]+):(?=\S)", name):
+        hint = f"a blank is missing after the colon: `{glued[0]} {printable(name[glued.end() :])}`"
     return Fault(path, f"`{name}` has no value", hint, True)
 
 
@@ -196,15 +198,17 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
     match detail["type"]:
         case "fault":
             key = context["key"]
-            more, _ = _path(key if isinstance(key, tuple) else (key,), below)
-            return path, Fault((*path, *more), context["message"], context["hint"])
+            steps, _ = _path(key if isinstance(key, tuple) else (key,), below)
+            return path, Fault((*path, *steps), context["message"], context["hint"])
         case "missing" if isinstance(detail["loc"][-1], str):
             key = str(detail["loc"][-1])
             where = (*path, key)
             return where, Fault(where, f"`{key}` is missing", _meaning(kind, where))
         case "extra_forbidden":
             model = _model(kind, path[:-1])
-            return path, unknown(path, "key", str(path[-1]), list(keys_of(model)) if model else [])
+            return path, unknown_word(
+                path, "key", str(path[-1]), list(keys_of(model)) if model else []
+            )
         case other:
             message, hint = _words(other, context, below)
             return path, Fault(path, message, hint or _meaning(kind, path))

@@ -16,7 +16,7 @@ LIBRARY = {"from", "size"}  # of a coupling whose row is written out
 
 
 def edited(
-    source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any
+    source: Source, changes: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any
 ) -> str:
     """The text with values put in, and without what stands at the paths `gone`.
 
@@ -28,7 +28,7 @@ def edited(
         removed = [
             _removal(source, path) for path in gone if node_at(source.root, path) is not None
         ]
-        text = _applied(source.text, [*_edits(source, puts), *removed])
+        text = _applied(source.text, [*_edits(source, changes), *removed])
         if _plain(_read(text, source).data) == _plain(expected):
             return text
     is_case = _read(source.text, source).data != source.data
@@ -46,8 +46,10 @@ def _read(text: str, source: Source) -> Source:
 
 def _plain(data: Any) -> Any:
     """What a file says without what varies figures."""
-    said = {key: value for key, value in (data.get("analyses") or {}).items() if key not in VARYING}
-    return {key: value for key, value in data.items() if key != "analyses"} | {"analyses": said}
+    analyses = {
+        key: value for key, value in (data.get("analyses") or {}).items() if key not in VARYING
+    }
+    return {key: value for key, value in data.items() if key != "analyses"} | {"analyses": analyses}
 
 
 def _written_out(value: Any) -> Any:
@@ -55,7 +57,7 @@ def _written_out(value: Any) -> Any:
     if isinstance(value, dict):
         keys = value.keys() - LIBRARY if value.keys() > LIBRARY else value.keys()
         return {key: _written_out(value[key]) for key in value if key in keys}
-    return [_written_out(one) for one in value] if isinstance(value, list) else value
+    return [_written_out(item) for item in value] if isinstance(value, list) else value
 
 
 def _applied(text: str, edits: Iterable[Edit]) -> str:
@@ -65,7 +67,7 @@ def _applied(text: str, edits: Iterable[Edit]) -> str:
     return text
 
 
-def _own(source: Source, path: Path) -> Node:
+def _own_node(source: Source, path: Path) -> Node:
     """What stands at a path of the text itself; raises LookupError."""
     node = node_at(source.root, path)
     if node is None or node.source is not None:
@@ -73,46 +75,46 @@ def _own(source: Source, path: Path) -> Node:
     return node
 
 
-def _edits(source: Source, puts: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
+def _edits(source: Source, changes: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
     """Raises LookupError where a value does not stand in the text."""
-    known, starts = extents(source.text), line_starts(source.text)
+    ends, starts = extents(source.text), line_starts(source.text)
     added: dict[Path, dict[str, Any]] = {}
-    for path, new in puts:
+    for path, new in changes:
         if node_at(source.root, path) is None:
             added.setdefault(path[:-1], {})[str(path[-1])] = new.value
             continue
-        node = _own(source, path)
+        node = _own_node(source, path)
         begin = starts[node.line - 1] + node.column - 1
-        yield begin, _end(known, node), in_brackets(new.value)
+        yield begin, _end(ends, node), in_brackets(new.value)
     for path, keys in added.items():
-        node = _own(source, path)
-        end, is_flow = known.collections[node.line, node.column]
-        said = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
+        node = _own_node(source, path)
+        end, is_flow = ends.collections[node.line, node.column]
+        entries = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
         if is_flow:
-            yield end - 1, end - 1, ", " * bool(node.value) + ", ".join(said)
+            yield end - 1, end - 1, ", " * bool(node.value) + ", ".join(entries)
         else:
             behind = next((start - 1 for start in starts if start > end), len(source.text))
-            yield behind, behind, "".join("\n" + " " * (node.column - 1) + line for line in said)
+            yield behind, behind, "".join("\n" + " " * (node.column - 1) + line for line in entries)
 
 
-def _end(known: Extents, node: Node) -> int:
-    place = node.line, node.column
+def _end(ends: Extents, node: Node) -> int:
+    position = node.line, node.column
     return (
-        known.scalars[place]
+        ends.scalars[position]
         if not isinstance(node.value, dict | list)
-        else known.collections[place][0]
+        else ends.collections[position][0]
     )
 
 
 def _removal(source: Source, path: Path) -> Edit:
-    """Of what stands at a path with its key, and of the mapping that has nothing else."""
-    parent, node = _own(source, path[:-1]), _own(source, path)
+    """Return the removal of what stands at a path with its key, and of a mapping that has nothing else."""
+    parent, node = _own_node(source, path[:-1]), _own_node(source, path)
     if len(parent.parts) == 1 and len(path) > 1:
         return _removal(source, path[:-1])
-    known, starts, text = extents(source.text), line_starts(source.text), source.text
+    ends, starts, text = extents(source.text), line_starts(source.text), source.text
     line, column = parent.keys[str(path[-1])]
-    begin, end = starts[line - 1] + column - 1, _end(known, node)
-    if (parent.line, parent.column) in known.collections and known.collections[
+    begin, end = starts[line - 1] + column - 1, _end(ends, node)
+    if (parent.line, parent.column) in ends.collections and ends.collections[
         parent.line, parent.column
     ][1]:
         following = text[end:].lstrip()

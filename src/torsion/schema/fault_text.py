@@ -47,11 +47,7 @@ class Source:
     def lines(self) -> list[str]:
         return _BREAK.split(self.text)
 
-    def place(self, path: Path, key: bool = False) -> tuple[int, int]:
-        """Line and column, from 1, of the value (or its key) at `path`, or of the nearest parent that exists."""
-        return self.found(path, key)[1]
-
-    def found(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
+    def find(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
         """The text in which the value at `path` stands, this one or a table's, and its place there."""
         node, source = self.root, self
         label = node.line, node.column
@@ -67,9 +63,13 @@ class Source:
         """The table of that file name, or the text itself."""
         return next((table for _, table in self.tables if file and table.name == file), self)
 
-    def within(self, place: tuple[int, int]) -> tuple[int, int]:
+    def within(self, position: tuple[int, int]) -> tuple[int, int]:
         """The place, or the end of the text if it lies behind it (where the parser puts what is missing there)."""
-        return place if place[0] <= len(self.lines) else (len(self.lines), len(self.lines[-1]) + 1)
+        return (
+            position
+            if position[0] <= len(self.lines)
+            else (len(self.lines), len(self.lines[-1]) + 1)
+        )
 
 
 def end_of(text: str) -> tuple[int, int]:
@@ -80,7 +80,7 @@ def end_of(text: str) -> tuple[int, int]:
 
 def line_starts(text: str) -> list[int]:
     """Position in a text at which each of its lines begins."""
-    return [0, *(found.end() for found in _BREAK.finditer(text))]
+    return [0, *(ending.end() for ending in _BREAK.finditer(text))]
 
 
 def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
@@ -89,12 +89,16 @@ def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
     Where a fault was located before, as a reader of text does, nothing else is said of that place.
     """
     given = list(faults)
-    known = {(fault.file, fault.line, fault.column) for fault in given if fault.line is not None}
-    each = ((fault.line is not None, _located(fault, source)) for fault in given)
+    positions = {
+        (fault.file, fault.line, fault.column) for fault in given if fault.line is not None
+    }
+    located_faults = ((fault.line is not None, _located(fault, source)) for fault in given)
     located = dict.fromkeys(
-        one for stated, one in each if stated or (one.file, one.line, one.column) not in known
+        fault
+        for stated, fault in located_faults
+        if stated or (fault.file, fault.line, fault.column) not in positions
     )
-    order = {table.name: place for place, (_, table) in enumerate(source.tables, start=1)}
+    order = {table.name: number for number, (_, table) in enumerate(source.tables, start=1)}
     return sorted(
         located, key=lambda fault: (order.get(fault.file, 0), fault.line or 0, fault.column or 0)
     )
@@ -112,13 +116,13 @@ def input_error(faults: Iterable[Fault], source: Source) -> InputError:
 def _located(fault: Fault, source: Source) -> Fault:
     if fault.line is not None:
         return fault
-    where, (line, column) = source.found(fault.path, key=fault.at_key)
+    where, (line, column) = source.find(fault.path, key=fault.at_key)
     message = fault.message
     if fault.other:
-        holds, (there, _) = source.found(fault.other)
-        quoted = printable(re.sub(r"\s", " ", holds.lines[there - 1]).strip(), _WIDTH // 2)
-        message += f" in line {there}" + ("" if holds is where else f" of {holds.name}")
-        message += "" if (holds, there) == (where, line) else f", `{quoted}`"
+        holds, (other_line, _) = source.find(fault.other)
+        quoted = printable(re.sub(r"\s", " ", holds.lines[other_line - 1]).strip(), _WIDTH // 2)
+        message += f" in line {other_line}" + ("" if holds is where else f" of {holds.name}")
+        message += "" if (holds, other_line) == (where, line) else f", `{quoted}`"
     return replace(
         fault,
         message=message,

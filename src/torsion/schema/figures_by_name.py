@@ -24,32 +24,33 @@ def overlay_of(study: Study, source: Source) -> Overlay:
     return Overlay(source, study.train.parts, study.operation.at or study.train.parts[0].name)
 
 
-def named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator[Figure]:
+def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterator[Figure]:
     """The figures that the file names; `*` stands for every component that has the key and no line of its own."""
     taken: dict[Path, str] = {}
     for words, law in sorted(vary.items(), key=lambda item: item[0].startswith("*.")):
-        fault = (*place, words)
+        fault = (*section, words)
         part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
         if law.catalogue is not None and part is not None:
             yield from (
-                replace(one, key=words) for one in _of_catalogue(law, law.catalogue, part, overlay)
+                replace(figure, key=words)
+                for figure in _of_catalogue(law, law.catalogue, part, overlay)
             )
             continue
-        each = (
+        pairs = (
             _of_all(words, law, overlay, fault)
             if words.startswith("*.")
             else _of_one(words, overlay, fault)
         )
-        for name, path in each:
+        for name, path in pairs:
             if path in taken and not words.startswith("*."):
                 message = f"`{words}` varies as `{taken[path]}` already"
                 overlay.faults.append(Fault(fault, message, "vary it once", at_key=True))
             if path in taken:
                 continue
             taken[path] = words
-            there = node_at(overlay.source.root, path)
+            given = node_at(overlay.source.root, path)
             figure = (
-                None if there is None else _figure(name, law, path, there, overlay.faults, fault)
+                None if given is None else _figure(name, law, path, given, overlay.faults, fault)
             )
             if figure is not None:
                 yield replace(figure, key=words)
@@ -69,14 +70,14 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
     """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
     key, has = words.removeprefix("*."), False
     for part in overlay.parts:
-        there = node_at(overlay.source.root, (*part.path, key))
-        if there is None:
+        given = node_at(overlay.source.root, (*part.path, key))
+        if given is None:
             continue
         has = True
-        is_list = isinstance(there.value, list) and not any(
-            isinstance(one, list) for one in law.values or ()
+        is_list = isinstance(given.value, list) and not any(
+            isinstance(alternative, list) for alternative in law.values or ()
         )
-        for steps in [(key, place) for place in range(len(there.value))] if is_list else [(key,)]:
+        for steps in [(key, number) for number in range(len(given.value))] if is_list else [(key,)]:
             node = node_at(overlay.source.root, (*part.path, *steps))
             amount = None if node is None else amount_of(node.value)
             if not law.is_relative or amount is None or amount[0] != 0.0:
@@ -92,31 +93,35 @@ def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Itera
     """The figure whose values are the rows of a catalogue; none where those are at fault."""
     before = len(overlay.faults)
     rows = list(alternatives(name, part, overlay.source, overlay.faults))
-    there = {
+    given = {
         path: node.value
         for row in rows
         for path, _ in row.puts
         if (node := node_at(overlay.source.root, path)) is not None
     }
-    own = (
+    matching = (
         k
         for k, row in enumerate(rows)
-        if all(there.get(path) == node.value for path, node in row.puts if path[-1] != "source")
+        if all(given.get(path) == node.value for path, node in row.puts if path[-1] != "source")
     )
     if len(overlay.faults) == before:
-        yield Figure(part.name, law, (), 0, float(next(own, np.nan)), tuple(rows))
+        yield Figure(part.name, law, (), 0, float(next(matching, np.nan)), tuple(rows))
 
 
 def _figure(
-    name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path
+    name: str, law: Choice, path: Path, given: Node, faults: list[Fault], fault: Path
 ) -> Figure | None:
     """The figure whose value stands there; None with its fault noted where its law does not take such a value."""
     if law.values is not None:
-        each = [list(value) if isinstance(value, tuple) else value for value in law.values]
-        nodes = [Node(value, there.line, there.column) for value in each]
+        alternatives_of_law = [
+            list(value) if isinstance(value, tuple) else value for value in law.values
+        ]
+        nodes = [Node(value, given.line, given.column) for value in alternatives_of_law]
         rows = tuple(Row(in_words(node.value), ((path, node),), {}) for node in nodes)
-        own = next((place for place, node in enumerate(nodes) if node.value == there.value), np.nan)
-        return Figure(name, law, ((path, 1),), 0, float(own), rows)
+        nominal = next(
+            (number for number, node in enumerate(nodes) if node.value == given.value), np.nan
+        )
+        return Figure(name, law, ((path, 1),), 0, float(nominal), rows)
     if law.catalogue is not None:
         faults.append(
             Fault(
@@ -130,17 +135,17 @@ def _figure(
         message = f"`{name}` is exact, and varies only by `values`"
         faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
         return None
-    if (made := multiplied(there.value, Fraction(3, 2))) is None or (
-        made == there.value and law.first is None
+    if (made := multiplied(given.value, Fraction(3, 2))) is None or (
+        made == given.value and law.first is None
     ):
-        message = f"`{name}` is {in_words(there.value)}, which no factor varies"
-        hint = f"one of its items by number, as `{name}.1`" if isinstance(there.value, list) else ""
+        message = f"`{name}` is {in_words(given.value)}, which no factor varies"
+        hint = f"one of its items by number, as `{name}.1`" if isinstance(given.value, list) else ""
         faults.append(
             Fault(fault, message, hint or "a number that is not 0, or `values`", at_key=True)
         )
         return None
     return Figure(
-        name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(there.value, law.unit)
+        name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(given.value, law.unit)
     )
 
 
@@ -159,9 +164,9 @@ def with_tolerance(study: Study, overlay: Overlay) -> Iterator[Figure]:
     for part in study.train.parts:
         if part.inertia_tolerance:
             made = (*part.path, "inertia"), (*part.path, "entrained")
-            there = [(path, node_at(overlay.source.root, path)) for path in made]
+            pairs = [(path, node_at(overlay.source.root, path)) for path in made]
             given = [
-                (path, 1) for path, node in there if node is not None and "%" not in str(node.value)
+                (path, 1) for path, node in pairs if node is not None and "%" not in str(node.value)
             ]
             law = Law.model_construct(
                 uniform=part.inertia_tolerance

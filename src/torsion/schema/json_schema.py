@@ -18,7 +18,7 @@ from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.manual import declarations, first_line
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.schema.setting_examples import SETTINGS
+from torsion.schema.setting_texts import setting_examples
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Operation, ShaftModel
@@ -61,11 +61,11 @@ class _Declarations(GenerateJsonSchema):
 def json_schema() -> Schema:
     """The schema (draft 2020-12) of a shaft-train file; parts of the format that are not built yet are absent."""
     models = declarations()
-    found, shared = models_json_schema(
+    references, shared = models_json_schema(
         [(model, "validation") for model in dict.fromkeys(models.values())],
         schema_generator=_Declarations,
     )
-    refs = {name: dict(found[model, "validation"]) for name, model in models.items()}
+    refs = {name: dict(references[model, "validation"]) for name, model in models.items()}
     schema = Scene.model_json_schema(schema_generator=_Declarations)
     for key, body in _sections(refs).items():
         schema["properties"][key] |= body
@@ -174,7 +174,9 @@ def _add_tables(models: Schema) -> None:
     for model in models.values():
         for key in {*MAPPINGS, *PAIRS} & set(model.get("properties", {})):
             body = model["properties"][key]
-            lists = [one for one in (body, *body.get("anyOf", ())) if one.get("type") == "array"]
+            lists = [
+                schema for schema in (body, *body.get("anyOf", ())) if schema.get("type") == "array"
+            ]
             if lists and lists[0]["items"] != {"type": "number"}:
                 words = {
                     word: body.pop(word) for word in ("description", "default") if word in body
@@ -202,7 +204,8 @@ def _rule(name: str, body: Schema) -> Schema:
 
 def _examples(name: str) -> Schema:
     """An example of the settings of an analysis or a rule, where the manual has one."""
-    return {"examples": [parse_source(SETTINGS[name], name).data[name]]} if name in SETTINGS else {}
+    example = setting_examples().get(name)
+    return {"examples": [parse_source(example, name).data[name]]} if example else {}
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
@@ -220,7 +223,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         for word, kind in KINDS_BY_ALIAS.items()
         if kind in LINKS
     }
-    link = _one_of(kinds, more={"between": ends})
+    link = _one_of(kinds, required={"between": ends})
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
     for name in settings_classes():
@@ -257,12 +260,15 @@ def _mapping(properties: Schema) -> Schema:
     return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
-def _one_of(properties: Schema, more: Schema | None = None) -> Schema:
+def _one_of(properties: Schema, required: Schema | None = None) -> Schema:
     """A mapping with exactly one of the properties, and all of the others."""
-    others = more or {}
-    size = 1 + len(others)
-    body = _mapping({**others, **properties}) | {"minProperties": size, "maxProperties": size}
-    return body | {"required": list(others)} if others else body
+    required_keys = required or {}
+    size = 1 + len(required_keys)
+    body = _mapping({**required_keys, **properties}) | {
+        "minProperties": size,
+        "maxProperties": size,
+    }
+    return body | {"required": list(required_keys)} if required_keys else body
 
 
 def _list_of(items: Schema) -> Schema:

@@ -91,8 +91,8 @@ def _value(annotation: Any) -> str:
     """Return what a value may be, in words."""
     metadata: list[Any] = []
     while get_origin(annotation) is Annotated:
-        annotation, *more = get_args(annotation)
-        metadata += more
+        annotation, *annotations = get_args(annotation)
+        metadata += annotations
     for item in metadata:
         if isinstance(item, Quantity) and item.unit == "1":
             return "a number or %"

@@ -22,9 +22,8 @@ from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.key_tables import key_table, tables_with_parts
-from torsion.schema.page_titles import title_and_sentence
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.schema.setting_examples import SETTINGS
+from torsion.schema.setting_texts import setting_examples, titles
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
 FOLDER = "docs/reference/model-file"
@@ -174,11 +173,12 @@ def _kind(kind: str) -> str:
 
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
     """Return the page of an analysis or a rule."""
-    title, sentence = title_and_sentence(name, ANALYSES[name].title if name in ANALYSES else name)
+    named = ANALYSES[name].title if name in ANALYSES else name
+    title, sentence = titles().get(name, (named, ""))
     parts = [f"# `{name}`: {title}", sentence]
-    if name in SETTINGS:
+    if setting := setting_examples().get(name):
         item = "- " if section == "rules" else ""
-        example = (item + SETTINGS[name]).replace("\n", "\n  ")
+        example = (item + setting).replace("\n", "\n  ")
         parts.append(f"```yaml\n{section}:\n  {example}\n```")
     text = "\n\n".join(part for part in parts if part)
     return (

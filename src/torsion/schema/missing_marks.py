@@ -18,10 +18,10 @@ _WITH_MARK = re.compile(r"([\w-]+)(?:\s*(:?)\{|\s+\S)")
 _UNDASHED = re.compile(r"\s*([\w-]+):(?:\s|$)")
 
 
-def without_mark(word: str, known: Iterable[str]) -> tuple[str, str] | None:
+def without_mark(word: str, words: Iterable[str]) -> tuple[str, str] | None:
     """The known word in 'coupling {stiffness' or 'coupling:{stiffness' and the mark that it misses; None in another."""
-    found = _WITH_MARK.match(word)
-    return (found[1], _mark(found[2])) if found and found[1] in known else None
+    match = _WITH_MARK.match(word)
+    return (match[1], _mark(match[2])) if match and match[1] in words else None
 
 
 def words_for(word: str, mark: str, body: str = "{...}", dash: str = "") -> tuple[str, str]:
@@ -33,85 +33,93 @@ def words_for(word: str, mark: str, body: str = "{...}", dash: str = "") -> tupl
 
 
 def missing_mark(
-    problem: str, lines: list[str], place: tuple[int, int], begin: tuple[int, int]
+    problem: str, lines: list[str], position: tuple[int, int], begin: tuple[int, int]
 ) -> Fault | None:
     """The fault of a mark whose lack ends the reading at a place, for a reason that the parser gives; None of another.
 
     begin: where the piece begins that cannot be read on. Lines and columns from 1.
     """
     if problem.startswith("mapping values"):
-        return _of_a_pair(lines, place)
-    if re.search("expected ',' or '}'", problem) and lines[place[0] - 1][
-        place[1] - 1 : place[1]
+        return _of_a_pair(lines, position)
+    if re.search("expected ',' or '}'", problem) and lines[position[0] - 1][
+        position[1] - 1 : position[1]
     ] in ("{", "["):
-        return _without_colon(_WITHIN.match(lines[place[0] - 1][: place[1] - 1]), place[0], "{...}")
-    return _of_a_block(lines, place[0]) or _without_dash(lines, place, begin)
+        return _without_colon(
+            _WITHIN.match(lines[position[0] - 1][: position[1] - 1]), position[0], "{...}"
+        )
+    return _of_a_block(lines, position[0]) or _without_dash(lines, position, begin)
 
 
 def _mark(colon: str) -> str:
     return "blank" if colon else "colon"
 
 
-def _of_a_pair(lines: list[str], place: tuple[int, int]) -> Fault | None:
+def _of_a_pair(lines: list[str], position: tuple[int, int]) -> Fault | None:
     """At the colon of a pair within brackets, or of a block, whose own word misses its mark."""
     opened = 0  # brackets between the line and the colon, less those that are closed
-    for number in range(place[0], 0, -1):
-        line = lines[number - 1] if number < place[0] else lines[number - 1][: place[1] - 1]
+    for number in range(position[0], 0, -1):
+        line = lines[number - 1] if number < position[0] else lines[number - 1][: position[1] - 1]
         opened += sum(map(line.count, "{[")) - sum(map(line.count, "}]"))
-        if found := _UNOPENED.match(line):
+        if match := _UNOPENED.match(line):
             return (
-                _without_colon(found, number, "{...}" if found[4] == "{" else "[...]")
+                _without_colon(match, number, "{...}" if match[4] == "{" else "[...]")
                 if opened > 0
                 else None
             )
         if re.match(r"\s*-\s", line):
             break
-    return _of_a_block(lines, place[0])
+    return _of_a_block(lines, position[0])
 
 
 def _of_a_block(lines: list[str], line: int) -> Fault | None:
     """At a key that stands deeper than the word above it, which is alone in its line."""
-    here, above = (
+    line_text, above = (
         lines[line - 1],
         next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), None),
     )
-    if above is None or not _UNDASHED.match(here) or _indent(lines[above - 1]) >= _indent(here):
+    if (
+        above is None
+        or not _UNDASHED.match(line_text)
+        or _indent(lines[above - 1]) >= _indent(line_text)
+    ):
         return None
     return _without_colon(_ALONE.match(lines[above - 1]), above, "{...}")
 
 
-def _without_colon(found: re.Match[str] | None, line: int, body: str) -> Fault | None:
+def _without_colon(match: re.Match[str] | None, line: int, body: str) -> Fault | None:
     """The fault of a word behind what stands in front of it in its line; None where there is none."""
-    if found is None:
+    if match is None:
         return None
     message, hint = words_for(
-        found[2], _mark(found[3]), body, "- " if found[1].strip() == "-" else ""
+        match[2], _mark(match[3]), body, "- " if match[1].strip() == "-" else ""
     )
-    return Fault((), message, hint, line=line, column=found.end(1) + 1)
+    return Fault((), message, hint, line=line, column=match.end(1) + 1)
 
 
-def _without_dash(lines: list[str], place: tuple[int, int], begin: tuple[int, int]) -> Fault | None:
+def _without_dash(
+    lines: list[str], position: tuple[int, int], begin: tuple[int, int]
+) -> Fault | None:
     """The fault of a kind or rule beside the entries of a list, first of them, between them or behind."""
-    here, (line, column) = lines[place[0] - 1], place
-    if not re.match(r"\s*-\s", here):
+    line_text, (line, column) = lines[position[0] - 1], position
+    if not re.match(r"\s*-\s", line_text):
         is_behind = lines[begin[0] - 1][begin[1] - 1 :].startswith("- ")
-        return _dashless(lines, line) if is_behind and _indent(here) == column - 1 else None
+        return _dashless(lines, line) if is_behind and _indent(line_text) == column - 1 else None
     above = range(line - 1, 0, -1)
     block = [
         k
         for k in takewhile(lambda k: _fits(lines[k - 1], column - 1), above)
         if _is_filled(lines[k - 1])
     ]
-    beside = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
-    return next((fault for k in beside if (fault := _dashless(lines, k))), None)
+    siblings = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
+    return next((fault for k in siblings if (fault := _dashless(lines, k))), None)
 
 
 def _dashless(lines: list[str], line: int) -> Fault | None:
-    found = _UNDASHED.match(lines[line - 1])
-    if found is None or not (found[1] in KINDS or found[1] in RULES):
+    match = _UNDASHED.match(lines[line - 1])
+    if match is None or not (match[1] in KINDS or match[1] in RULES):
         return None
-    message, hint = f"`{found[1]}` begins without a dash", f"write `- {found[1]}: ...`"
-    return Fault((), message, hint, line=line, column=found.start(1) + 1)
+    message, hint = f"`{match[1]}` begins without a dash", f"write `- {match[1]}: ...`"
+    return Fault((), message, hint, line=line, column=match.start(1) + 1)
 
 
 def _fits(line: str, indent: int) -> bool:

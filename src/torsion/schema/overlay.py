@@ -60,60 +60,62 @@ class Overlay:
 
     @property
     def removed(self) -> Iterable[Path]:
-        """What is taken away."""
+        """Paths of the file that are taken away."""
         return self._gone
 
-    def put(self, path: Path, value: Node, at: Place) -> None:
+    def put(self, path: Path, value: Node, key_place: Place) -> None:
         """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
-        own = Source(
+        file = Source(
             self.source.name, self.source.text
         )  # of what a table states, the case states this
-        self._put.append((path, replace(value, source=value.source or own), at))
+        self._put.append((path, replace(value, source=value.source or file), key_place))
 
     def remove(self, path: Path) -> None:
         """Take away what stands at a path."""
         self._gone[path] = None
 
-    def replace(self, words: str, value: Node, at: Place, fault: Path) -> None:
+    def replace(self, words: str, value: Node, key_place: Place, fault: Path) -> None:
         """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
         if (path := self.path(words, fault)) is None:
             return
-        there = node_at(self.source.root, path)
-        if there is not None and there.value == value.value:
+        given = node_at(self.source.root, path)
+        if given is not None and given.value == value.value:
             if self.permits_no_change:
                 return
-            message = f"`{printable(words)}` is {in_words(there.value)} already: nothing changes"
+            message = f"`{printable(words)}` is {in_words(given.value)} already: nothing changes"
             self.faults.append(
                 Fault(fault, message, "give another value, or leave it out", at_key=True)
             )
             return
-        before = "not given" if there is None else in_words(there.value)
+        before = "not given" if given is None else in_words(given.value)
         self.changes.append(Change(words, before, in_words(value.value)))
-        self.put(path, value, at)
+        self.put(path, value, key_place)
 
-    def multiply(self, words: str, factor: Fraction, place: Node, at: Place, fault: Path) -> None:
+    def multiply(
+        self, words: str, factor: Fraction, origin: Node, key_place: Place, fault: Path
+    ) -> None:
         """Multiply the number to which the words of a key point."""
         if (path := self.path(words, fault)) is None:
             return
-        there = node_at(self.source.root, path)
-        if there is None:
+        given = node_at(self.source.root, path)
+        if given is None:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             )
             self.faults.append(Fault(fault, message, "give its value with `set`", at_key=True))
-        elif (made := multiplied(there.value, factor)) is None:
-            message = f"{shown(there.value)} is not a number that can be multiplied"
+        elif (made := multiplied(given.value, factor)) is None:
+            message = f"{shown(given.value)} is not a number that can be multiplied"
             self.faults.append(Fault(fault, message, "give the new value with `set`", at_key=True))
         else:
-            self.changes.append(Change(words, in_words(there.value), in_words(made)))
-            self.put(path, Node(made, place.line, place.column), at)
+            self.changes.append(Change(words, in_words(given.value), in_words(made)))
+            self.put(path, Node(made, origin.line, origin.column), key_place)
 
     def path(self, words: str, fault: Path) -> Path | None:
         """The path in the file that the words of a key stand for; None with its fault noted."""
-        found = self._steps(words, fault)
-        if found is None:
+        parsed = self._steps(words, fault)
+        if parsed is None:
             return None
-        first, is_quoted, steps = found
+        first, is_quoted, steps = parsed
         start: Path = (first,)
         named = next((part for part in self.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
@@ -147,18 +149,18 @@ class Overlay:
 
     def _steps(self, words: str, fault: Path) -> tuple[str, bool, list[str]] | None:
         """The first word of a key path, whether it stands in quotes, and those behind it."""
-        found, end = list[str](), 0
+        words_found, end = list[str](), 0
         while end < len(words) and (step := STEP.match(words, end)):
-            found.append(step[1].strip())
+            words_found.append(step[1].strip())
             end = step.end()
-        if not found or end < len(words) or words.rstrip().endswith("."):
+        if not words_found or end < len(words) or words.rstrip().endswith("."):
             hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
             self.faults.append(
                 Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True)
             )
             return None
-        plain = [step[1:-1] if step[0] in "\"'" else step for step in found]
-        return plain[0], found[0] != plain[0], canonical_steps(plain[0], plain[1:])
+        plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
+        return plain[0], words_found[0] != plain[0], canonical_steps(plain[0], plain[1:])
 
     def _unknown(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
         """The fault of a word that neither a component nor a section goes by."""
@@ -170,9 +172,9 @@ class Overlay:
         if dotted is not None:
             hint = f'a name that has dots stands in quotes: `"{dotted}"{words[len(dotted) :]}`'
         else:
-            known = [*names, *SECTIONS]
-            near = nearest(first, known)
-            hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known)}"
+            known_names = [*names, *SECTIONS]
+            near = nearest(first, known_names)
+            hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known_names)}"
         return Fault(
             fault, f"no component and no section is called `{printable(first)}`", hint, at_key=True
         )
@@ -205,8 +207,8 @@ class Overlay:
     def applied(self) -> Source:
         """The file with all of it; components keep the names that they have without it."""
         root = self.source.root
-        for path, value, at in self._put:
-            root = _with(root, path, value, at)
+        for path, value, key_place in self._put:
+            root = _with(root, path, value, key_place)
         for path in sorted(
             self._gone,
             key=lambda path: [(isinstance(step, str), step) for step in path],
@@ -219,41 +221,43 @@ class Overlay:
 def node_at(node: Node, path: Path) -> Node | None:
     """What stands at a path; None where nothing does."""
     for step in path:
-        found = node.parts.get(step)
-        if found is None:
+        inner = node.parts.get(step)
+        if inner is None:
             return None
-        node = found
+        node = inner
     return node
 
 
-def _with(node: Node, path: Path, new: Node, at: Place) -> Node:
+def _with(node: Node, path: Path, new: Node, key_place: Place) -> Node:
     """The same with another value at a path; mappings on the way to it are made."""
     if not path:
         return new
-    step, rest = path[0], path[1:]
-    inner = _with(node.parts.get(step) or Node(None, *at, source=new.source), rest, new, at)
+    step, deeper = path[0], path[1:]
+    inner = _with(
+        node.parts.get(step) or Node(None, *key_place, source=new.source), deeper, new, key_place
+    )
     parts = {**node.parts, step: inner}
     if isinstance(node.value, list):
         value = [
             inner.value if position == step else item for position, item in enumerate(node.value)
         ]
         return replace(node, value=value, parts=parts)
-    known = node.keys.get(str(step), at) if rest else at
+    key_at = node.keys.get(str(step), key_place) if deeper else key_place
     return replace(
         node,
         value={**(node.value or {}), step: inner.value},
         parts=parts,
-        keys={**node.keys, str(step): known},
+        keys={**node.keys, str(step): key_at},
     )
 
 
 def _without(node: Node, path: Path) -> Node:
     """The same without what stands at a path; the items behind it in a list move up."""
-    step, rest = path[0], path[1:]
+    step, deeper = path[0], path[1:]
     if step not in node.parts:
         return node
-    if rest:
-        inner = _without(node.parts[step], rest)
+    if deeper:
+        inner = _without(node.parts[step], deeper)
         kept = [(key, inner if key == step else part) for key, part in node.parts.items()]
     else:
         kept = [(key, part) for key, part in node.parts.items() if key != step]
@@ -263,7 +267,7 @@ def _without(node: Node, path: Path) -> Node:
             value=[part.value for _, part in kept],
             parts=dict(enumerate(part for _, part in kept)),
         )
-    keys = {key: place for key, place in node.keys.items() if rest or key != step}
+    keys = {key: key_place for key, key_place in node.keys.items() if deeper or key != step}
     return replace(node, value={key: part.value for key, part in kept}, parts=dict(kept), keys=keys)
 
 
@@ -290,8 +294,8 @@ def multiplied(value: Any, factor: Fraction) -> int | float | str | None:
 
 def _figure(value: Fraction) -> str:
     """The digits of a fraction, exact where they end."""
-    found = DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(DIGITS)
-    return f"{found:f}" if -12 <= found.adjusted() <= 15 else f"{found:E}".replace("+", "")
+    quotient = DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(DIGITS)
+    return f"{quotient:f}" if -12 <= quotient.adjusted() <= 15 else f"{quotient:E}".replace("+", "")
 
 
 def in_words(value: Any) -> str:

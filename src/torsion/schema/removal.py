@@ -17,17 +17,17 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
     entries: dict[Path, None] = {}  # of the lists of components
     ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
     for position, name in enumerate(names):
-        place = _place(overlay, fault, position)
+        fault_path = _place(overlay, fault, position)
         if name in parts:
             path = parts[name].path[:-1]
             if path[:-1] == MAIN and parts[name].kind != "branch":
-                ends[path] = place
+                ends[path] = fault_path
             else:
                 entries |= dict.fromkeys(_branch_entries(overlay, path, parts[name]))
         elif "." in name:
-            _remove_key(overlay, name, place)
+            _remove_key(overlay, name, fault_path)
         else:
-            overlay.path(name, place)  # notes that there is no such name
+            overlay.path(name, fault_path)  # notes that there is no such name
     entries |= dict.fromkeys(_main_entries(overlay, ends))
     if not overlay.faults and entries:
         _remove_entries(overlay, list(entries), fault)
@@ -39,18 +39,18 @@ def _place(overlay: Overlay, fault: Path, position: int) -> Path:
     return (*fault, position) if node is not None and isinstance(node.value, list) else fault
 
 
-def _remove_key(overlay: Overlay, words: str, place: Path) -> None:
+def _remove_key(overlay: Overlay, words: str, fault_path: Path) -> None:
     """Take away a key of a component, or an entry of a section."""
-    path = overlay.path(words, place)
+    path = overlay.path(words, fault_path)
     if path is None:
         return
-    there = node_at(overlay.source.root, path)
-    if there is None:
+    given = node_at(overlay.source.root, path)
+    if given is None:
         overlay.faults.append(
-            Fault(place, f"`{printable(words)}` is not given: nothing changes", "leave it out")
+            Fault(fault_path, f"`{printable(words)}` is not given: nothing changes", "leave it out")
         )
         return
-    overlay.changes.append(Change(words, in_words(there.value), "not given"))
+    overlay.changes.append(Change(words, in_words(given.value), "not given"))
     overlay.remove(path)
 
 
@@ -130,9 +130,9 @@ def _keep_names(overlay: Overlay, gone: dict[str, Part]) -> None:
     kinds = {part.kind for part in gone.values()}
     for part in overlay.parts:
         if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
-            at = node_at(overlay.source.root, part.path) or overlay.source.root
+            node = node_at(overlay.source.root, part.path) or overlay.source.root
             overlay.put(
                 (*part.path, "name"),
-                Node(part.name, at.line, at.column, source=at.source),
-                (at.line, at.column),
+                Node(part.name, node.line, node.column, source=node.source),
+                (node.line, node.column),
             )

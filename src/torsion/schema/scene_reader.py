@@ -21,7 +21,7 @@ from torsion.rules import settings as rule_settings
 from torsion.schema.case_states import states_of_cases
 from torsion.schema.component_names import possible_names, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
-from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
+from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown_word
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
@@ -70,12 +70,12 @@ class Scene(Declared):
 
 def read(path: str | FilePath) -> Study:
     """The study that a file describes; raises InputError with every fault in it."""
-    return _whole(read_source(path))
+    return _read_with_cases(read_source(path))
 
 
 def parse(text: str, name: str = "train.yaml") -> Study:
     """The study that a text describes; `name` is the file name in messages. Raises InputError."""
-    return _whole(parse_source(text, name))
+    return _read_with_cases(parse_source(text, name))
 
 
 def located(error: InputError, study: Study) -> InputError:
@@ -108,7 +108,7 @@ def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source
     return with_tables(source, tables)
 
 
-def _whole(source: Source) -> Study:
+def _read_with_cases(source: Source) -> Study:
     """The study of a file with its tables, and of its cases where it states any."""
     source = _with_tables(source)
     source = replace(source, faults=(*source.faults, *empty_lists(source.data)))
@@ -157,9 +157,9 @@ def _with_meshes(study: Study, faults: list[Fault]) -> Study:
     from torsion.assembly.section.solved_sections import mesh_faults
 
     folder, bars = FilePath(study.file).parent, list(study.train.bars)
-    for place, bar in enumerate(bars):
+    for number, bar in enumerate(bars):
         if isinstance(bar.section, SectionMesh):
-            bars[place] = replace(
+            bars[number] = replace(
                 bar, section=replace(bar.section, file=str(folder / bar.section.file))
             )
     train = replace(study.train, bars=tuple(bars))
@@ -251,8 +251,10 @@ def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterato
 
 def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]:
     """The materials; steel stands in for a faulty one, so that the train can still be looked at."""
-    found = _entries(data, "materials", faults)
-    return {str(path[-1]): declared(Material, body, path, faults) or STEEL for path, body in found}
+    entries = _entries(data, "materials", faults)
+    return {
+        str(path[-1]): declared(Material, body, path, faults) or STEEL for path, body in entries
+    }
 
 
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
@@ -277,7 +279,7 @@ def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
     if kind in ("gear", "joint"):
         faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
     elif kind not in LINKS:
-        faults.append(unknown((*path, kind), "link", kind, list(LINKS)))
+        faults.append(unknown_word((*path, kind), "link", kind, list(LINKS)))
     else:
         read = one_component(kind, entry[kind], (*path, kind), faults)
         if read is not None and len(faults) == before and isinstance(ends, list):
@@ -295,15 +297,15 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
         if name in UNBUILT:
             faults.append(unbuilt(path, f"`{name}`"))
         elif name not in ANALYSES or not ANALYSES[name].settings:
-            known = [key for key, analysis in ANALYSES.items() if analysis.settings]
-            fault = unknown(path, "analysis", name, [*ShaftModel.model_fields, *known])
+            names = [key for key, analysis in ANALYSES.items() if analysis.settings]
+            fault = unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names])
             faults.append(replace(fault, hint=word_for("analysis", name, fault.hint)))
         elif isinstance(body, list) and ANALYSES[name].is_listed:
-            each = [
-                declared(ANALYSES[name].settings_class(), one, (*path, k), faults)
-                for k, one in enumerate(body)
+            settings_list = [
+                declared(ANALYSES[name].settings_class(), entry, (*path, k), faults)
+                for k, entry in enumerate(body)
             ]
-            read[name] = Several(each=tuple(one for one in each if one is not None))
+            read[name] = Several(each=tuple(filter(None, settings_list)))
         elif (
             settings := declared(ANALYSES[name].settings_class(), body, path, faults)
         ) is not None:
@@ -324,19 +326,19 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
     """The rules with their settings, in the order of the file."""
     read: list[tuple[str, Declared]] = []
     seen: set[str] = set()
-    for place, entry in _entries(data, "rules", faults):
+    for entry_path, entry in _entries(data, "rules", faults):
         if isinstance(entry, str):
-            name, body, path = entry, None, place
+            name, body, path = entry, None, entry_path
         elif isinstance(entry, dict) and len(entry) == 1:
             ((name, body),) = entry.items()
-            path = (*place, name)
+            path = (*entry_path, name)
         else:
             hint = "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`"
-            faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
+            faults.append(Fault(entry_path, f"{shown(entry)} is not a rule", hint))
             continue
         if name not in RULES:
             faults.append(
-                unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
+                unknown_word(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
             )
             continue
         if name in seen:
@@ -391,7 +393,7 @@ def _train(
         faults += repeated_names(data.get("train"))
         faults += _unknown_names(data, reference, excitations, links)
         return None
-    found, more = lowered(
+    train, train_faults = lowered(
         parts,
         excitations=excitations,
         links=links,
@@ -399,8 +401,8 @@ def _train(
         reference=reference,
         folder=folder,
     )
-    faults += more
-    return found
+    faults += train_faults
+    return train
 
 
 def _unknown_names(
@@ -426,10 +428,10 @@ def _unknown_names(
     ]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         named.append((reference, ("operation", "at")))
-    known = dict.fromkeys(sorted(possible), ("component", True))
+    components_by_name = dict.fromkeys(sorted(possible), ("component", True))
     for name, path in named:
         # A point within a component has the name of the component in front of its own.
         if not any(name.startswith(f"{owner} ") for owner in possible):
-            fault = name_fault(name, path, known)
+            fault = name_fault(name, path, components_by_name)
             if fault is not None:
                 yield fault

@@ -107,9 +107,9 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
         parts[SECTIONS] = list_node(listed, _table(listed, SECTIONS, reading))
         if reading.is_ended:
             return []
-    whole = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
+    shaft_entry = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
     return sections(
-        whole, reading.source, lambda node, message, hint: _end(node, message, hint, reading)
+        shaft_entry, reading.source, lambda node, message, hint: _end(node, message, hint, reading)
     )
 
 
@@ -178,8 +178,8 @@ def _from_library(node: Node, reading: Reading) -> Node:
     sizes = [str(row.value[ROW]) for row in rows]
     if (wanted := str(size.value)) not in sizes:
         near = nearest(wanted, sizes)
-        every = f"there is {', '.join(sizes)}"
-        hint = f"did you mean `{near}`? {every}" if near else every
+        listed_sizes = f"there is {', '.join(sizes)}"
+        hint = f"did you mean `{near}`? {listed_sizes}" if near else listed_sizes
         _end(size, f"{shown(name.value)} has no size {shown(wanted)}", hint, reading)
         return node
     row = rows[sizes.index(wanted)]

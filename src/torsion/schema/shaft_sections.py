@@ -46,23 +46,28 @@ def sections(entry: Node, source: Source, fault: Faulty) -> list[Node]:
                 f"state it in its row, as `{{{key}: ...}}`",
             )
     common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
-    found = []
+    entries = []
     for number, row in enumerate(listed.parts.values(), start=1):
-        if (own := _row(row, fault)) is not None:
+        if (section := _row(row, fault)) is not None:
             kept = {
                 key: part if row.source is None else replace(part, source=part.source or source)
                 for key, part in common.items()
             }
-            keys = {key: place for key, place in shaft.keys.items() if key in kept} | own.keys
+            keys = {
+                key: position for key, position in shaft.keys.items() if key in kept
+            } | section.keys
             named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
-            found.append(
+            entries.append(
                 _mapping(
-                    "shaft", _with(replace(own, keys=keys), {"name": named, **kept, **own.parts})
+                    "shaft",
+                    _with_parts(
+                        replace(section, keys=keys), {"name": named, **kept, **section.parts}
+                    ),
                 )
             )
-    if not found:
+    if not entries:
         fault(listed, "there is no section", EXAMPLE)
-    return found
+    return entries
 
 
 EXAMPLE = (
@@ -79,7 +84,7 @@ def _row(row: Node, fault: Faulty) -> Node | None:
     if isinstance(row.value, list) and 2 <= len(row.value) <= len(ROW):
         parts: dict[str | int, Node] = dict(zip(ROW, row.parts.values(), strict=False))
         places = {str(key): (part.line, part.column) for key, part in parts.items()}
-        return _with(replace(row, keys=places), parts)
+        return _with_parts(replace(row, keys=places), parts)
     if isinstance(row.value, dict):
         for key in ("name", SECTIONS):
             if key in row.parts:
@@ -97,11 +102,11 @@ def _row(row: Node, fault: Faulty) -> Node | None:
     return None
 
 
-def _with(node: Node, parts: dict[str | int, Node]) -> Node:
+def _with_parts(node: Node, parts: dict[str | int, Node]) -> Node:
     """The node with other values in it."""
     return replace(node, value={str(key): part.value for key, part in parts.items()}, parts=parts)
 
 
 def _mapping(key: str, body: Node) -> Node:
     """A mapping of one key, at the place of its value."""
-    return _with(replace(body, keys={key: (body.line, body.column)}), {key: body})
+    return _with_parts(replace(body, keys={key: (body.line, body.column)}), {key: body})

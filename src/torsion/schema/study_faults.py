@@ -129,7 +129,7 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
 
 
 def _of_analysis(
-    place: str,
+    function: str,
     applies: Callable[[Study], bool],
     arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,),
 ) -> Check:
@@ -138,7 +138,7 @@ def _of_analysis(
     def check(study: Study) -> Iterable[Fault]:
         if not applies(study):
             return ()
-        faults: Iterable[Fault] = resolve_name(f"torsion.{place}")(*arguments(study))
+        faults: Iterable[Fault] = resolve_name(f"torsion.{function}")(*arguments(study))
         return faults
 
     return check
@@ -155,7 +155,7 @@ _CHECKS: tuple[tuple[Check, str], ...] = (  # with the sections that each reads
     (_damping_faults, "train links damping materials analyses rules"),
     (
         _of_analysis(
-            "analyses.compare.candidates:loop_faults",
+            "analyses.compare.shaft_divisions:loop_faults",
             lambda study: "check" in study.analyses,
             lambda study: (study, ("analyses", "check")),
         ),

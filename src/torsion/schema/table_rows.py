@@ -3,6 +3,7 @@
 The columns are the keys of the entries, from their declarations; the first row names them, with units.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -119,14 +120,14 @@ def columns_of(key: str) -> dict[tuple[str, str], Stated]:
             for kind in KINDS
             for name, stated in _declared(component(kind)).items()
         }
-    known, columns = list_kind(key), dict[str, Stated]()
-    for declaration in known.declared:
+    kind_of_list, columns = list_kind(key), dict[str, Stated]()
+    for declaration in kind_of_list.declared:
         columns |= _declared(resolve_name(declaration))
-    if known.label:
+    if kind_of_list.label:
         columns.pop("from", None)
     if key == LIBRARY:
         columns[ROW] = Stated((), True)
-    figures = known.figures
+    figures = kind_of_list.figures
     if key.startswith(CATALOGUE):
         columns.pop(ROW, None)
         figures = STATED
@@ -152,7 +153,7 @@ class Column:
     """One key of every row: of every kind, or of one (`joint.kind`), its unit, and whether it is text."""
 
     key: str
-    of: str
+    kind: str
     unit: str
     is_text: bool
 
@@ -220,20 +221,22 @@ class Rows:
     def _column(self, cell: Cell) -> Column | None:
         """What a column states; None where it has no name, or none that is known."""
         written, unit = head_of(cell.text)
-        of, _, name = written.casefold().rpartition(".")
-        name, of = name.strip().replace(" ", "_").replace("-", "_"), of.strip()
+        kind, _, name = (part.strip() for part in written.casefold().rpartition("."))
+        name = re.sub("[ -]", "_", name)
         if not name:
             return None
-        if self.key == TRAIN and name == KIND and not of:
-            return Column(KIND, "", "", True)
+        if self.key == TRAIN and name == KIND and not kind:
+            return _KIND_COLUMN
         columns = {
-            key: stated for (kind, key), stated in columns_of(self.key).items() if of in ("", kind)
+            key: stated
+            for (owner, key), stated in columns_of(self.key).items()
+            if kind in ("", owner)
         }
         name = canonical_column(name, columns)
         if name in columns:
-            return Column(name, of, unit, columns[name].is_text)
+            return Column(name, kind, unit, columns[name].is_text)
         near = nearest(name, columns)
-        hint = f"there is {', '.join(columns)}" if columns else f"there is no kind `{of}`"
+        hint = f"there is {', '.join(columns)}" if columns else f"there is no kind `{kind}`"
         hint = key_for(name, list(columns)) or (f"did you mean `{near}`?" if near else hint)
         self.fault(cell, f"unknown column `{printable(written)}`", hint)
         return None
@@ -241,15 +244,15 @@ class Rows:
     def _head_is_faulty(self, head: list[Cell]) -> bool:
         """Whether something is wrong with the names and units of the columns, every fault of which is noted."""
         before, first = len(self.table.faults), dict[tuple[str, str], Cell]()
-        for place, (cell, column) in enumerate(zip(head, self.columns, strict=True)):
+        for number, (cell, column) in enumerate(zip(head, self.columns, strict=True)):
             if column is None:
                 continue
-            if (column.of, column.key) in first:
+            if (column.kind, column.key) in first:
                 message = f"the column `{column.key}` stands twice"
                 self.fault(cell, message, "a list is one cell: [0.9, 0.6]")
-            first.setdefault((column.of, column.key), cell)
-            self._check_unit(place, cell, column)
-        names = {key for of, key in first if not of}
+            first.setdefault((column.kind, column.key), cell)
+            self._check_unit(number, cell, column)
+        names = {key for kind, key in first if not kind}
         for key in self._needed(names):
             if key not in names:
                 hint = f"{', '.join(KINDS)}: what each row is" if key == KIND else self.kind.example
@@ -266,7 +269,7 @@ class Rows:
         loads = ([key for key in LOADS if key in names] or ["imep"])[: self.key == BY_LOAD]
         return (*loads, *(BY_PARTS if {"a", "b"} & names else BY_POLAR))
 
-    def _check_unit(self, place: int, cell: Cell, column: Column) -> None:
+    def _check_unit(self, column_number: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""
         columns = columns_of(self.key)
         expected = {
@@ -282,7 +285,7 @@ class Rows:
                     cell, f"the unit of the column `{column.key}`: {fault.message}", fault.hint
                 )
             return
-        below = (row[place].text for row in self.table.rows[1:] if place < len(row))
+        below = (row[column_number].text for row in self.table.rows[1:] if column_number < len(row))
         if expected - {"1"} and any(is_number(self.table.plain(text)) for text in below):
             unit = units.example(min(expected - {"1"})).partition(" ")[2]
             hint = f"write `{column.key} [{unit}]`"
@@ -362,8 +365,8 @@ class Rows:
 
     def _state(self, body: Node, cell: Cell, column: Column, kind: str) -> None:
         """Enter a cell under its key."""
-        if column.of and column.of != kind:
-            message = f"this column is of `{column.of}`, and the row is a `{printable(kind)}`"
+        if column.kind and column.kind != kind:
+            message = f"this column is of `{column.kind}`, and the row is a `{printable(kind)}`"
             self.fault(cell, message, "leave it empty")
         elif column.key in body.parts:
             message = f"`{column.key}` is given twice in this row"
@@ -405,8 +408,8 @@ class Rows:
         has_parts = any(column and column.key in ("a", "b") for column in self.columns)
         keys = BY_PARTS if has_parts else BY_POLAR
         if lacking := [key for key in keys if key not in body.parts]:
-            place = Cell("", body.line, body.column)
-            self.fault(place, f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
+            cell = Cell("", body.line, body.column)
+            self.fault(cell, f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
         parts = [body.parts[key] for key in keys if key in body.parts]
         return body if has_parts else list_node(replace(body), parts)
 
@@ -417,8 +420,8 @@ class Rows:
         for row in rows:
             load = row.parts.pop(key, None)
             if load is None:
-                place = Cell("", row.line, row.column)
-                self.fault(place, f"the row has no `{key}`", "every order stands at one")
+                position = Cell("", row.line, row.column)
+                self.fault(position, f"the row has no `{key}`", "every order stands at one")
             else:
                 table = tables.setdefault(str(row.value.pop(key)), (load, []))
                 table[1].append(self._harmonic(row))

@@ -79,22 +79,22 @@ def with_change(item: Any, path: Path, operation: Operation) -> Any:
     """Return a declaration, or a tuple or mapping of them, with `operation` applied to what stands at a path."""
     if not path:
         return operation(item)
-    step, rest = path[0], path[1:]
+    step, deeper = path[0], path[1:]
     if isinstance(item, Link):
         # The path has the kind of the component between the link and its key.
-        return replace(item, component=with_change(item.component, rest, operation))
+        return replace(item, component=with_change(item.component, deeper, operation))
     if isinstance(item, tuple) and isinstance(step, int):
         entry = item[step]
-        if rest and rest[0] == getattr(entry, "keyword", None):
-            rest = rest[1:]
-        return (*item[:step], with_change(entry, rest, operation), *item[step + 1 :])
+        if deeper and deeper[0] == getattr(entry, "keyword", None):
+            deeper = deeper[1:]
+        return (*item[:step], with_change(entry, deeper, operation), *item[step + 1 :])
     if isinstance(item, Mapping) and step in item:
-        return {**item, step: with_change(item[step], rest, operation)}
-    known = type(item).model_fields.items() if isinstance(item, Declared) else ()
-    name = next((name for name, field in known if step in (name, field.alias)), None)
+        return {**item, step: with_change(item[step], deeper, operation)}
+    declared_fields = type(item).model_fields.items() if isinstance(item, Declared) else ()
+    name = next((name for name, field in declared_fields if step in (name, field.alias)), None)
     if name is None:
         raise NotInColumns(f"no declaration has the key `{step}`")
-    return copied(item, **{name: with_change(getattr(item, name), rest, operation)})
+    return copied(item, **{name: with_change(getattr(item, name), deeper, operation)})
 
 
 def _changes(

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 
@@ -21,27 +21,9 @@ from torsion.schema.train_in_columns import Pieces, train_in_columns
 from torsion.schema.varied_figure import Figure
 from torsion.study import Study
 from torsion.train import Train
-from torsion.what_if.variants.laws import Choice
 
 FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
 MOST_TRIALS = 500  # readings of the file for one figure
-
-
-@runtime_checkable
-class Varying(Protocol):
-    """Settings of an analysis that varies figures of the file."""
-
-    @property
-    def varied(self) -> tuple[str, Mapping[str, Choice]]:
-        """The key that names the figures, and how each varies; none for every tolerance of the file."""
-
-
-@runtime_checkable
-class Refusing(Protocol):
-    """Such settings that do not take every set of figures."""
-
-    def refused(self, study: Study, figures: Sequence["Figure"]) -> Iterator[Fault]:
-        """What they refuse, at places below the analysis."""
 
 
 @dataclass(frozen=True)
@@ -60,24 +42,29 @@ class Variation:
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures of the file, in which these, by their places, have values."""
-        chosen = replace(self, figures=tuple(self.figures[place] for place in values))
+        chosen = replace(self, figures=tuple(self.figures[number] for number in values))
         source = chosen.file(list(values.values()))
-        others = tuple(one for place, one in enumerate(self.figures) if place not in values)
-        return replace(self, figures=others, source=source, base=self.read(source))
+        remaining = tuple(
+            figure for number, figure in enumerate(self.figures) if number not in values
+        )
+        return replace(self, figures=remaining, source=source, base=self.read(source))
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
         path, node = next(self.figures[place].puts(value, self.source))
-        there = node_at(self.source.root, path)
-        return "not given" if there is None else in_words(there.value), in_words(node.value)
+        given = node_at(self.source.root, path)
+        return "not given" if given is None else in_words(given.value), in_words(node.value)
 
     def text(self, values: Sequence[float], without: Iterable[str] = VARYING) -> str:
         """That file as text without some analyses, with its words and comments where they can be kept."""
         from torsion.schema.edited_text import edited
 
-        source, puts = self.changed(values)
+        source, changes = self.changed(values)
         return edited(
-            self.source, list(puts.items()), [("analyses", name) for name in without], source.data
+            self.source,
+            list(changes.items()),
+            [("analyses", name) for name in without],
+            source.data,
         )
 
     def file(self, values: Sequence[float]) -> Source:
@@ -85,27 +72,21 @@ class Variation:
         return self.changed(values)[0]
 
     def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
-        """That file, and what is put in it, where; the figures stage by stage."""
-        each, source, puts = (
-            list(zip(self.figures, values, strict=True)),
-            self.source,
-            dict[Path, Node](),
-        )
-        for stage in sorted({one.stage for one in self.figures}) or [(0, True)]:
+        """Return that file, and what is put in it, where; the figures stage by stage."""
+        pairs = list(zip(self.figures, values, strict=True))
+        source, changes = self.source, dict[Path, Node]()
+        for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
             overlay = overlay_of(self.base, source)
             for name in VARYING:
                 overlay.remove(("analyses", name))
-            own = {
-                path: node
-                for figure, value in each
-                if figure.stage == stage
-                for path, node in figure.puts(float(value), source)
-            }
-            for path, node in own.items():
-                overlay.put(path, node, (node.line, node.column))
-            puts |= own
+            for figure, value in pairs:
+                for path, node in (
+                    figure.puts(float(value), source) if figure.stage == stage else ()
+                ):
+                    overlay.put(path, node, (node.line, node.column))
+                    changes[path] = node
             source = overlay.applied()
-        return source, puts
+        return source, changes
 
     def in_case(self, case: Study) -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
@@ -137,7 +118,9 @@ class Variation:
 
         The study is what the file with these values would be read as; it raises InputError as the reading does.
         """
-        analyses = {name: one for name, one in self.base.analyses.items() if name not in VARYING}
+        analyses = {
+            name: settings for name, settings in self.base.analyses.items() if name not in VARYING
+        }
         plain = replace(self.base, analyses=analyses, variations={}, cases={}, case=None)
         pick = picker(train) or (lambda _: train)
 
@@ -157,24 +140,19 @@ class Variation:
         Their places, the rows by the places of their figures as `fixed` takes them, and the values of all other
         figures. Nothing without lists, or with a list behind what another variation puts into the file.
         """
-        listed = [place for place, figure in enumerate(self.figures) if figure.rows]
-        if not listed or any(self.figures[place].layer > 0 for place in listed):
+        listed = [number for number, figure in enumerate(self.figures) if figure.rows]
+        if not listed or any(self.figures[number].layer > 0 for number in listed):
             return
         combinations, group = np.unique(values[:, listed], axis=0, return_inverse=True)
-        others = [place for place in range(len(self.figures)) if place not in listed]
+        remaining = [number for number in range(len(self.figures)) if number not in listed]
         for number, rows in enumerate(combinations.tolist()):
             places = np.flatnonzero(group.ravel() == number)
-            yield places, dict(zip(listed, rows, strict=True)), values[places][:, others]
+            yield places, dict(zip(listed, rows, strict=True)), values[places][:, remaining]
 
     def behind(self, other: "Variation") -> "Variation":
-        """Both as one: the figures of the other first, and these about what those put in the file."""
-        own = (replace(one, layer=one.layer + 1) for one in self.figures)
-        return replace(other, figures=(*other.figures, *own))
-
-    @property
-    def ahead(self) -> "Variation":
-        """Without the figures that are about what others put in the file."""
-        return replace(self, figures=tuple(one for one in self.figures if one.layer <= 0))
+        """Return both as one: the figures of the other first, and these about what those put in the file."""
+        figures = (replace(figure, layer=figure.layer + 1) for figure in self.figures)
+        return replace(other, figures=(*other.figures, *figures))
 
 
 def with_variations(
@@ -185,28 +163,29 @@ def with_variations(
     faults: list[Fault],
 ) -> Study:
     """The study with the figures that its sweep, design and fit vary; those that cannot vary are noted."""
-    found = {}
+    variations = {}
     for name in VARYING:
-        settings: object = study.analyses.get(name)
-        if isinstance(settings, Varying):
-            found[name] = replace(
-                _variation(study, source, read, faults, name, settings), declare=declare
-            )
-    return replace(study, variations=found)
+        settings: Any = study.analyses.get(name)
+        if hasattr(settings, "varied"):
+            variation = _variation(study, source, read, faults, name, settings)
+            variations[name] = replace(variation, declare=declare)
+    return replace(study, variations=variations)
 
 
 def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Variation:
-    """Every figure of a file that its sweep, design or fit varies, and its other tolerances, for moving by hand."""
+    """Return every figure that a sweep, design or fit of the file varies, and its other tolerances, for moving by hand."""
     columns: dict[object, int] = {}
     figures: dict[str, Figure] = {}
-    for name, variation in study.variations.items():
-        for figure in variation.figures:
-            column = columns.setdefault((name, figure.column), len(columns))
-            figures.setdefault(figure.name, replace(figure, column=column))
-    for figure in with_tolerance(study, overlay_of(study, source)):
-        figures.setdefault(
-            figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns)))
-        )
+    varied = [
+        ((name, figure.column), figure)
+        for name, variation in study.variations.items()
+        for figure in variation.figures
+    ]
+    tolerances = with_tolerance(study, overlay_of(study, source))
+    for column, figure in [*varied, *((figure.name, figure) for figure in tolerances)]:
+        if figure.name not in figures:
+            number = columns.setdefault(column, len(columns))
+            figures[figure.name] = replace(figure, column=number)
     return Variation(tuple(figures.values()), source, read, study)
 
 
@@ -216,83 +195,78 @@ def _variation(
     read: Callable[[Source], Study],
     faults: list[Fault],
     name: str,
-    settings: Varying,
+    settings: Any,
 ) -> Variation:
-    overlay, before, place = overlay_of(study, source), len(faults), ("analyses", name)
-    key, varied = settings.varied
-    found = list(
-        named(varied, overlay, (*place, key)) if varied else with_tolerance(study, overlay)
-    )
+    overlay, before, path = overlay_of(study, source), len(faults), ("analyses", name)
+    key, laws = settings.varied
+    varied = list(named(laws, overlay, (*path, key)) if laws else with_tolerance(study, overlay))
     faults += overlay.faults
-    if not found and len(faults) == before:
+    if not varied and len(faults) == before:
         hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
-        faults.append(Fault(place, "no parameter of the file varies", hint))
-    as_one = getattr(settings, "together", ())  # names of figures
-    figures = list(_in_columns(found, as_one, (*place, "together"), faults))
-    variation = Variation(tuple(figures), source, read, study)
-    if len(faults) == before and isinstance(settings, Refusing):
+        faults.append(Fault(path, "no parameter of the file varies", hint))
+    together = getattr(settings, "together", ())  # names of figures
+    figures = tuple(_with_columns(varied, together, (*path, "together"), faults))
+    variation = Variation(figures, source, read, study)
+    if len(faults) == before and hasattr(settings, "refused"):
         faults += [
-            replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)
+            replace(fault, path=(*path, *fault.path)) for fault in settings.refused(study, figures)
         ]
     if len(faults) == before:
-        faults += _faults_at_ends(variation, (*place, key))
+        faults += _faults_at_ends(variation, (*path, key))
     return variation
 
 
-def _in_columns(
-    figures: Iterable[Figure], together: Sequence[Sequence[str]], place: Path, faults: list[Fault]
+def _with_columns(
+    varied: Iterable[Figure], together: Sequence[Sequence[str]], path: Path, faults: list[Fault]
 ) -> Iterator[Figure]:
-    """Each figure with the column of the samples that it takes."""
-    known = {figure.name: figure for figure in figures}
+    """Yield each figure with the column of the samples that it takes; `together`: names that share one."""
+    figures = {figure.name: figure for figure in varied}
     group: dict[str, int] = {}
     for number, names in enumerate(together):
-        path = (*place, number)
         for name in names:
-            if name not in known:
-                near = nearest(name, list(known))
-                hint = (
-                    f"did you mean '{near}'?" if near else f"figures that vary: {', '.join(known)}"
-                )
-                faults.append(Fault(path, f"no figure '{name}' varies", hint))
+            figure, first = figures.get(name), figures.get(names[0])
+            if figure is None:
+                near = nearest(name, list(figures))
+                varies = f"figures that vary: {', '.join(figures)}"
+                hint = f"did you mean '{near}'?" if near else varies
+                message = f"no figure '{name}' varies"
+            elif first is None:
+                continue
             elif name in group:
-                faults.append(Fault(path, f"'{name}' varies together twice", "name it once"))
-            elif known[name].law != known[names[0]].law and not _in_pairs(
-                known[name], known[names[0]]
-            ):
-                message = f"'{name}' ({known[name].law.words}) and '{names[0]}' ({known[names[0]].law.words}) vary as one"
-                faults.append(
-                    Fault(path, message, "give both the same law, or lists of as many values")
-                )
+                message, hint = f"'{name}' varies together twice", "name it once"
+            elif figure.law != first.law and not 0 < figure.places == first.places:
+                laws = f"'{name}' ({figure.law.words}) and '{names[0]}' ({first.law.words})"
+                message = f"{laws} vary as one"
+                hint = "give both the same law, or lists of as many values"
             else:
                 group[name] = number
+                continue
+            faults.append(Fault((*path, number), message, hint))
     columns: dict[object, int] = {}
-    for name, figure in known.items():
+    for name, figure in figures.items():
         yield replace(figure, column=columns.setdefault(group.get(name, name), len(columns)))
 
 
-def _in_pairs(one: Figure, other: Figure) -> bool:
-    """Both take as many values, of which the first goes with the first."""
-    return 0 < one.places == other.places
-
-
-def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
-    """Figures whose range, or one of whose alternatives that are tried, leaves what the file may say."""
+def _faults_at_ends(variation: Variation, path: Path) -> Iterator[Fault]:
+    """Yield the fault of every figure with a value, an end of its range or a row, that the file may not state."""
     for figure in variation.figures:
-        for value in _to_be_read(figure, variation.source) if figure.rows else figure.ends.tolist():
+        single = replace(variation, figures=(figure,))
+        rows = _rows_to_read(figure, variation.source) if figure.rows else []
+        for value in rows or figure.ends.tolist():
             try:
-                replace(variation, figures=(figure,)).study([value])
+                single.study([value])
             except InputError as error:
-                why = error.faults[0]
-                message = f"{figure.name} {figure.words(value)}: {why.message}"
-                if why.file:  # in the row of a catalogue
-                    yield replace(why, message=message)
-                    break
-                at = (*where, figure.key) if figure.key else where
-                yield Fault(at, message, why.hint or "a narrower law", at_key=True)
+                fault = error.faults[0]
+                message = f"{figure.name} {figure.words(value)}: {fault.message}"
+                if fault.file:  # in the row of a catalogue
+                    yield replace(fault, message=message)
+                else:
+                    fault_path = (*path, figure.key) if figure.key else path
+                    yield Fault(fault_path, message, fault.hint or "a narrower law", at_key=True)
                 break
 
 
-def _to_be_read(figure: Figure, source: Source) -> list[float]:
+def _rows_to_read(figure: Figure, source: Source) -> list[float]:
     """Return the rows with which the whole file is read as a trial: all of a few.
 
     Of many `FEW` spread over all, the least and the greatest number, and those whose component alone is at fault.
@@ -301,10 +275,9 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
     count = len(figure.rows)
     if count <= FEW:
         return [float(row) for row in range(count)]
-    chosen = {int(row) for row in np.linspace(0, count - 1, FEW)}
     numbers, _ = figure.numbers
-    chosen |= {int(numbers.argmin()), int(numbers.argmax())}
-    for place, row in enumerate(figure.rows):
+    chosen = {*np.linspace(0, count - 1, FEW).astype(int), numbers.argmin(), numbers.argmax()}
+    for number, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
         if path[-1] in KINDS:
             node = node_at(source.root, path)
@@ -312,5 +285,5 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
             body |= {str(key[-1]): node.value for key, node in row.puts}
             one_component(str(path[-1]), body, path, faults)
         if faults:
-            chosen.add(place)
+            chosen.add(number)
     return [float(row) for row in sorted(chosen)[:MOST_TRIALS]]

@@ -65,7 +65,7 @@ class Figure:
         return len(self.rows) or (0 if self.law.first is None else self.law.places or 0)
 
     def every(self) -> FloatArray:
-        """All of these values."""
+        """Return all values of a list, a catalogue or a range in steps."""
         if self.rows:
             return np.arange(float(len(self.rows)))
         (low, high), step = self.law.ends, self.law.step
@@ -87,10 +87,10 @@ class Figure:
         stated = [
             amount_of(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows
         ]
-        units_of = {one[1] for one in stated if one is not None}
+        units_of = {amount[1] for amount in stated if amount is not None}
         if None in stated or len(units_of) != 1:
             return np.full(len(self.rows), np.nan), ""
-        return np.array([one[0] for one in stated if one is not None]), units_of.pop()
+        return np.array([amount[0] for amount in stated if amount is not None]), units_of.pop()
 
     @property
     def in_file(self) -> float:
@@ -116,7 +116,7 @@ class Figure:
             return
         exact = Fraction(repr(float(value)))
         for path, power in self.paths:
-            there = node_at(source.root, path) or Node(None, 1, 1)
+            given = node_at(source.root, path) or Node(None, 1, 1)
             if self.law.first is not None:
                 new: object = (
                     f"{repr(value).removesuffix('.0')} {self.law.unit}" if self.law.unit else value
@@ -124,8 +124,8 @@ class Figure:
                 if new == value and value.is_integer():  # of teeth, say
                     new = int(value)
             else:
-                new = multiplied(there.value, exact if power > 0 else 1 / exact)
-            yield path, Node(new, there.line, there.column)
+                new = multiplied(given.value, exact if power > 0 else 1 / exact)
+            yield path, Node(new, given.line, given.column)
 
 
 def amount_of(value: object) -> tuple[float, str] | None:

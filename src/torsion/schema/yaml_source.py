@@ -148,21 +148,21 @@ class Extents:
 
 
 def extents(text: str) -> Extents:
-    """Of a text that can be read; a list or mapping without brackets ends with the last value in it."""
+    """Return the extents in a text that can be read; a list or mapping without brackets ends with the last value in it."""
     starts = line_starts(text)
-    found, opened, last = Extents({}, {}), list[Any](), 0
+    extents_found, opened, last = Extents({}, {}), list[Any](), 0
     events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
     for event in events:
         end = starts[event.end_mark.line] + event.end_mark.column
         if isinstance(event, yaml.ScalarEvent | yaml.AliasEvent):
-            found.scalars[_mark(event)] = last = end
+            extents_found.scalars[_mark(event)] = last = end
         elif isinstance(event, yaml.CollectionStartEvent):
             opened.append(event)
         elif isinstance(event, yaml.CollectionEndEvent):
             begin = opened.pop()
             last = end if begin.flow_style else last
-            found.collections[_mark(begin)] = last, bool(begin.flow_style)
-    return found
+            extents_found.collections[_mark(begin)] = last, bool(begin.flow_style)
+    return extents_found
 
 
 def yaml_text(value: object) -> str:
@@ -224,27 +224,31 @@ class _Builder:
 
     def _take_key(self, event: Any) -> None:
         """The key of the value that follows; after a repeated one nothing but faults is kept."""
-        place, keys, key = _mark(event), self._open[-1].keys, event.value
+        position, keys, key = _mark(event), self._open[-1].keys, event.value
         self._check_tag(event)
         self._check_controls(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
-            hint = self._decimal_comma(key, place) or "put it in quotes"
+            hint = self._decimal_comma(key, position) or "put it in quotes"
             self.faults.append(
-                _fault(f"the key {key or 'before this colon'} is not text", hint, *place)
+                _fault(f"the key {key or 'before this colon'} is not text", hint, *position)
             )
         elif event.implicit[0] and key == "<<":
-            self.faults.append(_fault("merge keys (<<) are not read", "write the keys out", *place))
+            self.faults.append(
+                _fault("merge keys (<<) are not read", "write the keys out", *position)
+            )
         self._keys[-1] = key
         if key in keys:
             self.faults.append(
-                _fault(f"the key '{key}' is already in line {keys[key][0]}", "remove one", *place)
+                _fault(
+                    f"the key '{key}' is already in line {keys[key][0]}", "remove one", *position
+                )
             )
         else:
-            keys[key] = place
+            keys[key] = position
 
-    def _decimal_comma(self, key: str, place: tuple[int, int]) -> str:
+    def _decimal_comma(self, key: str, position: tuple[int, int]) -> str:
         """The hint to a key that is the second half of a number like 1,5; empty where it is none."""
-        before = _HALF.search(self._lines[place[0] - 1][: place[1] - 1])
+        before = _HALF.search(self._lines[position[0] - 1][: position[1] - 1])
         return f"a decimal comma? write {before[1]}.{key}" if before and key.isdecimal() else ""
 
     def _take_value(self, event: Any) -> None:
@@ -337,9 +341,9 @@ def resolved(text: str) -> str | int | float | bool | None:
         return int(text) if len(text) <= 300 else float(text)
     if _DECIMAL.fullmatch(text):
         return float(text)
-    found = _NOT_FINITE.fullmatch(text)
-    if found:
-        return math.nan if found[1] is None else float(f"{found[1]}inf")
+    match = _NOT_FINITE.fullmatch(text)
+    if match:
+        return math.nan if match[1] is None else float(f"{match[1]}inf")
     return text
 
 
@@ -351,15 +355,15 @@ def is_number(text: str) -> bool:
 
 def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     """The fault in plain words, where the text cannot be read on or where the piece that is not closed begins."""
-    line, column = source.within(_place(error.problem_mark))
+    line, column = source.within(_position(error.problem_mark))
     before = source.lines[line - 1][:column]
-    begin = source.within(_place(error.context_mark))
+    begin = source.within(_position(error.context_mark))
     if missing := missing_mark(str(error.problem), source.lines, (line, column), begin):
         return missing
     problem = "tab character" if before.isspace() and before.endswith("\t") else str(error.problem)
     for pattern, words, hint, at_begin in _SYNTAX:
-        if found := re.search(pattern, problem):
-            message = words.format(*found.groups(), at=f"line {line}, column {column}")
+        if match := re.search(pattern, problem):
+            message = words.format(*match.groups(), at=f"line {line}, column {column}")
             return _fault(
                 message, hint, *(begin if at_begin and error.context_mark else (line, column))
             )
@@ -384,8 +388,8 @@ def _fault(message: str, hint: str, line: int, column: int) -> Fault:
 
 
 def _mark(event: Any) -> tuple[int, int]:
-    return _place(event.start_mark)
+    return _position(event.start_mark)
 
 
-def _place(mark: Any) -> tuple[int, int]:
+def _position(mark: Any) -> tuple[int, int]:
     return (mark.line + 1, mark.column + 1) if mark else (1, 1)

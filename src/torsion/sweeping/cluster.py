@@ -147,8 +147,8 @@ class Workers:
         for future in under_way:
             chunk = sent.pop(future.key)
             yield chunk, _result(future, chunk)
-            for more in send():
-                under_way.add(more)
+            for future_chunk in send():
+                under_way.add(future_chunk)
 
     def _started(self, waiting: Callable[[str], None]) -> Any:
         """A client of the scheduler, or of workers of this machine."""
@@ -222,9 +222,9 @@ def _undisturbed() -> Iterator[None]:
 
 def _compare(client: Any, errand: Errand) -> None:
     """Raise InputError where a worker has other versions."""
-    found = client.get_versions(packages=[name for name, _ in errand.versions])["workers"]
-    for worker, one in found.items():
-        differ = others(errand.versions, one.get("packages", {}))
+    workers = client.get_versions(packages=[name for name, _ in errand.versions])["workers"]
+    for worker, versions in workers.items():
+        differ = others(errand.versions, versions.get("packages", {}))
         if differ:
             hint = "install the same everywhere: answers of others may differ in their last digits"
             raise _refused(f"the worker {worker} cannot join: {differ}", hint)

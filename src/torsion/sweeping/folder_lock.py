@@ -18,8 +18,8 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
     The lock of a process of this machine that has ended, killed or not, is taken over, and the notice says so.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    lock, own = folder / LOCK, f"{os.getpid()} {socket.gethostname()}"
-    if not _taken(lock, own):
+    lock, content = folder / LOCK, f"{os.getpid()} {socket.gethostname()}"
+    if not _taken(lock, content):
         before = lock.read_text(encoding="utf-8", errors="replace") if lock.exists() else ""
         if not _has_ended(before):
             process, _, host = before.partition(" ")
@@ -33,7 +33,7 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
         stale = lock.with_name(f"{LOCK}.{os.getpid()}")
         lock.replace(stale)  # of two commands that find it, one alone moves it
         stale.unlink()
-        if not _taken(lock, own):
+        if not _taken(lock, content):
             raise InputError([Fault((), f"another command has begun in {folder}")])
     try:
         yield
@@ -41,25 +41,25 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
         lock.unlink(missing_ok=True)
 
 
-def _taken(lock: Path, own: str) -> bool:
+def _taken(lock: Path, content: str) -> bool:
     """The lock is written, which was not there."""
     try:
-        place = os.open(lock, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
+        descriptor = os.open(lock, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
     except FileExistsError:
         return False
     try:
-        os.write(place, own.encode())
+        os.write(descriptor, content.encode())
     except OSError:
         lock.unlink(missing_ok=True)
         raise
     finally:
-        os.close(place)
+        os.close(descriptor)
     return True
 
 
-def _has_ended(said: str) -> bool:
+def _has_ended(content: str) -> bool:
     """Of a process of this machine that is there no longer; also of this one, which took the number of that."""
-    process, _, host = said.partition(" ")
+    process, _, host = content.partition(" ")
     if (
         host != socket.gethostname() or not process.isdecimal() or os.name != "posix"
     ):  # elsewhere a signal may end it

@@ -40,7 +40,7 @@ class SweepFolder:
 
     @property
     def parts(self) -> Path:
-        """The folder of the parts."""
+        """The folder in which the parts of the sweep are kept."""
         return self.folder / "parts"
 
     def open(self, identity: Mapping[str, Any], *, fresh: bool) -> None:
@@ -48,16 +48,16 @@ class SweepFolder:
 
         fresh: those are removed.
         """
-        place = self.folder / OF
+        identity_file = self.folder / OF
         if fresh:
-            place.unlink(missing_ok=True)
+            identity_file.unlink(missing_ok=True)
             self._remove(OWN)
             (self.parts / SUMS).unlink(missing_ok=True)
         self.parts.mkdir(parents=True, exist_ok=True)
         self._remove(UNFINISHED)
         self._read_checksums()
-        if place.exists():
-            _refuse_another(place, identity)
+        if identity_file.exists():
+            _refuse_another(identity_file, identity)
             return
         if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
             message = f"{self.parts} holds parts of a sweep, and {OF}, which identifies the sweep, is missing"
@@ -65,11 +65,11 @@ class SweepFolder:
                 [Fault((), message)],
                 f"{message} (--fresh to begin anew, or another folder with -o)",
             )
-        under_way = place.with_name(f"{OF}.part")
+        under_way = identity_file.with_name(f"{OF}.part")
         under_way.write_text(
             json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8"
         )
-        under_way.replace(place)
+        under_way.replace(identity_file)
 
     def _remove(self, names: re.Pattern[str]) -> None:
         """Remove files of such names from the folder of the parts, and no others."""
@@ -96,7 +96,7 @@ class SweepFolder:
         return self.parts / f"part-{chunk.number:06d}{SUFFIX}"
 
     def write(self, chunk: Chunk, variation: Variation, part: Part) -> None:
-        """Keep what a chunk answers."""
+        """Write the part of a chunk, and its checksum behind those of the others."""
         path = self._path(chunk)
         checksum = write_part(path, *columns(chunk, variation, part))
         with (self.parts / SUMS).open("a", encoding="utf-8") as sums:
@@ -111,13 +111,13 @@ class SweepFolder:
         if path is None:
             message = f"the part {chunk.number} has disappeared from {self.parts}"
             raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
-        found, about = read_part(path, self.checksums[path.name])
-        if not np.array_equal(found["variant"], np.arange(chunk.begin, chunk.end)):
+        columns_read, about = read_part(path, self.checksums[path.name])
+        if not np.array_equal(columns_read["variant"], np.arange(chunk.begin, chunk.end)):
             message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
             raise InputError(
                 [Fault((), message)], f"{message} (remove it; it is then solved again)"
             )
-        return part_of(found, about)
+        return part_of(columns_read, about)
 
     def write_csv(self, chunks: Sequence[Chunk]) -> Path:
         """Write all variants into one table, a part at a time; its path."""
@@ -136,11 +136,11 @@ class SweepFolder:
         return target
 
 
-def _rows(found: Mapping[str, np.ndarray], names: Sequence[str]) -> Iterator[tuple[object, ...]]:
+def _rows(columns: Mapping[str, np.ndarray], names: Sequence[str]) -> Iterator[tuple[object, ...]]:
     """The rows of a part; an empty cell where a number is not known or a column is not there."""
-    size = len(found["variant"])
-    each = (found[name].tolist() if name in found else [None] * size for name in names)
-    return zip(*(map(_cell, own) for own in each), strict=True)
+    size = len(columns["variant"])
+    values = (columns[name].tolist() if name in columns else [None] * size for name in names)
+    return zip(*(map(_cell, column) for column in values), strict=True)
 
 
 def _cell(value: Any) -> object:
@@ -159,7 +159,7 @@ def identity(work: Work, variation: Variation, chunks: Sequence[Chunk]) -> dict[
         "settings": work.settings("sweep", SweepSettings).model_dump(
             mode="json", exclude_defaults=True
         ),
-        "figures": [f"{one.name} ({one.law.words})" for one in variation.figures],
+        "figures": [f"{figure.name} ({figure.law.words})" for figure in variation.figures],
         "variants": chunks[-1].end,
         "variants of a chunk": chunks[0].size,
         "versions": {name: version(name) for name in LIBRARIES},
@@ -172,8 +172,8 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
     Without the `shipped` ones: of those that variants read themselves, by their paths.
     """
     folder = Path(study.file).parent
-    known = {Path(study.file): study.text, **{folder / name: text for name, text in study.tables}}
-    found = {}
+    texts = {Path(study.file): study.text, **{folder / name: text for name, text in study.tables}}
+    sums = {}
     for path in inputs(study):
         if shipped:
             name = (
@@ -181,16 +181,16 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
                 if path.is_relative_to(folder)
                 else path.as_posix()
             )
-            found[name] = digest(
-                known[path].encode() if path in known else read_file(path, LARGEST_SIGNAL)
+            sums[name] = digest(
+                texts[path].encode() if path in texts else read_file(path, LARGEST_SIGNAL)
             )
-        elif path not in known:
-            found[str(path)] = digest(read_file(path, LARGEST_SIGNAL))
-    return found
+        elif path not in texts:
+            sums[str(path)] = digest(read_file(path, LARGEST_SIGNAL))
+    return sums
 
 
 def digest(content: bytes) -> str:
-    """SHA-256 in hexadecimal digits."""
+    """Return the SHA-256 of a content in hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 
@@ -199,36 +199,42 @@ def hash_of(identity: Mapping[str, Any]) -> str:
     return digest(json.dumps(identity, sort_keys=True).encode())
 
 
-def _refuse_another(place: Path, identity: Mapping[str, Any]) -> None:
+def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
     """Raise InputError where a file says that its parts are of another sweep, with what differs."""
     try:
-        known = json.loads(place.read_text(encoding="utf-8"))
-        if known.pop("hash") == hash_of(identity) == hash_of(known):
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        if stored.pop("hash") == hash_of(identity) == hash_of(stored):
             return
-        first, *more = _differences(known, json.loads(json.dumps(identity))) or ["it was changed"]
-        words = "; ".join([first, *more[: MOST_SAID - 1]]) + (
-            f"; and {len(more) + 1 - MOST_SAID} more" if len(more) >= MOST_SAID else ""
+        first, *further = _differences(stored, json.loads(json.dumps(identity))) or [
+            "it was changed"
+        ]
+        words = "; ".join([first, *further[: MOST_SAID - 1]]) + (
+            f"; and {len(further) + 1 - MOST_SAID} more" if len(further) >= MOST_SAID else ""
         )
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"
-    message = f"{place} is of another sweep: {words}"
+    message = f"{path} is of another sweep: {words}"
     raise InputError(
         [Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)"
     )
 
 
-def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> list[str]:
+def _differences(
+    stored: Mapping[str, Any], current: Mapping[str, Any], above: str = ""
+) -> list[str]:
     """What differs, in words; of another scene that alone."""
-    if not above and known.get("scene") != now.get("scene"):
+    if not above and stored.get("scene") != current.get("scene"):
         return [
-            f"of the model file {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"
+            f"of the model file {_said(stored.get('scene'))}, and this is {_said(current.get('scene'))}"
         ]
-    return list(_each_difference(known, now, above))
+    return list(_each_difference(stored, current, above))
 
 
-def _each_difference(known: Mapping[str, Any], now: Mapping[str, Any], above: str) -> Iterator[str]:
-    for key in dict.fromkeys((*known, *now)):
-        before, after = known.get(key), now.get(key)
+def _each_difference(
+    stored: Mapping[str, Any], current: Mapping[str, Any], above: str
+) -> Iterator[str]:
+    for key in dict.fromkeys((*stored, *current)):
+        before, after = stored.get(key), current.get(key)
         if before == after:
             continue
         if isinstance(before, Mapping) and isinstance(after, Mapping):

@@ -39,32 +39,32 @@ class Sweeper:
     def __call__(self, work: Work, variation: Variation, chunks: Sequence[Chunk]) -> Iterator[Part]:
         """The parts of a sweep in the order of its chunks, after all are there; raises Stopped."""
         case = work.study.case
-        place = SweepFolder(self.folder if case is None else self.folder / case.folder)
-        is_new = place.folder not in self.begun
-        self.begun.add(place.folder)
+        sweep_folder = SweepFolder(self.folder if case is None else self.folder / case.folder)
+        is_new = sweep_folder.folder not in self.begun
+        self.begun.add(sweep_folder.folder)
         try:
-            with alone(place.folder, self.notice):
-                place.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
+            with alone(sweep_folder.folder, self.notice):
+                sweep_folder.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
                 self.kept += (
-                    sum(place.found(chunk) is not None for chunk in chunks) if is_new else 0
+                    sum(sweep_folder.found(chunk) is not None for chunk in chunks) if is_new else 0
                 )
-                self._complete(place, work, variation, chunks)
+                self._complete(sweep_folder, work, variation, chunks)
                 if self.csv and is_new:
-                    place.write_csv(chunks)
-                yield from map(place.read, chunks)
+                    sweep_folder.write_csv(chunks)
+                yield from map(sweep_folder.read, chunks)
         except (InputError, SolveError) as error:
             raise Stopped(error) from None
 
     def _complete(
-        self, place: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]
+        self, sweep_folder: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]
     ) -> None:
         """Solve the chunks that are not there, each written as soon as it is answered."""
-        left = [chunk for chunk in chunks if place.found(chunk) is None]
+        left = [chunk for chunk in chunks if sweep_folder.found(chunk) is None]
         pace = Pace(
             chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left)
         )
         for chunk, part in self._answers(work, variation, left, pace):
-            place.write(chunk, variation, part)
+            sweep_folder.write(chunk, variation, part)
             self.solved += 1
             pace.finish(chunk)
 

@@ -29,16 +29,16 @@ def swept(
     notice: is given what the user should know. Raises InputError, also where the file names no sweep or the parts are
     of another one, and SolveError.
     """
-    place, scene = checked(scheduler or Scheduler()), read(file)
+    workplace, scene = checked(scheduler or Scheduler()), read(file)
     study = scene if case is None else one_case(scene, case)
-    if not any("sweep" in one.variations for one in (study, *study.cases.values())):
+    if not any("sweep" in each_study.variations for each_study in (study, *study.cases.values())):
         hint = "`analyses: {sweep: {vary: {disc-1.inertia: {uniform: 5 %}}}}`"
         raise located(InputError([Fault(("analyses",), "the file names no sweep", hint)]), study)
-    if warning := unprotected(place):
+    if warning := unprotected(workplace):
         notice(warning)
     folder = folder_of(file, out, study.case)
-    with Workers(place) as workers:
-        sweeper = Sweeper(folder, workers if place.is_needed else None, fresh, csv, notice)
+    with Workers(workplace) as workers:
+        sweeper = Sweeper(folder, workers if workplace.is_needed else None, fresh, csv, notice)
         try:
             findings = run(study, progress=progress, answered=sweeper)
         except Stopped as stopped:

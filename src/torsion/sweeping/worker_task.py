@@ -59,11 +59,12 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
     return replace(work, solve=run, rules=rule_over_speed), variation
 
 
-def others(versions: Iterable[tuple[str, str]], found: Mapping[str, str | None]) -> str:
+def others(versions: Iterable[tuple[str, str]], installed: Mapping[str, str | None]) -> str:
     """Which of the versions found on a worker are others, in words; empty where none is."""
-    differ = ((name, own) for name, own in versions if found.get(name) != own)
+    differ = ((name, needed) for name, needed in versions if installed.get(name) != needed)
     return ", ".join(
-        f"{name} {own} is needed and {found.get(name) or 'none'} is there" for name, own in differ
+        f"{name} {needed} is needed and {installed.get(name) or 'none'} is there"
+        for name, needed in differ
     )
 
 
@@ -71,7 +72,7 @@ def _other_files(files: Iterable[tuple[str, str]]) -> str:
     """Which files are not here as they were, in words; empty where all are."""
     missing = [
         name
-        for name, own in files
-        if not Path(name).is_file() or digest(Path(name).read_bytes()) != own
+        for name, checksum in files
+        if not Path(name).is_file() or digest(Path(name).read_bytes()) != checksum
     ]
     return f"not there as where the sweep was begun: {', '.join(missing)}" if missing else ""

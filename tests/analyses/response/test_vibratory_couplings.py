@@ -9,6 +9,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import heat
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.synthesis import half_range, synthesis
 from torsion.analyses.response.vibratory_torques import VibratoryTorques
@@ -16,7 +17,6 @@ from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
-from torsion.rules.coupling_maker import heat
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.study import Study

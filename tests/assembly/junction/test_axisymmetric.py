@@ -3,9 +3,9 @@
 import math
 
 import pytest
+from benchmarks.junction_table import errors_between
 
 from torsion.assembly.junction.axisymmetric import Solved, solved
-from torsion.assembly.junction.make_table import errors_between
 from torsion.assembly.junction.profile import Corner, Length, Profile, junction, mirrored
 from torsion.kernels.junction_table import junction_table
 

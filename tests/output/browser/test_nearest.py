@@ -9,7 +9,7 @@ import pytest
 from tests.output.browser.opened import Opened, number
 from tests.output.browser.test_cursor import CRITICAL, RPM, criticals, digits
 
-from torsion.output.drawing.live import MOST_POINTS
+from torsion.output.drawing.page_data import MOST_POINTS
 
 BEYOND = """
 name: a critical speed beyond the axis

@@ -11,6 +11,7 @@ from tests.output.drawn import bands, levels, plot, unit
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import component_loads as component_loads_of
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -77,13 +78,20 @@ def written(
         torque=size[:, None, :] * (0.6 + 0.8j),
         status=status,
     )
-    return found.having(
+    return with_loads(
+        found,
         response=response,
         synthesis=Synthesis(size, 1.7 * size, 0.3 * size, 2 * size, found.need(Synthesis).turns),
         mean=replace(found.need(Steady), speed=SPEED, torque=-steady.T)
         if mean is not None
         else None,
     )
+
+
+def with_loads(findings: Findings, **changed: Any) -> Findings:
+    """Other results, and the loads that follow from them."""
+    found = findings.having(**changed)
+    return found.having(component_loads=component_loads_of(found))
 
 
 def table(blocks: Iterable[Block]) -> Table:
@@ -336,7 +344,7 @@ def test_torque_and_heat_of_couplings() -> None:
         ),
     )
     assert isinstance(blocks[0], Heading)
-    alone = table(component_loads.couplings(found.having(mean=None))).rows
+    alone = table(component_loads.couplings(with_loads(found, mean=None))).rows
     assert [row[4] for row in alone] == ["–", "–"]
     rows = table(
         component_loads.couplings(written(TRAIN, {"soft": 800 * RISE}, mean={}, bad=[2]))

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.compare.candidates import (
+from torsion.analyses.compare.model_errors import over_peaks, relative_errors
+from torsion.analyses.compare.shaft_divisions import (
     candidates,
     counted,
     doubled,
@@ -21,7 +22,6 @@ from torsion.analyses.compare.candidates import (
     ready,
     reference,
 )
-from torsion.analyses.compare.model_errors import over_peaks, relative_errors
 from torsion.analyses.compare.timing import (
     FULL,
     QUICK,
@@ -138,8 +138,8 @@ def timed_frequencies(
         float(half.max()), float(np.abs(relative_errors(coarse.frequency, wanted)).max()), EPS
     )
 
-    def errors(modes_found: Modes) -> tuple[float, ...]:
-        return tuple(np.abs(relative_errors(modes_found.frequency, wanted)).tolist())
+    def errors(solved_modes: Modes) -> tuple[float, ...]:
+        return tuple(np.abs(relative_errors(solved_modes.frequency, wanted)).tolist())
 
     named = partial(Candidate, solve=partial(modes, count=len(wanted)), errors=errors)
     top = max(highest, float(wanted[-1]))
@@ -303,15 +303,15 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
     curves: list[list[Candidate]] = [[], []]
     system = ready(case.study.train, case.study.model, frequency=case.top)
     for count in doubled(effort.modes):
-        modes_found = modes(system, count)
-        system = modes_found.system
-        if len(modes_found.frequency) < count:
+        solved_modes = modes(system, count)
+        system = solved_modes.system
+        if len(solved_modes.frequency) < count:
             break
         made = partial(
             ready,
             case.study.train,
             case.study.model,
-            frequency=max(case.top, float(modes_found.frequency[-1])),
+            frequency=max(case.top, float(solved_modes.frequency[-1])),
         )
         for curve, name, is_corrected in zip(
             curves, (MODAL, CORRECTED), (False, True), strict=True

@@ -9,13 +9,13 @@ from typing import Annotated, Literal, Self, get_args
 import numpy as np
 from pydantic import model_validator
 
-from torsion.analyses.compare.candidates import COUNT, loop_faults
 from torsion.analyses.compare.model_errors import (
     over_largest,
     relative_errors,
     shape_errors,
     shape_weights,
 )
+from torsion.analyses.compare.shaft_divisions import COUNT, loop_faults
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.compare.torque_methods import (
     Harmonics,
@@ -265,11 +265,11 @@ def _solved(
     def assemble(highest: float, number: int) -> Modes:
         return modes(assembled(study, highest), number)
 
-    def solve(modes_found: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
-        given = None if harmonics is None else loaded(modes_found.system, harmonics)
+    def solve(solved_modes: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
+        given = None if harmonics is None else loaded(solved_modes.system, harmonics)
         if given is not None and exact is not None:
-            given = _as_far_from_resonance(given, _frequencies(modes_found, exact.size), exact)
-        return modes_found, given, [] if given is None else elimination(given)
+            given = _as_far_from_resonance(given, _frequencies(solved_modes, exact.size), exact)
+        return solved_modes, given, [] if given is None else elimination(given)
 
     assemble(0.0, 1)  # imports what the model needs, which is no time of its own
     candidate = Candidate(
@@ -281,13 +281,13 @@ def _solved(
     )
 
 
-def _frequencies(modes_found: Modes, number: int) -> FloatArray:
+def _frequencies(solved_modes: Modes, number: int) -> FloatArray:
     """Return the natural frequencies (modes,) Hz of a model, so many at least where it has them."""
-    enough = number <= modes_found.frequency.size
+    enough = number <= solved_modes.frequency.size
     return (
-        modes_found.frequency
+        solved_modes.frequency
         if enough
-        else modes_as_discretised(modes_found.system, number).frequency
+        else modes_as_discretised(solved_modes.system, number).frequency
     )
 
 
@@ -370,20 +370,20 @@ def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompare
     )
 
 
-def _count_below(modes_found: Modes, highest: float) -> int:
+def _count_below(solved_modes: Modes, highest: float) -> int:
     """Return the number of elastic modes below a frequency (Hz), by counts if these reach so far."""
-    tree, w = undamped_tree(modes_found.system), 2.0 * math.pi * highest
+    tree, w = undamped_tree(solved_modes.system), 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 
-        return int(count_below(tree, w)[0]) - modes_found.rigid
+        return int(count_below(tree, w)[0]) - solved_modes.rigid
     from torsion.analyses.modes.bars import reach
 
     reached = reach(tree, w)
     return (
         reached.count
         if reached.frequency >= w
-        else int(np.count_nonzero(modes_found.frequency < highest))
+        else int(np.count_nonzero(solved_modes.frequency < highest))
     )
 
 

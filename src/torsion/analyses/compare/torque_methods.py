@@ -289,33 +289,33 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
     line that joints excite has no answer (NaN): the modes alone do not add up to a twist that is imposed. Shafts of the
     system are exact: their torques at both ends are those of spans.
     """
-    modes_found = modes_as_discretised(given.system, count)
+    solved_modes = modes_as_discretised(given.system, count)
     still = (
-        statically(given, SLOW * 2.0 * np.pi * modes_found.frequency[0])
+        statically(given, SLOW * 2.0 * np.pi * solved_modes.frequency[0])
         if corrected
         else [None] * len(given.loads)
     )
     return [
-        _superposed(given, modes_found, load, torque)
+        _superposed(given, solved_modes, load, torque)
         for load, torque in zip(given.loads, still, strict=True)
     ]
 
 
 def _superposed(
-    given: Loaded, modes_found: Modes, load: Load, still: ComplexArray | None
+    given: Loaded, solved_modes: Modes, load: Load, still: ComplexArray | None
 ) -> ComplexArray:
     """Return the torques of one harmonic from modes each damped by itself; coupling of modes is left out."""
     system, w, n, twist = (
         given.system,
         load.w,
-        2.0 * np.pi * modes_found.frequency,
+        2.0 * np.pi * solved_modes.frequency,
         load.sources.twist,
     )
-    referred = modes_found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
+    referred = solved_modes.shape / system.speed_ratio[:, None]  # (stations, modes) rad
     node = np.zeros((system.condensed.tree.size, referred.shape[1]))
     node[system.condensed.node] = referred
     loss_factor, of_spans = (
-        system.loss_factor @ modes_found.elastic,
+        system.loss_factor @ solved_modes.elastic,
         system.viscous @ system.twist(referred) ** 2,
     )
     force = load.sources.force.T @ node
@@ -324,7 +324,7 @@ def _superposed(
         in_tree = np.flatnonzero(system.condensed.span >= 0)
         factor = (system.condensed.sign * system.span_ratio)[in_tree, None]
         turned = turned - twist[system.condensed.span[in_tree]].T @ (
-            factor * modes_found.torque[in_tree]
+            factor * solved_modes.torque[in_tree]
         )
     angle = (node[system.condensed.node] * system.speed_ratio[:, None]).T
     viscous = of_spans + load.ground.T @ (angle.T**2)
@@ -339,7 +339,7 @@ def _superposed(
     )  # elastic and damping torque / elastic torque
     if still is not None:
         moved = amplitude - force / spring - turned / n**2
-        return np.asarray(still[:, ends.span] + share * (moved @ modes_found.torque[ends.span].T))
+        return np.asarray(still[:, ends.span] + share * (moved @ solved_modes.torque[ends.span].T))
     if twist is not None:
         return np.full((len(w), len(ends.name)), np.nan, dtype=np.complex128)
-    return np.asarray(share * (amplitude @ modes_found.torque[ends.span].T))
+    return np.asarray(share * (amplitude @ solved_modes.torque[ends.span].T))

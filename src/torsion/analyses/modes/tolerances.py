@@ -45,7 +45,7 @@ class Aim(Declared):
 
 
 class TolerancesSettings(Declared):
-    """Settings of `tolerances`."""
+    """What the file states of `tolerances`: modes with target frequencies."""
 
     aim: tuple[Aim, ...] = given(
         "modes with target frequencies; the report states the stiffness of each coupling that gives the target",
@@ -132,8 +132,8 @@ class Tolerances:
 class _Varied:
     """Modes of the train with the stiffness of some spans scaled, as its shafts are divided."""
 
-    def __init__(self, found: Modes) -> None:
-        self.system, self.nominal, self.count = found.system, found, found.frequency.size
+    def __init__(self, modes: Modes) -> None:
+        self.system, self.nominal, self.count = modes.system, modes, modes.frequency.size
         self.at = lru_cache(maxsize=256)(self._at)
 
     def _at(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -141,14 +141,14 @@ class _Varied:
 
         end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
         """
-        found = modes_as_discretised(
+        varied = modes_as_discretised(
             scaled(with_inertias(self.system, end), dict(factors)), self.count
         )
-        loose = max(found.rigid - self.nominal.rigid, 0)
+        loose = max(varied.rigid - self.nominal.rigid, 0)
         values = []
-        for one in (found.frequency, found.lower, found.upper):
-            whole = np.concatenate([np.zeros(loose), one, np.full(self.count, np.inf)])
-            values.append(whole[: self.count])
+        for values_of_modes in (varied.frequency, varied.lower, varied.upper):
+            padded = np.concatenate([np.zeros(loose), values_of_modes, np.full(self.count, np.inf)])
+            values.append(padded[: self.count])
         return values[0], values[1], values[2]
 
     def stiffness(
@@ -200,25 +200,27 @@ def with_inertias(system: System, end: int) -> System:
     if not end or not any(part.inertia_tolerance for part in parts):
         return system
     inertias = tuple(
-        replace(one, inertia=one.inertia * (1.0 + end * (parts[one.part].inertia_tolerance or 0.0)))
-        for one in train.inertias
+        replace(
+            lump, inertia=lump.inertia * (1.0 + end * (parts[lump.part].inertia_tolerance or 0.0))
+        )
+        for lump in train.inertias
     )
     return of_train(system, replace(train, inertias=inertias))
 
 
 @source("Rayleigh1877")
-def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
+def ranked(modes: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
-    system, figures = found.system, list[RankedFigure]()
+    system, figures = modes.system, list[RankedFigure]()
     if system.tables_over("frequency"):
         return ()
     parts = system.train.parts
-    moved = np.zeros((len(parts), found.frequency.size))
-    for one in system.train.inertias:
-        if parts[one.part].inertia_tolerance and math.isfinite(
-            one.inertia
+    moved = np.zeros((len(parts), modes.frequency.size))
+    for lump in system.train.inertias:
+        if parts[lump.part].inertia_tolerance and math.isfinite(
+            lump.inertia
         ):  # but for the ground of a disc on a spring
-            moved[one.part] -= 0.5 * one.inertia * np.square(found.shape[one.station])
+            moved[lump.part] -= 0.5 * lump.inertia * np.square(modes.shape[lump.station])
     for number, part in enumerate(parts):
         if part.inertia_tolerance:
             wide = part.inertia_tolerance
@@ -228,30 +230,30 @@ def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
                 )
             )
         if part.stiffness_tolerance and part.name in spans:
-            own = 0.5 * found.elastic[spans[part.name]]
+            sensitivity = 0.5 * modes.elastic[spans[part.name]]
             figures.append(
                 RankedFigure(
                     f"{part.name}.stiffness",
                     part.stiffness_tolerance,
-                    own,
-                    own * part.stiffness_tolerance,
+                    sensitivity,
+                    sensitivity * part.stiffness_tolerance,
                 )
             )
-    return tuple(sorted(figures, key=lambda one: -float(one.change.max(initial=0.0))))
+    return tuple(sorted(figures, key=lambda lump: -float(lump.change.max(initial=0.0))))
 
 
 def tolerances(
-    study: Study, found: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()
+    study: Study, modes: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()
 ) -> Tolerances:
     """Of a study with its modes. Raises InputError for an aim at a mode that was not computed."""
-    train, system, varied = study.train, found.system, _Varied(found)
+    train, system, varied = study.train, modes.system, _Varied(modes)
     spans = {
         train.parts[span.part].name: number
         for number, span in enumerate(system.own_spans)
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }
     width = {name: train.part(name).stiffness_tolerance for name in spans}
-    _refuse(study, aims, found)
+    _refuse(study, aims, modes)
 
     def at(
         factor: Callable[[float], float], *names: str, end: int = 0
@@ -261,7 +263,7 @@ def tolerances(
         )
 
     lower, upper = at(lambda t: 1.0 - t, *spans, end=1)[1], at(lambda t: 1.0 + t, *spans, end=-1)[2]
-    each = [
+    reaches = [
         CouplingReach(
             name,
             width[name],
@@ -281,23 +283,23 @@ def tolerances(
     moved = np.array([[lower[c.mode - 1], upper[c.mode - 1]] for c in crossings]).reshape(-1, 2)
     speed = np.array([c.speed / c.frequency for c in crossings])
     return Tolerances(
-        found.frequency,
+        modes.frequency,
         lower,
         upper,
         moved[:, 0] * speed,
         moved[:, 1] * speed,
-        ranked(found, spans),
-        tuple(each),
+        ranked(modes, spans),
+        tuple(reaches),
         tuple(aimed),
     )
 
 
-def _refuse(study: Study, aims: Sequence[Aim], found: Modes) -> None:
-    there = found.frequency.size
+def _refuse(study: Study, aims: Sequence[Aim], modes: Modes) -> None:
+    computed = modes.frequency.size
     faults = [
-        without_mode(study, aim.mode, there, ("analyses", WHAT, "aim", k, "mode"))
+        without_mode(study, aim.mode, computed, ("analyses", WHAT, "aim", k, "mode"))
         for k, aim in enumerate(aims)
-        if aim.mode > there
+        if aim.mode > computed
     ]
     if faults:
         raise InputError(faults)
@@ -305,8 +307,8 @@ def _refuse(study: Study, aims: Sequence[Aim], found: Modes) -> None:
 
 def run(work: Work) -> None:
     """Where modes were found; critical speeds have bands where frequencies do not follow the mean torque."""
-    found, settings = work.get(Modes), work.study.analyses.get(WHAT)
-    if found is None or not found.frequency.size:
+    modes, settings = work.get(Modes), work.study.analyses.get(WHAT)
+    if modes is None or not modes.frequency.size:
         work.log.without("bands of the natural frequencies", "no modes")
         return
     aims = settings.aim if isinstance(settings, TolerancesSettings) else ()
@@ -315,17 +317,17 @@ def run(work: Work) -> None:
         work.log.without(
             "bands of the critical speeds", "the stiffness of a coupling follows the mean torque"
         )
-    if found.system.tables_over("frequency"):
+    if modes.system.tables_over("frequency"):
         work.log.without(
             "which figure matters", "the stiffness of a coupling follows the frequency"
         )
     with work.log.step("bands of the natural frequencies", "figures have tolerances") as step:
-        made = tolerances(work.study, found, None if follows else work.get(CriticalSpeeds), aims)
+        made = tolerances(work.study, modes, None if follows else work.get(CriticalSpeeds), aims)
         step.method = (
             "every frequency rises with every stiffness and falls with every inertia: two corners"
         )
         step.method += (
-            ", certified by counts" if found.certified else ", with the error bound of the method"
+            ", certified by counts" if modes.certified else ", with the error bound of the method"
         )
         step.size = f"{len(made.couplings)} couplings"
     work.put(tolerances=made)

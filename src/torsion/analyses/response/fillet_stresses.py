@@ -28,56 +28,51 @@ KEYWAYS = 0.005, 0.07  # radius / diameter, of that of keyways
 class Fillet:
     """A fillet between two shafts, or a notch in one."""
 
-    shaft: str = result("", (), "shaft that ends at the detail, or carries it")
-    following: str | None = result("", (), "shaft that begins at it; null for a notch")
-    radius: float = result("m", (), "its radius; of a hole half its diameter")
-    diameter: float = result("m", (), "smaller diameter")
-    larger: float | None = result(
-        "m", (), "larger diameter; null for a notch", key="larger_diameter_m"
-    )
+    shaft: str = result("", "shaft that ends at the detail, or carries it")
+    following: str | None = result("", "shaft that begins at it; null for a notch")
+    radius: float = result("m", "its radius; of a hole half its diameter")
+    diameter: float = result("m", "smaller diameter")
+    larger: float | None = result("m", "larger diameter; null for a notch", key="larger_diameter_m")
     modulus: float = result(
-        "m**3", (), "W_p of the smaller end, without notches", key="section_modulus_m3"
+        "m**3", "W_p of the smaller end, without notches", key="section_modulus_m3"
     )
-    factor: float = result("1", (), "K_t: largest shear stress in it / nominal stress, T/W_p")
+    factor: float = result("1", "K_t: largest shear stress in it / nominal stress, T/W_p")
     error: float | None = result(
-        "1", (), "relative error of K_t, from two fields and the last change; null by formula"
+        "1", "relative error of K_t, from two fields and the last change; null by formula"
     )
     peterson: float | None = result(
         "1",
-        (),
         "K_t of a fit of Peterson's charts, to be verified; null for hollow shafts and outside its range",
     )
     endurance: float | None = result(
-        "Pa", (), "amplitude of shear that the shafts endure there, as stated"
+        "Pa", "amplitude of shear that the shafts endure there, as stated"
     )
-    form: str = result("", (), "fillet, keyway, splines or hole")
+    form: str = result("", "fillet, keyway, splines or hole")
     spans: tuple[int, ...]
     speed: float | None = result(
         "rad/s",
-        (),
         "reference speed of the largest stress; null without a response",
         default=None,
     )
     nominal: float | None = result(
         "Pa",
-        (),
         "nominal vibratory stress there, amplitude (zero to peak) of all orders",
         default=None,
     )
 
-    @derived("Pa", (), "K_t times that")
+    @derived("Pa", "K_t times that")
     def peak(self) -> float | None:
         """Largest vibratory stress in the detail, Pa; None without a response."""
         return None if self.nominal is None else self.factor * self.nominal
 
-    @derived("1", (), "that / endurance; null without both")
+    @derived("1", "that / endurance; null without both")
     def utilisation(self) -> float | None:
         """Peak stress / endurance; None without both."""
         if self.peak is None or self.endurance is None:
             return None
         return self.peak / self.endurance
 
-    @derived("", (), "the form, and the shaft that follows a fillet")
+    @derived("", "the form, and the shaft that follows a fillet")
     def label(self) -> str:
         """Label for tables and messages."""
         return self.form if self.following is None else f"fillet to {self.following}"
@@ -91,7 +86,7 @@ class Fillet:
 class Fillets:
     """The stated fillets and notches of the train."""
 
-    each: tuple[Fillet, ...] = result("", (), "fillets and notches", key="")
+    each: tuple[Fillet, ...] = result("", "fillets and notches", key="")
 
 
 @source("Pilkey1997", "chart 3.12")

@@ -12,7 +12,7 @@ from torsion.results import reported, result
 class VibratoryTorque:
     """One coupling over the speed."""
 
-    coupling: str = result("", (), "its name")
+    coupling: str = result("", "its name")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     torque: FloatArray = result(
         "N*m",
@@ -39,7 +39,7 @@ class VibratoryTorques:
     """Couplings with such a table."""
 
     each: tuple[VibratoryTorque, ...] = result(
-        "", (), "couplings by table over vibratory torque", key=""
+        "", "couplings by table over vibratory torque", key=""
     )
 
 

@@ -24,6 +24,7 @@ from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
 from torsion.kernels.periodic.hill import DOUBLE, couplings_of, harmonics_of, hill_exponents
 from torsion.kernels.periodic.monodromy import (
+    STAGES,
     exponents,
     monodromy,
     mostly_rigid,
@@ -188,14 +189,13 @@ class Multipliers:
         return np.asarray(np.exp(self.exponent * self.period))
 
 
-def by_monodromy(around: Variation, highest: float) -> Multipliers:
+def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Multipliers:
     """Return the exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
     size = around.size
     scale = np.repeat([1.0, around.w0], size)
     visited, steps = list[FloatArray](), steps_for(around.period, highest)
-    full = monodromy(
-        around.mass, around.damping, around.stiffness, around.period, steps, visited=visited
-    )
+    matrices = around.mass, around.damping, around.stiffness
+    full = monodromy(*matrices, around.period, steps, stages, visited=visited)
     matrix = full / scale[:, None] * scale
     basis_of_rest = np.eye(2 * size)
     for motion in around.repeated[:, :, 0] / scale:
@@ -260,6 +260,7 @@ class Search:
     known: dict[float, tuple[Orbit, Multipliers] | None] = field(default_factory=dict)
     # The same train without the slopes that damp its mean speed only.
     unhelped: "Search | None" = None
+    stages: int = STAGES  # of a step through the period
 
     def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
         """Return orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
@@ -286,7 +287,7 @@ class Search:
             orbit,
             by_hill(around, highest, orbit.balance.count, most_rows)
             if method == "hill"
-            else by_monodromy(around, highest),
+            else by_monodromy(around, highest, self.stages),
         )
         unhelped = None if self.unhelped is None else self.unhelped(orbit.operation.loading.speed)
         if self.unhelped is None or unhelped is None:

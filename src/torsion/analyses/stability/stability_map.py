@@ -22,6 +22,7 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 Over = Literal["angle", "damping", "torque"]
+STAGES = 4  # order 7: growth rates of a map need no more
 CHECKED = 9  # points at which the unreduced train is computed too
 
 
@@ -96,7 +97,8 @@ def stability_map(
     lossy, unreduced_scene = damped(mechanism, reduced), damped(mechanism, shapes)
 
     searches = [
-        Search(vary_scene(lossy, over, value), shapes, reduced) for value in values.tolist()
+        Search(vary_scene(lossy, over, value), shapes, reduced, stages=STAGES)
+        for value in values.tolist()
     ]
     growth = np.empty((len(speeds), len(values)))
     for column, search in enumerate(searches):

@@ -90,6 +90,8 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
             for values in (inertia, ground)
         )
         count += extra_states
+
+    # Twists of all spans, then springs by their torques and dampers by their speeds.
     twist = np.subtract(*np.eye(count + 1)[ends])[:, :count]
     elastic = np.isfinite(flexibility)
     G = twist[elastic] / np.sqrt(flexibility[elastic])[:, None]

@@ -157,6 +157,8 @@ def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> Dam
                 several = independent_shapes(train, complex(root[group].mean()), len(group))
                 if several is not None:
                     angle[:, group], torque[:, group] = several
+
+        # Of a light damping the real part is the small difference of large numbers, but not from the energies.
         light = np.abs(root.real) <= LIGHT * np.abs(root)
         root = np.where(light, decay(train, seen, root, angle, torque) + 0.0 + 1j * root.imag, root)
     largest = angle[np.argmax(np.abs(angle), axis=0), np.arange(len(root))]
@@ -184,6 +186,8 @@ def _polished(
         )
         if (size <= 4 * EPS * np.abs(root)).all():
             break
+
+    # A double root is no better than its distance to the other one.
     unsettled = ~(size <= np.maximum(NEWTON_TOLERANCE * np.abs(root), gap))
     if unsettled.any():
         raise SolveError(

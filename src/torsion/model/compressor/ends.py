@@ -95,13 +95,15 @@ def _travel(
 ) -> tuple[FloatArray, float | None]:
     """(rows,) m from the dead centre of this end, and the clearance; the ends of the file are the dead centres."""
     low, high, stroke = float(first.min()), float(first.max()), cylinder.crank.stroke
-    whole, unit, size = {
+    full, unit, size = {
         "volume": (cylinder.swept, "dm3", 1e3),
         "travel": (stroke, "mm", 1e3),
         "stroke": (1.0, "%", 100.0),
     }[columns.names[0]]
-    if not math.isclose(high - low, whole, rel_tol=SWEPT):
-        swept = f"{(high - low) * size:.5g} {unit}, bore, rods and stroke give {whole * size:.5g} {unit}"
+    if not math.isclose(high - low, full, rel_tol=SWEPT):
+        swept = (
+            f"{(high - low) * size:.5g} {unit}, bore, rods and stroke give {full * size:.5g} {unit}"
+        )
         hint = "the file holds one whole revolution, from dead centre to dead centre"
         raise GasFault(f"'{file}': its {columns.names[0]} spans {swept}", hint)
     travel = np.asarray((first - low) / (high - low) * stroke)

@@ -38,7 +38,7 @@ class ThrowRecord:
     inertia_over_angle: ComplexArray  # (harmonics of a revolution,) kg m2
 
     def phasor(self, order: int) -> complex:
-        """exp(-i order angle)."""
+        """Return exp(-i order angle), the phase of an order of this throw against the first."""
         return cmath.exp(-1j * order * self.angle)
 
 
@@ -53,13 +53,15 @@ class CompressorRecord:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Of its pressures, as the file names them."""
+        """Names of its files of pressures, as the model file writes them."""
         return tuple(end.given for throw in self.throws for end in throw.ends if end.is_file)
 
     @property
     def absorbs(self) -> tuple[tuple[int, float], ...]:
         """Stations of the throws with the mean torque (N m) that each absorbs; equal ones where there is none."""
-        each = [(one.station, -float(one.gas[0].real)) for one in self.throws]
+        absorbed = [(throw.station, -float(throw.gas[0].real)) for throw in self.throws]
         return tuple(
-            each if any(torque for _, torque in each) else [(station, 1.0) for station, _ in each]
+            absorbed
+            if any(torque for _, torque in absorbed)
+            else [(station, 1.0) for station, _ in absorbed]
         )

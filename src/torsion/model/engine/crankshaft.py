@@ -54,11 +54,11 @@ class Crankshaft(Component, sort="line"):
     def refuse_clashes(self) -> None:
         throws = len(self.throw_names)
         for key in ("inertia", "crank_inertia", "damping", "stiffness"):
-            most = throws - 1 if key == "stiffness" else throws
+            allowed = throws - 1 if key == "stiffness" else throws
             count = len(getattr(self, key))
-            if count not in (0, 1, most) or count > most:
-                words = "throws" if most == throws else "spans between them"
-                message = f"`{key}` has {count} values, and there are {most} {words}"
+            if count not in (0, 1, allowed) or count > allowed:
+                words = "throws" if allowed == throws else "spans between them"
+                message = f"`{key}` has {count} values, and there are {allowed} {words}"
                 raise refuse(message, "one value, or each", key)
         if throws > 1 and not self.stiffness:
             message = "`stiffness` of the crank spans is missing"
@@ -80,7 +80,7 @@ class Crankshaft(Component, sort="line"):
                 span = throw if self.reverse else throw - 1
                 build.member(owner, f"crank {span + 1}-{span + 2}", "crank", is_point=False)
                 spans[span] = build.part
-                ends, stiffness = build.link(), build.own(_value(self.stiffness, span))
+                ends, stiffness = build.link(), build.to_own_speed(_value(self.stiffness, span))
                 build.add(
                     Spring(build.name, build.part, *ends, 1.0 / stiffness, 0.0, self.loss_factor)
                 )
@@ -96,7 +96,7 @@ class Crankshaft(Component, sort="line"):
                 build.inertia(station, _value(self.crank_inertia, throw), "crank")
                 build.inertia(station, self.moving_inertia(throw), "moving masses, mean")
             if damping := _value(self.damping or (0.0,), throw):
-                build.add(Damper(station, constant=build.own(damping)))
+                build.add(Damper(station, constant=build.to_own_speed(damping)))
         return tuple(stations[throw] for throw in throws), tuple(
             spans[span] for span in sorted(spans)
         )

@@ -46,7 +46,7 @@ def _throw(value: Any) -> Any:
 
 
 def _misfire(value: Any) -> Any:
-    """`worst`, or numbers of cylinders."""
+    """Read the word `worst`, or the numbers of cylinders."""
     if value == "worst":
         return value
     numbers = value if isinstance(value, list | tuple) else (value,)
@@ -171,7 +171,7 @@ def _order(value: object) -> Fraction:
 
 
 def _row(value: object) -> Row:
-    """One order of a table."""
+    """Read one order of a table of harmonics."""
     if isinstance(value, dict):
         if set(value) != {"order", "a", "b"}:
             raise refuse("a row by cosine and sine has the keys `order`, `a` and `b`", ROW)
@@ -249,7 +249,7 @@ class TableAt(Declared):
 
     @property
     def key(self) -> Literal["imep", "torque", "speed"]:
-        """What it stands at."""
+        """The key at which the table stands: a load or a speed."""
         return "imep" if self.imep is not None else "torque" if self.torque is not None else "speed"
 
 

@@ -116,12 +116,12 @@ class Engine(Crankshaft, keyword="engine"):
 
     @property
     def revolutions(self) -> int:
-        """Of a cycle."""
+        """Revolutions of the crankshaft in one cycle."""
         return self.strokes // 2
 
     @property
     def lanes(self) -> tuple[tuple[int, ...], ...]:
-        """Cylinders of every throw."""
+        """Numbers of the cylinders on every throw, from the first end."""
         return self.throws or tuple((number,) for number in range(1, self.cylinders + 1))
 
     @property

@@ -61,16 +61,16 @@ class Frame:
 
     @property
     def harmonics(self) -> int:
-        """Number of the highest harmonic."""
+        """Number of the highest harmonic of a cycle."""
         return self.highest * self.revolutions
 
     def load(self, stated: Stated | TableAt) -> float:
         """Return the mean gas torque (N m) of a cylinder at a stated load."""
         if stated.torque is not None:
             return stated.torque / self.cylinders / self.efficiency
-        return self.known("an imep").mean_torque(stated.imep or 0.0)
+        return self.require_cylinder("an imep").mean_torque(stated.imep or 0.0)
 
-    def known(self, what: str) -> Cylinder:
+    def require_cylinder(self, what: str) -> Cylinder:
         """The cylinder, which something needs; raises GasFault."""
         if self.cylinder is None:
             hint = "geometry: {bore, stroke, rod_length}"
@@ -100,7 +100,7 @@ def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) 
             message = f"order {order} is not a multiple of {Fraction(1, frame.revolutions)}"
             strokes = "four" if frame.revolutions == 2 else "two"
             raise GasFault(message, f"those of {strokes} strokes are", *key, row)
-        size = frame.known("a tangential pressure").tangential if unit == "Pa" else 1.0
+        size = frame.require_cylinder("a tangential pressure").tangential if unit == "Pa" else 1.0
         if number <= frame.harmonics:
             harmonics[int(number)] = amplitude * size
     return harmonics
@@ -167,9 +167,9 @@ def over_cycle(
 ) -> Diagram:
     """Return the diagram of pressures (Pa) over one whole period (rad), called `name`; raises GasFault."""
     if not math.isclose(angle[-1] - angle[0], period, rel_tol=1e-6):
-        covered, whole = math.degrees(angle[-1] - angle[0]), round(math.degrees(period))
-        hint = f"the last row repeats the first, {whole} deg later"
-        raise GasFault(f"'{file}' covers {covered:g} deg, a {name} has {whole}", hint)
+        covered, degrees = math.degrees(angle[-1] - angle[0]), round(math.degrees(period))
+        hint = f"the last row repeats the first, {degrees} deg later"
+        raise GasFault(f"'{file}' covers {covered:g} deg, a {name} has {degrees}", hint)
     if abs(pressure[-1] - pressure[0]) > ENDS_MEET * pressure.max():
         ends = f"{pressure[0] / BAR:.5g} and {pressure[-1] / BAR:.5g} `bar`"
         message = f"'{file}' begins and ends with other pressures, {ends}"
@@ -181,7 +181,7 @@ def over_cycle(
 
 def _of_diagrams(gas: Gas, frame: Frame) -> Law:
     try:
-        return _law_of_diagrams(gas, frame, frame.known("a diagram"))
+        return _law_of_diagrams(gas, frame, frame.require_cylinder("a diagram"))
     except GasFault as fault:
         raise GasFault(fault.message, fault.hint, *(fault.key or ("diagram",))) from None
 
@@ -241,7 +241,7 @@ def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
 
 @source("Wiebe1970")
 def _of_cycle(gas: Gas, frame: Frame) -> Law:
-    cylinder = frame.known("a cycle")
+    cylinder = frame.require_cylinder("a cycle")
     ports = gas.exhaust_opens or math.pi, gas.scavenge_opens or gas.exhaust_opens or math.pi
     keys = {2: ("exhaust",), 1: ("exhaust_opens", "scavenge_opens")}  # by revolutions of a cycle
     needed = keys[frame.revolutions][0]

@@ -28,7 +28,7 @@ class PressureCurve:
 
 @dataclass(frozen=True)
 class CylinderRecord:
-    """One cylinder."""
+    """A cylinder with its place, its firing angle and its share of the heat."""
 
     number: int  # as the file counts, from 1
     station: int
@@ -89,7 +89,7 @@ class EngineRecord:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Of its indicator diagrams, as the file names them."""
+        """Names of its indicator diagrams, as the model file writes them."""
         return tuple(curve.name for curve in self.curves if curve.is_file)
 
     @property
@@ -97,9 +97,9 @@ class EngineRecord:
         """Stations with their shares of the mean torque of the engine when every cylinder fires alike."""
         number = len(self.cylinders)
         return tuple(
-            (one.station, one.share / number)
-            for one in self.cylinders
-            if one.state == "firing" and one.share > 0
+            (cylinder.station, cylinder.share / number)
+            for cylinder in self.cylinders
+            if cylinder.state == "firing" and cylinder.share > 0
         )
 
     @property
@@ -112,5 +112,5 @@ class EngineRecord:
         return station, 1.0 / (number * share * self.efficiency)
 
     def order(self, harmonic: int) -> float:
-        """Order of the crankshaft of harmonic 1, 2, .."""
+        """Return the order of the crankshaft of harmonic 1, 2, .. of a cycle."""
         return harmonic / self.revolutions

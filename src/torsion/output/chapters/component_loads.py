@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import ComponentLoads, MeshLoad
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.model.lowering import CouplingRatings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion
@@ -27,7 +29,7 @@ from torsion.output.reported_values import (
     unreliable,
 )
 from torsion.output.selection import (
-    damps,
+    NO_VALUE,
     elements,
     highest,
     largest,
@@ -184,31 +186,41 @@ def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
 
 def gears(findings: Findings) -> Iterator[Block]:
     """Yield vibratory against mean torque in every mesh; nothing without gears or without a response."""
-    meshes = [mesh for mesh in elements(findings.system) if mesh.kind == "gear"]
-    if not (meshes and responds(findings)):
+    loads = findings.get(ComponentLoads)
+    if loads is None or not loads.meshes:
         return
     yield Heading("Gear meshes")
-    response, rows, figures = findings.need(Response), list[tuple[object, ...]](), []
     has_mean = findings.get(Steady) is not None
     if not has_mean:
         text = "The input has no mean torque. Torque reversal in the meshes is not checked."
         yield Paragraph(text, "note")
+    yield table(
+        "< Mesh | Maximum vibratory torque [~N m] | Speed [rpm] | Mean torque [~N m] | "
+        "Maximum vibratory / mean:4 | Speed [rpm] | < Torque reversal",
+        [
+            (
+                mesh.mesh,
+                NO_VALUE if mesh.torque is None else mesh.torque,
+                mesh.speed,
+                mesh.mean,
+                mesh.ratio,
+                mesh.ratio_speed,
+                _reversal_words(mesh),
+            )
+            for mesh in loads.meshes
+        ],
+        f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
+        marks=["fail" if mesh.reversal else "" for mesh in loads.meshes],
+    )
     limits = {
         check.where: check.limit
         for check in reversed(findings.need(Checks).lines)
         if check.rule == "gear-hammer" and check.unit == "N m" and np.isfinite(check.limit)
     }
-    for mesh in meshes:
-        torque = synthesis(findings, mesh.spans)
-        mean = np.abs(response.mean[:, mesh.spans[0]])
-        speed = largest(torque)
-        reversal: tuple[object, ...] = None, None, None, "not known"
-        if speed is not None and has_mean:
-            reversal = mean[speed], *_reversal(response.speed, torque, mean)
-        rows.append((mesh.name, *worst(torque, response.speed), *reversal))
-
+    for mesh in (mesh for mesh in elements(findings.system) if mesh.kind == "gear"):
+        torque, limit = synthesis(findings, mesh.spans), limits.get(mesh.name)
+        mean = np.abs(findings.need(Response).mean[:, mesh.spans[0]])
         unit = torques([torque, mean] if has_mean else [torque])
-        limit = limits.get(mesh.name)
         figure = curves_over_speed.gear(
             f"gear-{mesh.part}-{mesh.spans[0]}",
             f"Vibratory and mean torque in {mesh.name}",
@@ -218,64 +230,44 @@ def gears(findings: Findings) -> Iterator[Block]:
             unit=unit.unit,
             limit=None if limit is None else limit * unit.factor,
         )
-        figures.append(of_torsion(findings, figure))
-    yield table(
-        "< Mesh | Maximum vibratory torque [~N m] | Speed [rpm] | Mean torque [~N m] | "
-        "Maximum vibratory / mean:4 | Speed [rpm] | < Torque reversal",
-        rows,
-        f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
-        marks=["fail" if str(row[-1]).startswith("yes") else "" for row in rows],
-    )
-    yield from figures
+        yield of_torsion(findings, figure)
 
 
-def _reversal(
-    speed: FloatArray, torque: FloatArray, mean: FloatArray
-) -> tuple[float, float | None, str]:
-    """Return the largest vibratory / mean torque, its speed, and where the load reverses; infinite without mean."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(torque == 0, 0.0, torque / mean)
-    reversing, highest_share = speed[share > 1.0], int(np.argmax(share))
-    words = "no"
-    if len(reversing):
-        words = f"yes, between {rpm(float(reversing[0]))} and {rpm(float(reversing[-1]))} rpm"
-    if len(reversing) == len(share):
-        words = "yes, everywhere"
-    speed_at = None if np.isinf(share[highest_share]) else speed[highest_share]
-    return share[highest_share], speed_at, words
+def _reversal_words(mesh: MeshLoad) -> str:
+    if mesh.ratio is None:
+        return "not known"
+    if mesh.reverses_everywhere:
+        return "yes, everywhere"
+    return "yes, between {} and {} rpm".format(*map(rpm, mesh.reversal)) if mesh.reversal else "no"
 
 
 def couplings(findings: Findings) -> Iterator[Block]:
     """Yield torque and heat of couplings with damping or limits of their maker; nothing without a response."""
-    system, parts = findings.system, findings.study.train.parts
-    if not responds(findings):
+    loads = findings.get(ComponentLoads)
+    if loads is None or not loads.couplings:
         return
-    speed, steady, rows = findings.need(Response).speed, findings.get(Steady), []
-    for element in elements(system):
-        limits, spans = parts[element.part].ratings, list(element.spans)
-        if limits is None or not (damps(system, element) or limits.limit_anything):
-            continue
-        with np.errstate(all="ignore"):
-            heat, peak = _heat(findings, spans), element.largest(findings.need(Synthesis).peak)
-        heat, peak = (
-            np.where(unreliable(findings) | ~np.isfinite(values), np.nan, values)
-            for values in (heat, peak)
+    parts, rows = findings.study.train.parts, []
+    part_of = {element.name: parts[element.part] for element in elements(findings.system)}
+    for load in loads.couplings:
+        limits = part_of[load.coupling].ratings or CouplingRatings()
+        torque, peak, heat = (
+            NO_VALUE if value is None else value for value in (load.torque, load.peak, load.heat)
         )
         rows.append(
             (
-                element.name,
-                *worst(synthesis(findings, spans), speed),
+                load.coupling,
+                torque,
+                load.speed,
                 limits.vibratory_torque,
-                None if steady is None else np.abs(steady.torque[spans]).max(),
+                load.mean,
                 limits.rated_torque,
-                worst(peak, speed)[0],
+                peak,
                 limits.max_torque,
-                *worst(heat, speed),
+                heat,
+                load.heat_speed,
                 limits.heat_limit,
             )
         )
-    if not rows:
-        return
     yield Heading("Couplings")
     yield Paragraph(
         f"The power loss is the sum over {orders_together(findings)}, for relative damping ψ: ψ ω T²/(4 π k). "
@@ -288,10 +280,3 @@ def couplings(findings: Findings) -> Iterator[Block]:
         rows,
         "Torque and power loss of the couplings with the manufacturer's limits",
     )
-
-
-def _heat(findings: Findings, spans: list[int]) -> FloatArray:
-    """Return the power loss (speeds,) W, as the rule of the maker judges it."""
-    from torsion.rules.coupling_maker import raised_heat
-
-    return np.asarray(raised_heat(findings, np.array(spans)).sum(axis=1))

@@ -20,17 +20,17 @@ OVER_FREQUENCY = "over frequency"  # a limit with a table
 def chapter(findings: Findings) -> Iterator[Block]:
     """One table for every kind of component that has a data sheet."""
     sheets = _machines, _couplings, _gears, _tooth_forces, _impellers
-    made = [one for sheet in sheets if (one := sheet(findings)) is not None]
-    if not made:
+    tables = list(filter(None, (sheet(findings) for sheet in sheets)))
+    if not tables:
         return
     yield Heading("Appendix: data sheets")
-    yield from made
+    yield from tables
     train, forces = findings.study.train, findings.get(ToothForces)
-    known = {force.mesh for force in forces.meshes} if forces is not None else set()
+    meshes = {force.mesh for force in forces.meshes} if forces is not None else set()
     without = [
-        one.name
-        for one in train.constraints
-        if train.parts[one.part].kind == "gear" and one.name not in known
+        mesh.name
+        for mesh in train.constraints
+        if train.parts[mesh.part].kind == "gear" and mesh.name not in meshes
     ]
     if without:
         yield Paragraph(NO_FORCE.format(", ".join(without)))
@@ -168,8 +168,8 @@ def _gears(findings: Findings) -> Table | None:
 
 def _tooth_forces(findings: Findings) -> Table | None:
     """Size and nominal forces of every mesh with a pitch diameter."""
-    found = findings.get(ToothForces)
-    meshes = () if found is None else found.meshes
+    forces = findings.get(ToothForces)
+    meshes = () if forces is None else forces.meshes
     unit = scale("N", [force.tangential for force in meshes])
     rows = (
         (

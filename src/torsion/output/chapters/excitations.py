@@ -42,14 +42,14 @@ def _torques(findings: Findings) -> Table:
     rows, sizes = [], _at_rated(findings)
     unit = scale("N m", [size for size in sizes if size is not None])
     for torque, size in zip(_plain(findings), sizes, strict=True):
-        station, own = findings.system.stations[torque.station], torque.order
+        station, own_order = findings.system.stations[torque.station], torque.order
         frequency = "all requested" if torque.frequency is None else given(torque.frequency)
         rows.append(
             (
                 torque.name,
-                order(own),
-                order(None if own is None else own * station.ratio),
-                NONE if own is not None else frequency,
+                order(own_order),
+                order(None if own_order is None else own_order * station.ratio),
+                NONE if own_order is not None else frequency,
                 _amplitude(torque),
                 unit.text(size),
                 degrees(torque.phase),
@@ -72,28 +72,31 @@ def _plain(findings: Findings) -> list[Torque]:
 def _at_rated(findings: Findings) -> list[float | None]:
     """N m at the rated speed, of every torque; None where that is not known."""
     speed, mean = rated(findings), steady_at_rated(findings)
-    every = _plain(findings)
+    torques = _plain(findings)
     if speed is None:
-        return [None if one.of_mean or one.table or one.mesh else one.torque for one in every]
-    found: list[float | None] = []
-    for one in every:
+        return [
+            None if torque.of_mean or torque.table or torque.mesh else torque.torque
+            for torque in torques
+        ]
+    amplitudes: list[float | None] = []
+    for torque in torques:
         is_known = (
-            one.mesh is None
-            and _reaches(findings, one, speed)
-            and (mean is not None or not one.of_mean)
+            torque.mesh is None
+            and _reaches(findings, torque, speed)
+            and (mean is not None or not torque.of_mean)
         )
-        found.append(
-            float(np.abs(amplitude(findings.system, one, np.array([speed]), mean))[0])
+        amplitudes.append(
+            float(np.abs(amplitude(findings.system, torque, np.array([speed]), mean))[0])
             if is_known
             else None
         )
-    return found
+    return amplitudes
 
 
 def _reaches(findings: Findings, torque: Torque, speed: float) -> bool:
     """The table of a torque has the speed (rad/s of the reference)."""
-    own = speed * float(findings.system.stations[torque.station].ratio)
-    return not torque.table or torque.table[0][0] <= own <= torque.table[-1][0]
+    own_speed = speed * float(findings.system.stations[torque.station].ratio)
+    return not torque.table or torque.table[0][0] <= own_speed <= torque.table[-1][0]
 
 
 def _amplitude(torque: Torque) -> str:

@@ -58,8 +58,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
             "Measured natural frequencies",
             short="Measured natural frequencies",
         )
-    for place, curve in enumerate(fit.curves, start=1):
-        yield _drawn(findings, curve, place)
+    for position, curve in enumerate(fit.curves, start=1):
+        yield _drawn(findings, curve, position)
         yield _points(findings, curve)
 
     yield Paragraph(IDENTIFIED)
@@ -85,41 +85,43 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(f"The natural frequencies of the fitted file are {hertz} Hz.")
 
 
-def conclusion(found: Fit) -> Paragraph:
+def conclusion(fit: Fit) -> Paragraph:
     """How model and measurements agree, for the verdict."""
     outside = [
-        f"mode {one.mode} at {number(one.measured, 5)} Hz" for one in found.modes if one.is_outside
+        f"mode {mode.mode} at {number(mode.measured, 5)} Hz"
+        for mode in fit.modes
+        if mode.is_outside
     ]
     words = f" Measured outside its band: {', '.join(outside)}." if outside else ""
-    if found.others:
+    if fit.others:
         several = (
-            f"{counted(len(found.others), 'other solution')} agree{'s' * (len(found.others) == 1)}"
+            f"{counted(len(fit.others), 'other solution')} agree{'s' * (len(fit.others) == 1)}"
         )
         words += f" {several} nearly as well (chapter Fit)."
     return Paragraph(
-        f"Fit to measurements: {_agreement(found)}{words}", "fail" if found.fails else "note"
+        f"Fit to measurements: {_agreement(fit)}{words}", "fail" if fit.fails else "note"
     )
 
 
-def _agreement(found: Fit) -> str:
+def _agreement(fit: Fit) -> str:
     """Chi2 over its degrees of freedom, and what that says."""
-    known = f"{counted(found.measurements, 'measured value')}, χ² {number(found.chi2, 3)}"
-    if found.reduced is None:
+    summary = f"{counted(fit.measurements, 'measured value')}, χ² {number(fit.chi2, 3)}"
+    if fit.reduced is None:
         left = "the measurements determine the parameters exactly and do not check the model"
-        return f"{known}: {'the fit does not reach the measurements' if found.is_wrong else left}."
+        return f"{summary}: {'the fit does not reach the measurements' if fit.is_wrong else left}."
     words = "model and stated deviations agree with the measurements"
-    if found.is_wrong:
+    if fit.is_wrong:
         words = "the model is incomplete, or the stated deviations are too small"
-    elif found.reduced < 0.25:
+    elif fit.reduced < 0.25:
         words = "the measurements scatter less than their stated deviations"
-    freedom = f"{given(found.freedom, 3)} degrees of freedom, χ² per degree of freedom {number(found.reduced, 3)}"
-    return f"{known} with {freedom}: {words}."
+    freedom = f"{given(fit.freedom, 3)} degrees of freedom, χ² per degree of freedom {number(fit.reduced, 3)}"
+    return f"{summary} with {freedom}: {words}."
 
 
 def _scale(curve: FittedCurve) -> Scale:
     """In which unit its amplitudes are read."""
-    known = {"angle": Scale("deg", 180.0 / np.pi), "speed": Scale("rpm", RPM)}
-    return known.get(curve.quantity) or scale("N m", [float(curve.measured.max())])
+    scales = {"angle": Scale("deg", 180.0 / np.pi), "speed": Scale("rpm", RPM)}
+    return scales.get(curve.quantity) or scale("N m", [float(curve.measured.max())])
 
 
 def _title(findings: Findings, curve: FittedCurve) -> str:
@@ -133,7 +135,7 @@ def _title(findings: Findings, curve: FittedCurve) -> str:
     )
 
 
-def _drawn(findings: Findings, curve: FittedCurve, place: int) -> Figure:
+def _drawn(findings: Findings, curve: FittedCurve, position: int) -> Figure:
     size = _scale(curve)
     x = curve.curve_speed * RPM
     panel = Panel(
@@ -145,7 +147,7 @@ def _drawn(findings: Findings, curve: FittedCurve, place: int) -> Figure:
         ),
         marks=(Marks("measured", curve.speed * RPM, curve.measured * size.factor, "cross"),),
     )
-    return Figure(f"fit_{place}", f"Measured and computed {_title(findings, curve)}", (panel,))
+    return Figure(f"fit_{position}", f"Measured and computed {_title(findings, curve)}", (panel,))
 
 
 def _points(findings: Findings, curve: FittedCurve) -> Block:
@@ -157,11 +159,11 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
     columns = [curve.speed, *(amplitude * size.factor for amplitude in amplitudes)]
     columns += [curve.deviation] if varies else []
     columns += [curve.residual] + ([] if curve.phase_residual is None else [curve.phase_residual])
-    rest = ""
+    remark = ""
     if shown.size < curve.speed.size:
-        rest = f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
+        remark = f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
     if curve.unused:
-        rest += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
+        remark += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
     phase = "" if curve.phase_residual is None else " | Residual of the phase:2 -> of phase"
     unit, residual = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %:2"
     if varies:
@@ -170,5 +172,5 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
         f"Speed [rpm] | Measured [={unit}] | Before the fit [={unit}] -> before | Fitted [={unit}] -> fitted | "
         f"{residual} -> residual{phase}",
         np.stack(columns, axis=1)[shown].tolist(),
-        f"Measured {_title(findings, curve)}{rest}",
+        f"Measured {_title(findings, curve)}{remark}",
     )

@@ -9,7 +9,7 @@ import numpy as np
 from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound, OptimumFound
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Paragraph, Table, table
+from torsion.output.blocks import Block, Paragraph, Table, filled, table
 from torsion.output.numbers import (
     RPM,
     below_right,
@@ -121,11 +121,6 @@ def at_speed(joints: Joints) -> Iterator[Table]:
 
 def couples(joints: Joints) -> Table:
     """Secondary couples of the joints whose torque is known."""
-    pairs = [(joint, couple) for joint in joints.joints for couple in joint.couples]
-    held, pushed = (
-        any(column)
-        for column in ([c.bearing is not None for _, c in pairs], [j.force for j, _ in pairs])
-    )
     rows = [
         (
             joint.name,
@@ -135,23 +130,22 @@ def couples(joints: Joints) -> Table:
             couple.order or None,
             *map(abs, couple.amplitude),
             couple.largest,
-            *[couple.bearing] * held,
-            *[joint.force or None] * pushed,
+            couple.bearing,
+            joint.force or None,
         )
-        for joint, couple in pairs
+        for joint in joints.joints
+        for couple in joint.couples
     ]
-    bearings, force = (
-        " | Bearings [N] -> bearing, N" if held else "",
-        " | Force across [N]" if pushed else "",
-    )
-    return table(
-        "< Joint -> | < Shaft -> on the shaft | Torque [~N m] | Mean [~N m] -> mean | Order -> | "
-        "Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
-        f"Maximum [~N m] -> maximum{bearings}{force}",
-        rows,
-        "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
-        "peak; bearing and transverse forces are maxima over the revolution",
-        short="Secondary couples, ~",
+    return filled(
+        table(
+            "< Joint -> | < Shaft -> on the shaft | Torque [~N m] | Mean [~N m] -> mean | Order -> | "
+            "Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
+            "Maximum [~N m] -> maximum | Bearings [N] -> bearing, N | Force across [N]",
+            rows,
+            "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
+            "peak; bearing and transverse forces are maxima over the revolution",
+            short="Secondary couples, ~",
+        )
     )
 
 

@@ -65,8 +65,8 @@ def _inertias(findings: Findings) -> Table:
     referred: list[float] = []  # kg m2 of every row but the sums
     for index, station in enumerate(system.train.stations):
         mine = [] if station.is_ground else given_by.get(index, [])
-        rows += [_inertia(findings, station, one) for one in mine]
-        referred += [one.inertia * float(station.ratio) ** 2 for one in mine]
+        rows += [_inertia(findings, station, lump) for lump in mine]
+        referred += [lump.inertia * float(station.ratio) ** 2 for lump in mine]
         if len(mine) > 1:
             rows.append(
                 (
@@ -83,8 +83,8 @@ def _inertias(findings: Findings) -> Table:
             rows.append(
                 _inertia(findings, inside, Inertia(bar.driving, inner, bar.part, "between ends"))
             )
-    whole = number(sum(filter(math.isfinite, referred)), SUMMED)
-    rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, whole))
+    total = number(sum(filter(math.isfinite, referred)), SUMMED)
+    rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, total))
     columns = "J given [kg m²] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
         f"< Station | < Inertia of | {columns}J own [kg m²] | Speed ratio i | J referred [kg m²]",
@@ -96,12 +96,12 @@ def _inertias(findings: Findings) -> Table:
 def _inertia(findings: Findings, station: Station, lump: Inertia) -> tuple[Any, ...]:
     """A row of an inertia that a component gives a station."""
     part = findings.study.train.parts[lump.part]
-    at = (
+    given_ratio = (
         part.ratio if part.referred_to is None else part.referred_to
     )  # of the driven wheel of a gear: its driving side
-    at = station.ratio if lump.given == lump.inertia else at
+    given_ratio = station.ratio if lump.given == lump.inertia else given_ratio
     name = f"{part.name}, {lump.what}" if lump.what else part.name
-    figure = _given_columns(findings, lump.given, at)
+    figure = _given_columns(findings, lump.given, given_ratio)
     return station.name, name, *figure, *_both(lump.inertia, station)
 
 
@@ -117,16 +117,16 @@ def _both(inertia: float, station: Station) -> tuple[str, Fraction, str]:
 
 
 def _given_columns(
-    findings: Findings, figure: float = math.nan, at: Fraction = Fraction(1)
+    findings: Findings, figure: float = math.nan, ratio: Fraction = Fraction(1)
 ) -> tuple[str, ...]:
     """An inertia, or stiffness, of the file and the speed ratio at which it is given; of a sum or a fixed end none."""
     if not findings.study.train.has_referred_figures:
         return ()
-    return (given(figure, DIGITS), exact(at)) if math.isfinite(figure) else (NONE, NONE)
+    return (given(figure, DIGITS), exact(ratio)) if math.isfinite(figure) else (NONE, NONE)
 
 
 def _lumps(findings: Findings) -> Iterator[tuple[Bar, tuple[float, float, float]]]:
-    """Of every shaft its inertia (kg m2) at its driving end, between its ends and at its driven end."""
+    """Yield every shaft with its inertia (kg m2) at its driving end, between its ends and at its driven end."""
     from torsion.assembly.shafts import bar_segments
 
     for bar in findings.system.train.bars:
@@ -136,17 +136,19 @@ def _lumps(findings: Findings) -> Iterator[tuple[Bar, tuple[float, float, float]
 
 def _given_by_station(findings: Findings) -> dict[int, list[Inertia]]:
     """By station: what components give it, then what the shafts that end there do."""
-    found: dict[int, list[Inertia]] = {}
+    lumps_by_station: dict[int, list[Inertia]] = {}
     for lump in findings.system.train.inertias:
-        found.setdefault(lump.station, []).append(lump)
+        lumps_by_station.setdefault(lump.station, []).append(lump)
     for bar, (driving, _, driven) in _lumps(findings):
         for station, share, what in (
             (bar.driving, driving, "driving end"),
             (bar.driven, driven, "driven end"),
         ):
             if share:
-                found.setdefault(station, []).append(Inertia(station, share, bar.part, what))
-    return found
+                lumps_by_station.setdefault(station, []).append(
+                    Inertia(station, share, bar.part, what)
+                )
+    return lumps_by_station
 
 
 def _water(findings: Findings) -> Iterator[str]:
@@ -157,48 +159,50 @@ def _water(findings: Findings) -> Iterator[str]:
         for p in parts
         if p.impeller is not None and (p.propeller is not None or p.impeller.water is not None)
     ):
-        said = "dry, no entrained water in the input"
+        words = "dry, no entrained water in the input"
         if water is not None:
             share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
-            said = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
-        yield f"{name}: J {said}."
+            words = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
+        yield f"{name}: J {words}."
 
 
 def _springs(findings: Findings) -> Table:
     system = findings.system
-    found = [
+    springs = [
         (element, float(system.flexibility[list(element.spans)].sum()))
         for element in elements(system)
     ]
-    unit = scale("N m/rad", [1 / h for _, h in found if 0 < h < math.inf])
+    unit = scale("N m/rad", [1 / h for _, h in springs if 0 < h < math.inf])
     rows = []
-    for element, h in found:
+    for element, h in springs:
         first, last = system.spans[element.spans[0]], system.spans[element.spans[-1]]
-        own = referred = "rigid" if h == 0 else NONE
+        own_stiffness = referred = "rigid" if h == 0 else NONE
         if 0 < h < math.inf:
-            own, referred = (
+            own_stiffness, referred = (
                 given(unit.factor / h, DIGITS),
                 given(unit.factor * element.ratio**2 / h, SUMMED),
             )
         flexibility = given(h, DIGITS)
         tabled = system.tables.get(element.spans[0])
         if tabled is not None:
-            own = referred = tabled.follows
-            flexibility = own
+            own_stiffness = referred = tabled.follows
+            flexibility = own_stiffness
         ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
-        at = ratio if part.referred_to is None else part.referred_to
+        given_ratio = ratio if part.referred_to is None else part.referred_to
         is_given = (
             0 < h < math.inf and not part.is_bar and tabled is None
         )  # of a shaft the file gives dimensions
         figure = _given_columns(
-            findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at
+            findings,
+            unit.factor / h * float(ratio / given_ratio) ** 2 if is_given else math.nan,
+            given_ratio,
         )
         rows.append(
             (
                 element.name,
                 f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
                 *figure,
-                own,
+                own_stiffness,
                 flexibility,
                 ratio,
                 referred,
@@ -226,7 +230,7 @@ def _shafts(findings: Findings) -> Table:
             findings.study.train.shaft(requested).material,
             findings.system.segments[bar.name],
         )
-        own = findings.study.train.materials[
+        declared_material = findings.study.train.materials[
             material
         ]  # a hub or a step raises the G of the calculation
         modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
@@ -242,7 +246,7 @@ def _shafts(findings: Findings) -> Table:
                 number(modulus, SUMMED),
                 given(inertia, DIGITS),
                 material,
-                given(own.shear_modulus * 1e-9, DIGITS),
+                given(declared_material.shear_modulus * 1e-9, DIGITS),
                 given(bar.density, DIGITS),
                 str(pieces),
             )

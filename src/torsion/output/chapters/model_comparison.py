@@ -142,8 +142,8 @@ def _modes(comparison: Compared) -> Table:
     exact, *approximate = _all(comparison)
     titles = "Mode -> | exact [Hz] -> exact, Hz"
     titles += "".join(
-        f" | {model_shown.model} [Hz] | {model_shown.model} error [%] -> {model_shown.model} error, % | 1 − MAC"
-        for model_shown in approximate
+        f" | {approximation.model} [Hz] | {approximation.model} error [%] -> {approximation.model} error, % | 1 − MAC"
+        for approximation in approximate
     )
     rows = []
     for mode in range(min(MOST_MODES, len(exact.frequency))):

@@ -26,9 +26,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     noted = any(part.note for part in parts)
     rows = []
     for position, part in enumerate(parts, 1):
-        own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
+        speed_columns = [given_rpm(speed * float(part.ratio))] if speed is not None else []
         words = [part.source or NOT_STATED, *([part.note or ""] if noted else [])]
-        rows.append((position, part.name, part.kind, part.ratio, *own, *words))
+        rows.append((position, part.name, part.kind, part.ratio, *speed_columns, *words))
     yield Heading("The plant")
     if description := findings.study.description.strip():
         yield Paragraph(description)
@@ -50,33 +50,33 @@ def sketch(findings: Findings) -> Sketch:
 
 def _points(findings: Findings) -> list[Disc]:
     """Everything that the sketch draws as a disc."""
-    system, place = findings.system, layout(findings.system)
+    system, positions = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
     rings = {
         (s.part, s.driving): s.driven for s in carried
     }  # by the damper and the station of its housing
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
-    found = []
+    discs = []
     for position, part in enumerate(system.train.parts):
         if not part.is_point or not part.stations:
             continue
-        here = part.stations[0]
-        inertia = float(system.inertia[here])
-        ring = rings.get((position, here))
-        found.append(
+        station = part.stations[0]
+        inertia = float(system.inertia[station])
+        ring = rings.get((position, station))
+        discs.append(
             Disc(
-                x=float(place.x[here]),
-                row=float(place.row[here]),
+                x=float(positions.x[station]),
+                row=float(positions.row[station]),
                 size=_size(inertia, finite),
                 label=label(system.train.parts, position),
                 kind=part.kind,
                 is_held=math.isinf(inertia),
-                is_grounded=here in grounds,
+                is_grounded=station in grounds,
                 ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
             )
         )
-    return found
+    return discs
 
 
 def _size(inertia: float, finite: FloatArray) -> float:
@@ -90,26 +90,26 @@ def _size(inertia: float, finite: FloatArray) -> float:
 
 def _links(findings: Findings) -> list[Link]:
     """Everything that the sketch draws between two places."""
-    system, place = findings.system, layout(findings.system)
+    system, positions = findings.system, layout(findings.system)
     bars = {bar.part: bar for bar in reversed(system.train.bars)}
     meshes = {mesh.part: mesh for mesh in reversed(system.train.constraints)}  # of a part the first
-    found = [
-        _between(place, s.driving, s.driven, "rigid")
+    links = [
+        _between(positions, s.driving, s.driven, "rigid")
         for s in system.own_spans
         if s.name.endswith(" rigid")
     ]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
             sections = system.train.sectioned.get(part.whole, ())
-            kind, more = _drawing(part, bars.get(position), meshes.get(position), sections)
-            looks = kind, {**more, "parts": (position,)}
-            found.extend(_link(part, label(system.train.parts, position), place, looks))
+            kind, options = _drawing(part, bars.get(position), meshes.get(position), sections)
+            looks = kind, {**options, "parts": (position,)}
+            links.extend(_link(part, label(system.train.parts, position), positions, looks))
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and span.driven != meshes[span.part].driven:
-            found.append(
+            links.append(
                 _between(
-                    place,
+                    positions,
                     span.driving,
                     span.driven,
                     "gear",
@@ -117,16 +117,18 @@ def _links(findings: Findings) -> list[Link]:
                     parts=(span.part,),
                 )
             )
-    return found
+    return links
 
 
-def _link(part: Part, name: str, place: Layout, looks: tuple[str, dict[str, Any]]) -> list[Link]:
+def _link(
+    part: Part, name: str, positions: Layout, looks: tuple[str, dict[str, Any]]
+) -> list[Link]:
     """A link, with the lines down to its row where it begins a branch or closes a loop."""
-    kind, more = looks
+    kind, options = looks
     if part.joint is not None:
         name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
     driving, driven = part.stations
-    drawn = _between(place, driving, driven, kind, label=name, **more)
+    drawn = _between(positions, driving, driven, kind, label=name, **options)
     (x0, row0), (x1, row1) = drawn.start, drawn.end
     if part.path[0] == "links":
         level = max(row0, row1) + 0.5
@@ -142,7 +144,7 @@ def _drawing(
 ) -> tuple[str, dict[str, Any]]:
     """How a link is drawn: by what it was made into, the sections of a shaft to one scale."""
     if bar is not None:
-        widest = max(end for one in (bar, *sections) for end in one.outer)
+        widest = max(end for section in (bar, *sections) for end in section.outer)
         return "shaft", {
             "bore": bar.bore[0] / bar.outer[0],
             "taper": tuple(end / widest for end in bar.outer),
@@ -154,6 +156,6 @@ def _drawing(
     return ("coupling", {}) if mesh is None else ("gear", {"ratio": float(mesh.ratio)})
 
 
-def _between(place: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:
-    start, end = ((float(place.x[s]), float(place.row[s])) for s in (driving, driven))
+def _between(positions: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:
+    start, end = ((float(positions.x[s]), float(positions.row[s])) for s in (driving, driven))
     return Link(kind, start, end, **more)

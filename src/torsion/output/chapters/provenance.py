@@ -21,7 +21,7 @@ MOST_CLAUSES = 20  # of a rule
 
 
 def steps(findings: Findings) -> Iterator[Block]:
-    """Always printed."""
+    """The chapter of what was computed, which is always printed."""
     plan = findings.plan
     rows = [(line.what, line.method, _singular(line.size), line.why) for line in plan.done]
     yield Heading("Appendix: what was computed")
@@ -73,7 +73,7 @@ def input_file(findings: Findings) -> Iterator[Block]:
         for kind, files in kinds.items()
         if files
     )
-    also = f"{meshes}."
+    ending = f"{meshes}."
     behind = " (with its tables)" if study.tables else ""
     words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The report was computed from "
     words += "this text"
@@ -81,7 +81,7 @@ def input_file(findings: Findings) -> Iterator[Block]:
         ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
     )
     yield Heading("Appendix: the input as read")
-    yield Paragraph(words + also)
+    yield Paragraph(words + ending)
     yield Verbatim(text)
     for name, table_text in study.tables:
         yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")

@@ -16,5 +16,5 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def _entry(used: UsedSource) -> str:
-    where = "".join(f", {place}" for place in used.where)
+    where = "".join(f", {location}" for location in used.where)
     return f"{used.words}{where}" + ("" if used.compared else ", edition not confirmed")

@@ -130,25 +130,25 @@ def _checks(sweep: Sweep, any_fails: SweptCheck) -> Block:
         for check in (any_fails, *sweep.checks[:MOST_CHECKS])
     ]
     count = len(sweep.checks)
-    rest = f" (the first {MOST_CHECKS} of {count})" if count > MOST_CHECKS else ""
+    extent = f" (the first {MOST_CHECKS} of {count})" if count > MOST_CHECKS else ""
     return table(
         "< Check -> | < Component -> | Variants that fail -> | Probability [%]:3 -> fails, % | From [%]:3 -> from | "
         "To [%]:3 -> to | Median utilisation [%]:4 | Maximum utilisation [%]:4 -> maximum, % | < Correlates with | "
         "Rank correlation:2",
         rows,
-        f"Failure probability of each check (95 % CI){rest}",
+        f"Failure probability of each check (95 % CI){extent}",
         short="Failure probability",
     )
 
 
-def _shares(found: Sweep) -> Figure:
+def _shares(sweep: Sweep) -> Figure:
     """The share of the variants that stay below a share of the limit, of the checks nearest to failing."""
-    shown = [one for one in found.checks if np.isfinite(one.utilisation).any()][:MOST_LINES]
+    shown = [check for check in sweep.checks if np.isfinite(check.utilisation).any()][:MOST_LINES]
     lines = []
-    for pen, one in enumerate(shown):
-        used = np.sort(np.where(np.isfinite(one.utilisation), one.utilisation, np.nan)) * 100.0
+    for pen, check in enumerate(shown):
+        used = np.sort(np.where(np.isfinite(check.utilisation), check.utilisation, np.nan)) * 100.0
         below = np.arange(1, used.size + 1) / used.size * 100.0
-        lines.append(Line(f"{one.clause}: {one.where}", used, below, pen))
+        lines.append(Line(f"{check.clause}: {check.where}", used, below, pen))
     panel = Panel(
         Axis("utilisation", "%", low=0.0),
         Axis("variants below", "%", low=0.0, high=100.0),
@@ -163,19 +163,19 @@ def _shares(found: Sweep) -> Figure:
     )
 
 
-def _failing(found: Sweep) -> Iterator[Block]:
+def _failing(sweep: Sweep) -> Iterator[Block]:
     """The variants over the two figures that decide most, and over all."""
-    names = [one.name for one in found.figures]
-    if found.any_fails is None or len(names) < 2 or not 0 < found.any_fails.failing < found.samples:
+    names = [figure.name for figure in sweep.figures]
+    if sweep.any_fails is None or len(names) < 2 or not 0 < sweep.any_fails.failing < sweep.samples:
         return
     ranked = sorted(
-        (one for one in found.checks if one.correlation is not None),
+        (check for check in sweep.checks if check.correlation is not None),
         key=lambda one: -one.probability,
     )
-    decisive = list(dict.fromkeys(one.decides for one in ranked if one.failing))
+    decisive = list(dict.fromkeys(check.decides for check in ranked if check.failing))
     pair = list(dict.fromkeys([*decisive, *names]))[:2]
-    (x, across), (y, down) = (_over(found, names.index(name)) for name in pair)
-    fails = found.any_fails.fails
+    (x, across), (y, down) = (_over(sweep, names.index(name)) for name in pair)
+    fails = sweep.any_fails.fails
     marks = (
         Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
         Marks("a check fails", x[fails], y[fails], "cross", "unstable"),
@@ -186,8 +186,8 @@ def _failing(found: Sweep) -> Iterator[Block]:
         (Panel(across, down, marks=marks),),
     )
     if len(names) > 2:
-        low, wide = found.factor.min(axis=0), np.ptp(found.factor, axis=0)
-        share = (found.factor - low) / np.where(wide > 0.0, wide, 1.0)
+        low, wide = sweep.factor.min(axis=0), np.ptp(sweep.factor, axis=0)
+        share = (sweep.factor - low) / np.where(wide > 0.0, wide, 1.0)
         groups: list[tuple[str, Role, FloatArray]] = [
             ("every check passes", "pale", share[~fails][:MOST_THROUGH]),
             ("a check fails", "unstable", share[fails][:MOST_THROUGH]),
@@ -196,9 +196,9 @@ def _failing(found: Sweep) -> Iterator[Block]:
         yield variants.through("sweep_values", caption, axes=names, groups=groups)
 
 
-def _over(found: Sweep, place: int) -> tuple[FloatArray, Axis]:
+def _over(sweep: Sweep, number: int) -> tuple[FloatArray, Axis]:
     """The values of a figure, and their axis: of a law relative to the file."""
-    one = found.figures[place]
-    if one.unit is None:
-        return 100.0 * found.factor[:, place], Axis(f"{one.name} / nominal", "%")
-    return found.factor[:, place], Axis(one.name, unit_words(one.unit))
+    figure = sweep.figures[number]
+    if figure.unit is None:
+        return 100.0 * sweep.factor[:, number], Axis(f"{figure.name} / nominal", "%")
+    return sweep.factor[:, number], Axis(figure.name, unit_words(figure.unit))

@@ -56,12 +56,12 @@ def sections(sweep: Sweep) -> Iterator[Block]:
             short="Changes between pass and fail",
         )
     elif len(grid.axes) == 1 and sweep.any_fails is not None and grid.axes[0].is_numeric:
-        every = "every" if sweep.any_fails.failing else "no"
+        word = "every" if sweep.any_fails.failing else "no"
         yield Paragraph(
-            f"No check changes between pass and fail in this range: {every} variant fails."
+            f"No check changes between pass and fail in this range: {word} variant fails."
         )
     if len(grid.axes) == 1:
-        places = [k for k, one in enumerate(sweep.checks) if np.isfinite(one.utilisation).any()]
+        places = [k for k, check in enumerate(sweep.checks) if np.isfinite(check.utilisation).any()]
         places.sort(key=lambda place: -(sweep.checks[place].worst or 0.0))
         names = {k: f"{sweep.checks[k].clause}: {sweep.checks[k].where}" for k in places}
         yield variants.curve(grid, [(names[k], k) for k in places[:MOST_LINES]])
@@ -94,9 +94,9 @@ def check_label(check: SweptCheck) -> str:
 def _ranked(grid: Grid) -> list[int]:
     """The variants from the best to the worst; those without an answer stand last."""
     lost = np.zeros(grid.fails.size, dtype=np.bool_)
-    lost[[place for place, _ in grid.why]] = True
-    least = np.nan_to_num(grid.greatest, nan=0.0)
-    return [int(place) for place in np.lexsort((least, grid.fails, lost))]
+    lost[[variant for variant, _ in grid.why]] = True
+    utilisation = np.nan_to_num(grid.greatest, nan=0.0)
+    return [int(variant) for variant in np.lexsort((utilisation, grid.fails, lost))]
 
 
 def _variants(sweep: Sweep, grid: Grid) -> Block:

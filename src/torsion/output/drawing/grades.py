@@ -71,13 +71,13 @@ def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
     return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
 
 
-def shares(shares_drawn: Shares, top: float) -> tuple[float, str]:
+def shares(panel: Shares, top: float) -> tuple[float, str]:
     """Return height in px and elements of the shares below `top`."""
-    largest = max((row.share for row in shares_drawn.rows if math.isfinite(row.share)), default=1.0)
+    largest = max((row.share for row in panel.rows if math.isfinite(row.share)), default=1.0)
     end = BEYOND * min(max(largest, 1.0), MOST)
     limit = LEFT + (RIGHT - LEFT) / end
-    foot = top + HEAD + ROW * len(shares_drawn.rows)
-    rows = "".join(_row(row, end, top + HEAD + ROW * k) for k, row in enumerate(shares_drawn.rows))
+    foot = top + HEAD + ROW * len(panel.rows)
+    rows = "".join(_row(row, end, top + HEAD + ROW * k) for k, row in enumerate(panel.rows))
     parts = [
         f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">',
         rows,

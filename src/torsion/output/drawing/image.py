@@ -62,26 +62,24 @@ def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
     )
 
 
-def cells(cells_drawn: Cells, across: Across, down: Across) -> Iterator[str]:
+def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:
     """Yield the image in tenths of px, where a cell reaches half way to its neighbours, and the zero line over it."""
-    x, y = _edges(cells_drawn.x), _edges(cells_drawn.y)
+    x, y = _edges(grid.x), _edges(grid.y)
     wide, high = (10 * float(np.ptp(scale(edges))) for scale, edges in ((across, x), (down, y)))
     left, top = 10 * float(across(x).min()), 10 * float(down(y).min())
     size = max(2, round(wide / 10)), max(2, round(high / 10))
     even = all(np.allclose(np.diff(edges), np.diff(edges)[0], rtol=1e-6) for edges in (x, y))
-    values = cells_drawn.values
+    values = grid.values
     for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
         if not even or edges.size > n + 1:
             values = _by_px(values, axis, edges, n)
-    shade = np.where(
-        np.isfinite(values), np.rint(_share(cells_drawn, values) * (SHADES - 1)), SHADES
-    )[::-1]
-    data = b64encode(png(shade, palette(is_log=bool(cells_drawn.decades)))).decode()
+    shade = np.where(np.isfinite(values), np.rint(_share(grid, values) * (SHADES - 1)), SHADES)[
+        ::-1
+    ]
+    data = b64encode(png(shade, palette(is_log=bool(grid.decades)))).decode()
     box = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
     yield f'<image {box} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
-    zeros = (
-        () if cells_drawn.decades else level_line(cells_drawn.x, cells_drawn.y, cells_drawn.values)
-    )
+    zeros = () if grid.decades else level_line(grid.x, grid.y, grid.values)
     line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
     if line:
         yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
@@ -102,14 +100,12 @@ def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> Floa
     return columns
 
 
-def _share(cells_drawn: Cells, values: FloatArray) -> FloatArray:
+def _share(grid: Cells, values: FloatArray) -> FloatArray:
     """Return 0 for the first colour, 1 for the last."""
-    size = np.nan_to_num(values / cells_drawn.largest, nan=0.0)
-    if not cells_drawn.decades:
+    size = np.nan_to_num(values / grid.largest, nan=0.0)
+    if not grid.decades:
         return np.asarray((np.clip(size, -1.0, 1.0) + 1.0) / 2.0)
-    return np.asarray(
-        1.0 + np.log10(np.clip(size, 10.0**-cells_drawn.decades, 1.0)) / cells_drawn.decades
-    )
+    return np.asarray(1.0 + np.log10(np.clip(size, 10.0**-grid.decades, 1.0)) / grid.decades)
 
 
 def _edges(places: FloatArray) -> FloatArray:

@@ -102,9 +102,9 @@ def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
 
 def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
     """Return a plot under what stands already, as far to the right as the widest numbers of all need."""
-    left = max(margin(panel_drawn, vertical(panel_drawn)) for panel_drawn in figure.plots)
+    left = max(margin(plot, vertical(plot)) for plot in figure.plots)
     left += min(
-        max(_framed(panel_drawn, left, foot).beyond for panel_drawn in figure.plots), WIDTH / 3.0
+        max(_framed(plot, left, foot).beyond for plot in figure.plots), WIDTH / 3.0
     )  # names of any length
     return _framed(panel, left, foot)
 

@@ -41,8 +41,8 @@ def curve(grid: Grid, lines: Sequence[tuple[str, int]]) -> Figure:
     panels = []
     if lines:
         used = [
-            Line(words, x, 100.0 * grid.utilisation[place], pen, symbol=symbol)
-            for pen, (words, place) in enumerate(lines)
+            Line(words, x, 100.0 * grid.utilisation[check], pen, symbol=symbol)
+            for pen, (words, check) in enumerate(lines)
         ]
         limit = Level("limit", LIMIT, is_reached=True)
         panels.append(
@@ -56,8 +56,8 @@ def curve(grid: Grid, lines: Sequence[tuple[str, int]]) -> Figure:
             )
         )
     modes = tuple(
-        Line(f"mode {mode}", x, one, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
-        for mode, one in enumerate(grid.frequency[:MOST_MODES], start=1)
+        Line(f"mode {mode}", x, frequency, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
+        for mode, frequency in enumerate(grid.frequency[:MOST_MODES], start=1)
     )
     if modes:
         panels.append(Panel(axis, Axis("natural frequency", "Hz"), modes, levels, bands))
@@ -88,13 +88,13 @@ def maps(grid: Grid) -> Iterator[Figure]:
             (Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL),),
         )
     for mode, values in enumerate(grid.frequency[:MOST_MODES], start=1):
-        known, frequency = values[np.isfinite(values)], values.reshape(grid.shape)
-        if not known.size or np.ptp(known) <= 1e-9 * known.max():
+        finite, frequency = values[np.isfinite(values)], values.reshape(grid.shape)
+        if not finite.size or np.ptp(finite) <= 1e-9 * finite.max():
             continue
         caption = f"Natural frequency of mode {mode} over {names}"
         if across.places or down.places or min(grid.shape) < FEWEST_LINES:
-            largest = float(known.max())
-            decades = float(np.log10(largest / known.min()))
+            largest = float(finite.max())
+            decades = float(np.log10(largest / finite.min()))
             cells = Cells(x, y, frequency, "natural frequency", "Hz", largest, decades)
             panel = Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL)
         else:
@@ -130,9 +130,9 @@ def spread(
 
 def _reaching(axis: Axis, values: FloatArray, levels: Sequence[Level]) -> Axis:
     """As far as the values and the levels."""
-    every = np.append(values[np.isfinite(values)], [level.value for level in levels])
-    room = 0.03 * float(np.ptp(every)) or 1e-3 * abs(float(every[0])) or 1.0
-    return replace(axis, low=float(every.min()) - room, high=float(every.max()) + room)
+    extent = np.append(values[np.isfinite(values)], [level.value for level in levels])
+    room = 0.03 * float(np.ptp(extent)) or 1e-3 * abs(float(extent[0])) or 1.0
+    return replace(axis, low=float(extent.min()) - room, high=float(extent.max()) + room)
 
 
 def through(
@@ -165,18 +165,20 @@ def _scale(axis: GridAxis) -> tuple[FloatArray, Axis, tuple[Level, ...]]:
     """The places of its values, the axis, and the value of the file on it; names where values are no numbers."""
     if axis.is_numeric:
         levels = tuple(
-            Level("the file", one, "rated", "x") for one in [axis.in_file] if one is not None
+            Level("the file", value, "rated", "x") for value in [axis.in_file] if value is not None
         )
         return (
             axis.number,
             Axis(axis.name, unit_words(axis.unit), float(axis.number[0]), float(axis.number[-1])),
             levels,
         )
-    at = np.arange(float(len(axis.words)))
-    places = tuple(zip(at.tolist(), axis.words, strict=True))
-    own = np.flatnonzero(axis.number == axis.in_file).tolist() if axis.in_file is not None else []
-    levels = tuple(Level("the file", float(place), "rated", "x") for place in own[:1])
-    return at, Axis(axis.name, low=-0.5, high=len(at) - 0.5, places=places), levels
+    positions = np.arange(float(len(axis.words)))
+    places = tuple(zip(positions.tolist(), axis.words, strict=True))
+    matches = (
+        np.flatnonzero(axis.number == axis.in_file).tolist() if axis.in_file is not None else []
+    )
+    levels = tuple(Level("the file", float(position), "rated", "x") for position in matches[:1])
+    return positions, Axis(axis.name, low=-0.5, high=len(positions) - 0.5, places=places), levels
 
 
 def _not_kept(x: FloatArray, fails: BoolArray, *, is_numeric: bool) -> tuple[Band, ...]:
@@ -192,18 +194,18 @@ def _not_kept(x: FloatArray, fails: BoolArray, *, is_numeric: bool) -> tuple[Ban
 
 def _points(grid: Grid, x: FloatArray, y: FloatArray) -> Iterator[Marks]:
     """The file among the variants, and variants that fail without a share of a limit that shows it."""
-    here = []
-    for axis, at in zip(grid.axes, (y, x), strict=True):
-        place = None if axis.in_file is None else axis.in_file
-        if place is not None and not axis.is_numeric:
-            rows = np.flatnonzero(axis.number == place)
-            place = float(at[rows[0]]) if rows.size else None
-        here.append(place)
-    if None not in here:
+    coordinates = []
+    for axis, positions in zip(grid.axes, (y, x), strict=True):
+        coordinate = None if axis.in_file is None else axis.in_file
+        if coordinate is not None and not axis.is_numeric:
+            rows = np.flatnonzero(axis.number == coordinate)
+            coordinate = float(positions[rows[0]]) if rows.size else None
+        coordinates.append(coordinate)
+    if None not in coordinates:
         yield Marks(
             "the file",
-            np.array([here[1]]),
-            np.array([here[0]]),
+            np.array([coordinates[1]]),
+            np.array([coordinates[0]]),
             "star",
             "rated",
             labels=("the file",),
@@ -219,28 +221,28 @@ def _points(grid: Grid, x: FloatArray, y: FloatArray) -> Iterator[Marks]:
 
 def _contours(x: FloatArray, y: FloatArray, values: FloatArray) -> Iterator[Line]:
     """Lines of round values of a frequency, each with its value."""
-    known = values[np.isfinite(values)]
-    step = float(np.ptp(known)) / (CONTOURS + 1)
+    finite = values[np.isfinite(values)]
+    step = float(np.ptp(finite)) / (CONTOURS + 1)
     power = 10.0 ** np.floor(np.log10(step))
-    step = power * next(one for one in (1.0, 2.0, 5.0, 10.0) if one * power >= step)
-    for level in np.arange(np.ceil(known.min() / step), known.max() / step) * step:
+    step = power * next(factor for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= step)
+    for level in np.arange(np.ceil(finite.min() / step), finite.max() / step) * step:
         pieces = list(level_line(x, y, values, float(level)))
         if pieces:
             along, up = (
-                np.concatenate([np.append(one[k], np.nan) for one in pieces]) for k in (0, 1)
+                np.concatenate([np.append(piece[k], np.nan) for piece in pieces]) for k in (0, 1)
             )
             yield Line("", along, up, "plain", f"{number(float(level), 4)} Hz", label_at="anywhere")
 
 
 def _histogram(values: FloatArray) -> Line:
     """Steps (bins,) in % of the variants."""
-    known = values[np.isfinite(values)]
+    finite = values[np.isfinite(values)]
     if (
-        known.size and np.ptp(known) <= SAME * np.abs(known).max()
+        finite.size and np.ptp(finite) <= SAME * np.abs(finite).max()
     ):  # between values that differ by rounding lie no bins
-        known = np.full_like(known, known[0])
-    bins = int(np.clip(np.sqrt(known.size), 5, MOST_BINS))
-    count, edges = np.histogram(known, bins)
+        finite = np.full_like(finite, finite[0])
+    bins = int(np.clip(np.sqrt(finite.size), 5, MOST_BINS))
+    count, edges = np.histogram(finite, bins)
     x, y = (
         np.repeat(edges, 2),
         np.concatenate([[0.0], np.repeat(100.0 * count / max(values.size, 1), 2), [0.0]]),

@@ -37,7 +37,7 @@ BROKEN, DOUBTFUL, WITHOUT = (
 
 @dataclass(frozen=True)
 class Judged:
-    """Of some variants, (variants,) each."""
+    """Objective and constraints of variants, (variants,) each."""
 
     aim: FloatArray  # smallest margin, or minus |ln(f / aim)|; NaN where there is none
     score: FloatArray  # the same with penalties: the greater, the better
@@ -48,7 +48,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class Tried:
-    """One candidate."""
+    """One candidate with the worst of its cases and samples."""
 
     values: tuple[float, ...]
     aim: float
@@ -141,7 +141,7 @@ class Candidates:
             answers = self._answers(case, rows)
             of_case = bool(name)
             judged.append(self.judge(answers, np.repeat(amounts, samples, axis=0), of_case=of_case))
-            unsolved |= {place // samples for place in answers.faults}
+            unsolved |= {position // samples for position in answers.faults}
             self.faults |= dict.fromkeys(_of_case(name, why) for why in answers.faults.values())
             self.standing |= answers.standing
         self.unsolved += len(unsolved)
@@ -153,13 +153,13 @@ class Candidates:
         )
         for k, row in enumerate(values.tolist()):
             number, sample = divmod(int(worst[k]), samples)
-            place, decisive = k * samples + sample, judged[number]
+            position, decisive = k * samples + sample, judged[number]
             self.tried[tuple(row)] = Tried(
                 tuple(row),
-                float(decisive.aim[place]),
-                float(decisive.score[place]),
+                float(decisive.aim[position]),
+                float(decisive.score[position]),
                 bool(allowed[k].all()),
-                decisive.decides[place],
+                decisive.decides[position],
                 names[number],
                 sample,
                 float(score[k, :, 0].min()),
@@ -198,13 +198,15 @@ class Candidates:
             _excess(condition, answers.frequency, amounts) for condition in self.settings.kept
         ]
         broken = np.sum([np.zeros(count), *excesses], axis=0)
-        unknown = unsolved | ~np.isfinite(aim) | ~np.isfinite(broken)
-        value = np.where(unknown, 0.0, aim)
+        is_unknown = unsolved | ~np.isfinite(aim) | ~np.isfinite(broken)
+        value = np.where(is_unknown, 0.0, aim)
         score = np.where(broken > 0.0, BROKEN - np.minimum(np.nan_to_num(broken), 50.0), value)
         score = np.where(doubtful, DOUBTFUL + np.minimum(value, 0.0), score)
-        score = np.where(unknown, WITHOUT, score)
-        allowed = ~unknown & ~doubtful & (broken == 0.0) & ((target is not None) | (value >= 0.0))
-        return Judged(np.where(unknown, np.nan, aim), score, allowed, decides, frequency)
+        score = np.where(is_unknown, WITHOUT, score)
+        allowed = (
+            ~is_unknown & ~doubtful & (broken == 0.0) & ((target is not None) | (value >= 0.0))
+        )
+        return Judged(np.where(is_unknown, np.nan, aim), score, allowed, decides, frequency)
 
     def _margins(
         self, answers: Answers, count: int
@@ -225,7 +227,7 @@ class Candidates:
         is_known = np.isfinite(smallest)
         decisive = margin.argmin(axis=0)
         names = tuple(
-            keys[k] if known else None for k, known in zip(decisive, is_known, strict=True)
+            keys[k] if is_finite else None for k, is_finite in zip(decisive, is_known, strict=True)
         )
         return np.where(is_known, smallest, np.nan), names, doubtful
 
@@ -297,7 +299,7 @@ def _of_case(name: str, why: str) -> str:
 
 def bare(study: Study) -> Study:
     """Return the study without what varies figures, and without its cases."""
-    analyses = {name: one for name, one in study.analyses.items() if name not in VARYING}
+    analyses = {name: settings for name, settings in study.analyses.items() if name not in VARYING}
     return replace(study, analyses=analyses, variations={}, cases={})
 
 

@@ -18,7 +18,7 @@ class ChosenFigure:
 
 @reported
 class Candidate:
-    """One of the best choices."""
+    """One of the ten best candidates of a design."""
 
     values: tuple[str, ...] = result("", (), "value of every figure")
     margin: float | None = result(
@@ -53,7 +53,7 @@ class Candidate:
         "utilisation of the check with the smallest margin; null without a margin as objective",
     )
     def utilisation(self) -> float | None:
-        """By the margin, exp(-margin)."""
+        """Return value over limit, which is exp(-margin)."""
         return None if self.margin is None else math.exp(-self.margin)
 
 

@@ -55,11 +55,11 @@ def run(work: Work) -> None:
         nominal = candidates.nominal()
         seconds = (time.perf_counter() - begin) / len(cases)
         searched = len(candidates.searched) * len(samples)
-        most = settings.evaluations or _most(candidates)
+        evaluations = settings.evaluations or _most(candidates)
         if candidates.judged:
-            words = duration(most * seconds / processors())
+            words = duration(evaluations * seconds / processors())
             work.progress(f"design, trains solved separately: at most {words}", 0.0)
-        candidates.limit = max(most // searched, 20)
+        candidates.limit = max(evaluations // searched, 20)
         method = search(candidates)
         best = _best(candidates)
         step.method = method
@@ -136,7 +136,7 @@ def _best(candidates: Candidates) -> list[Tried]:
     best, rows = list[Tried](), list[FloatArray]()
     for candidate in candidates.best:
         row = np.array(candidate.values)
-        if not any(np.all(np.abs(row - other) < widths) for other in rows):
+        if not any(np.all(np.abs(row - row_kept) < widths) for row_kept in rows):
             rows.append(row)
             best.append(candidate)
         if len(best) == TEN:
@@ -182,8 +182,8 @@ def _solved(candidates: Candidates, candidate: Tried) -> Proof:
 def _verdict(findings: Findings) -> str:
     """Return how many checks there are of each verdict, and what has no answer."""
     unanswered = findings.plan.unanswered
-    unknown = "".join(f"; no answer: {analysis.what}" for analysis in unanswered)
-    return f"{findings.results['checks'].counts}{unknown}"
+    words = "".join(f"; no answer: {analysis.what}" for analysis in unanswered)
+    return f"{findings.results['checks'].counts}{words}"
 
 
 def _result(
@@ -197,7 +197,7 @@ def _result(
     chosen = next((k for k, (word, *_) in enumerate(proofs) if word != "disagrees"), None)
     picked = () if chosen is None else best[chosen].values
     tried, target = list(candidates.tried.values()), settings.target
-    amounts = np.array([getattr(one, settings.against or "", np.nan) for one in tried])
+    amounts = np.array([getattr(candidate, settings.against or "", np.nan) for candidate in tried])
     aims = np.array([candidate.aim for candidate in tried])
     scores = np.array([candidate.score for candidate in tried])
     front = _front(amounts, np.where(scores > -50.0, aims, np.nan))
@@ -278,8 +278,8 @@ def _finite(value: float) -> float | None:
 def _front(amounts: FloatArray, aims: FloatArray) -> list[int]:
     """Return the places of the candidates than which no lighter or cheaper one is as good, by their amount."""
     front, best = list[int](), -math.inf
-    for place in np.lexsort((-aims, amounts)).tolist():
-        if np.isfinite(amounts[place]) and aims[place] > best:
-            best = float(aims[place])
-            front.append(place)
+    for position in np.lexsort((-aims, amounts)).tolist():
+        if np.isfinite(amounts[position]) and aims[position] > best:
+            best = float(aims[position])
+            front.append(position)
     return front

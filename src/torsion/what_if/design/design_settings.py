@@ -39,7 +39,7 @@ class Subject:
 
     @property
     def unit(self) -> str:
-        """Of its values."""
+        """The unit in which its values are read."""
         return "Hz" if self.mode else "kg" if self.name == "mass" else "1"
 
 
@@ -63,7 +63,7 @@ class Condition(Declared):
 
 
 class DesignSettings(Declared):
-    """Settings of `design`."""
+    """What the file states of `design`: variables, objective and constraints."""
 
     choose: dict[str, Choice] = required(
         "design variables by `component.key` with their values: `from` and `to`, or `values`; for a component a "
@@ -124,15 +124,15 @@ class DesignSettings(Declared):
     @property
     def keeps_modes(self) -> bool:
         """A condition is on the frequency of a mode."""
-        return any(one.subject.mode for one in self.kept)
+        return any(condition.subject.mode for condition in self.kept)
 
     @property
     def kept(self) -> tuple[Kept, ...]:
-        """Every condition."""
+        """Every condition that a candidate has to meet, with its ends in SI."""
         return tuple(
-            _kept(words, condition, ("keep", place, words))
-            for place, each in enumerate(self.keep)
-            for words, condition in each.items()
+            _kept(words, condition, ("keep", position, words))
+            for position, conditions in enumerate(self.keep)
+            for words, condition in conditions.items()
         )
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
@@ -148,7 +148,7 @@ class DesignSettings(Declared):
                 hint,
             )
         yield from self._varied_in_place(study, figures)
-        places = [one.places for one in figures]
+        places = [figure.places for figure in figures]
         if all(places) and math.prod(places) > MOST:
             words = f"{math.prod(places):,} combinations, more than {MOST:,}"
             yield Fault(("choose",), words, "longer steps or shorter lists", at_key=True)
@@ -158,12 +158,12 @@ class DesignSettings(Declared):
         )
         stated += [
             (("keep", k), key)
-            for k, each in enumerate(self.keep)
-            for key in each
+            for k, conditions in enumerate(self.keep)
+            for key in conditions
             if not MODE.fullmatch(key)
         ]
-        for place, key in stated:
-            yield from _unsaid(place, key, figures)
+        for path, key in stated:
+            yield from _unsaid(path, key, figures)
 
     def _varied_in_place(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
         """Values that the sweep puts in the place of what is chosen."""
@@ -171,92 +171,98 @@ class DesignSettings(Declared):
         if self.robust:
             varied = getattr(study.analyses.get("sweep"), "varied", ("", varied))[1]
         for name, law in varied.items():
-            pairs = [sorted([f"{name}.", f"{one.name}."]) for one in figures]
+            pairs = [sorted([f"{name}.", f"{figure.name}."]) for figure in figures]
             if not law.is_relative and any(long.startswith(short) for short, long in pairs):
                 words = f"`sweep` puts values in the place of `{name}`, which the design chooses"
                 yield Fault(("robust",), words, "vary it about the chosen value: {uniform: +-15 %}")
 
     def _chosen_twice(self, figures: Sequence[Any]) -> Iterator[Fault]:
-        known: dict[Any, str] = {}
-        for one in figures:
-            paths = {path for path, _ in one.paths} | {
-                path for row in one.rows for path, _ in row.puts
+        chosen: dict[Any, str] = {}
+        for figure in figures:
+            paths = {path for path, _ in figure.paths} | {
+                path for row in figure.rows for path, _ in row.puts
             }
             for path in sorted(paths, key=str):
-                if path in known and known[path] != one.name:
-                    words = f"`{path[-1]}` is chosen by `{known[path]}` already"
-                    yield Fault(("choose", one.name), words, "leave one of them out", at_key=True)
+                if path in chosen and chosen[path] != figure.name:
+                    words = f"`{path[-1]}` is chosen by `{chosen[path]}` already"
+                    yield Fault(
+                        ("choose", figure.name), words, "leave one of them out", at_key=True
+                    )
                     break
-                known[path] = one.name
+                chosen[path] = figure.name
 
 
-def _unsaid(place: tuple[str | int, ...], key: str, figures: Sequence[Any]) -> Iterator[Fault]:
+def _unsaid(path: tuple[str | int, ...], key: str, figures: Sequence[Any]) -> Iterator[Fault]:
     """A mass or cost that a catalogue does not state."""
-    listed = [one for one in figures if one.law.catalogue is not None]
-    lacking = next((one for one in listed if any(key not in row.said for row in one.rows)), None)
+    listed = [figure for figure in figures if figure.law.catalogue is not None]
+    lacking = next(
+        (figure for figure in listed if any(key not in row.said for row in figure.rows)), None
+    )
     if lacking is not None:
         yield Fault(
-            place,
+            path,
             f"{lacking.law.catalogue} has no column `{key}`",
             "every catalogue states it",
             at_key=True,
         )
     elif key == "cost" and not listed:
         yield Fault(
-            place, "no catalogue states a cost", "a catalogue with a column `cost`", at_key=True
+            path, "no catalogue states a cost", "a catalogue with a column `cost`", at_key=True
         )
 
 
-def _subject(words: str, place: tuple[str | int, ...]) -> Subject:
-    found = MODE.fullmatch(words)
-    if found is None and words not in ("mass", "cost"):
+def _subject(words: str, path: tuple[str | int, ...]) -> Subject:
+    mode = MODE.fullmatch(words)
+    if mode is None and words not in ("mass", "cost"):
         raise refuse(
             f"`{words}` is none of {SUBJECTS}",
             "modes are counted from 1, the lowest elastic one",
-            place,
+            path,
         )
-    return Subject(words, int(found[1]) if found else 0)
+    return Subject(words, int(mode[1]) if mode else 0)
 
 
-def _read(value: object, subject: Subject, place: tuple[str | int, ...]) -> float:
+def _read(value: object, subject: Subject, path: tuple[str | int, ...]) -> float:
     try:
         return Quantity(subject.unit, above=0).read(value)
     except PydanticCustomError as error:
-        said = error.context or {}
-        raise refuse(str(said.get("message", error)), str(said.get("hint", "")), place) from None
+        context = error.context or {}
+        raise refuse(
+            str(context.get("message", error)), str(context.get("hint", "")), path
+        ) from None
 
 
-def _kept(words: str, condition: Condition, place: tuple[str | int, ...]) -> Kept:
-    subject = _subject(words, place)
+def _kept(words: str, condition: Condition, path: tuple[str | int, ...]) -> Kept:
+    subject = _subject(words, path)
     if condition.outside is not None:
         if condition.below is not None or condition.above is not None:
             raise refuse(
-                "`outside` excludes `below` and `above`", "leave one out", (*place, "outside")
+                "`outside` excludes `below` and `above`", "leave one out", (*path, "outside")
             )
         pair = condition.outside
         if not isinstance(pair, list | tuple) or len(pair) != 2:
             raise refuse(
-                f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", (*place, "outside")
+                f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", (*path, "outside")
             )
-        low, high = (_read(value, subject, (*place, "outside", k)) for k, value in enumerate(pair))
-        said = f"outside {pair[0]} to {pair[1]}"
+        low, high = (_read(value, subject, (*path, "outside", k)) for k, value in enumerate(pair))
+        limits = f"outside {pair[0]} to {pair[1]}"
     else:
-        low = 0.0 if condition.above is None else _read(condition.above, subject, (*place, "above"))
+        low = 0.0 if condition.above is None else _read(condition.above, subject, (*path, "above"))
         high = (
             math.inf
             if condition.below is None
-            else _read(condition.below, subject, (*place, "below"))
+            else _read(condition.below, subject, (*path, "below"))
         )
         ends = [
             f"{name} {end}"
             for name, end in (("above", condition.above), ("below", condition.below))
             if end is not None
         ]
-        said = " and ".join(ends)
-    if not said:
-        raise refuse(f"nothing says what `{words}` keeps", "`outside`, `below` or `above`", place)
+        limits = " and ".join(ends)
+    if not limits:
+        raise refuse(f"nothing says what `{words}` keeps", "`outside`, `below` or `above`", path)
     if low >= high:
         raise refuse(
-            f"the lower end of `{words}` is not below the upper one", "exchange them", place
+            f"the lower end of `{words}` is not below the upper one", "exchange them", path
         )
-    return Kept(subject, low, high, condition.outside is not None, f"{words} {said}")
+    return Kept(subject, low, high, condition.outside is not None, f"{words} {limits}")

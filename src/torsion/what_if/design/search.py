@@ -35,7 +35,7 @@ def search(candidates: Candidates) -> str:
             tops = _tops(scores)
             steps = [float(axis[1] - axis[0]) if len(axis) > 1 else 0.0 for axis in axes]
             for top in tops:
-                start = [float(axis[place]) for axis, place in zip(axes, top, strict=True)]
+                start = [float(axis[position]) for axis, position in zip(axes, top, strict=True)]
                 _refine(candidates, start, steps, (limit - len(values)) // len(tops))
             sizes = " by ".join(str(len(axis)) for axis in axes)
             return f"{sizes} values, the best {len(tops)} refined"
@@ -46,8 +46,8 @@ def _axes(figures: Sequence[Any], limit: int) -> list[FloatArray]:
     """Return values of one figure or two: all of a list, else as many of a range as the limit leaves."""
     listed = math.prod(figure.places or 1 for figure in figures)
     ranges = sum(not figure.places for figure in figures)
-    most = CURVE if len(figures) == 1 else MAP
-    side = max(min(most, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
+    values = CURVE if len(figures) == 1 else MAP
+    side = max(min(values, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
     return [
         figure.every()
         if figure.places
@@ -64,17 +64,17 @@ def _tops(scores: FloatArray) -> list[tuple[int, ...]]:
     """Return the places of the best maxima of a curve or a map, none beside another."""
     tops = list[tuple[int, ...]]()
     for flat in np.argsort(-scores, axis=None, kind="stable").tolist():
-        place = tuple(int(k) for k in np.unravel_index(flat, scores.shape))
-        around = scores[tuple(slice(max(k - 1, 0), k + 2) for k in place)]
-        if scores[place] >= around.max():
-            tops.append(place)
+        position = tuple(int(k) for k in np.unravel_index(flat, scores.shape))
+        around = scores[tuple(slice(max(k - 1, 0), k + 2) for k in position)]
+        if scores[position] >= around.max():
+            tops.append(position)
         if len(tops) == VALLEYS:
             break
     return tops
 
 
 def _refine(
-    candidates: Candidates, start: Sequence[float], steps: Sequence[float], most: int
+    candidates: Candidates, start: Sequence[float], steps: Sequence[float], evaluations: int
 ) -> None:
     """Try `most` values, or a few, of the ranges around a candidate until none is better, those of lists as they are."""
     from scipy.optimize import minimize, minimize_scalar
@@ -94,7 +94,7 @@ def _refine(
     around = np.array(steps)[ranges] / (high - low)
     lowest, highest = np.maximum(middle - around, 0.0), np.minimum(middle + around, 1.0)
     if len(ranges) == 1:
-        options: Any = {"xatol": REFINED, "maxiter": max(min(STEPS, most), FEW)}
+        options: Any = {"xatol": REFINED, "maxiter": max(min(STEPS, evaluations), FEW)}
         ends = (lowest[0], highest[0])
         minimize_scalar(cost, bounds=ends, method="bounded", options=options)
         return
@@ -105,7 +105,7 @@ def _refine(
         "initial_simplex": simplex,
         "xatol": REFINED,
         "fatol": 1e-9,
-        "maxfev": max(min(SIMPLEX * len(ranges), most), FEW),
+        "maxfev": max(min(SIMPLEX * len(ranges), evaluations), FEW),
     }
     bounds = [(0.0, 1.0)] * len(ranges)
     minimize(cost, middle, method="Nelder-Mead", bounds=bounds, options=options)
@@ -150,10 +150,10 @@ def _evolve(candidates: Candidates) -> str:
 
     # All values of every list that is not too long, all else as in the best candidate.
     best = candidates.best[0].values
-    for place, values in enumerate(lists):
+    for position, values in enumerate(lists):
         if values is not None and len(values) <= max(limit // 5, 10):
             rows = np.tile(best, (len(values), 1))
-            rows[:, place] = values
+            rows[:, position] = values
             candidates.scores(rows)
 
     # The best candidates with different values of the lists.

@@ -106,7 +106,9 @@ class ClosedForms:
         """Return damping to ground, force, twist and twist of chords for one curve, at all speeds or figures."""
         size, extra = self.system.condensed.tree.size, len(self.system.condensed.extra)
         order = self.curves[curve].order
-        line = next(k for k, one in enumerate(self.excitations) if one.line.order == order)
+        line = next(
+            k for k, excitation in enumerate(self.excitations) if excitation.line.order == order
+        )
         begin = size + line * (2 * size + extra)
         force, twist, loop_twist = np.split(
             rows[begin : begin + 2 * size + extra], [size, 2 * size]
@@ -194,7 +196,7 @@ class Evaluated:
 
     @cached_property
     def acting(self) -> Numbers:
-        """(rows, speeds) of `ClosedForms.acting`."""
+        """What acts on the tree at these parameters, (rows, speeds)."""
         return self.forms.acting(self.study, self.system)
 
     @cached_property
@@ -283,19 +285,26 @@ class Evaluated:
         response, given, acting = self._response(curve)
         target, w, chords = self.forms.targets[curve], given.pop("w"), given.pop("chords")
         position = {"span" if target.is_torque else "station": target.position}
-        by = response_sensitivity(self.tree, w, response, chords=chords, **position, **given)
+        derivatives = response_sensitivity(
+            self.tree, w, response, chords=chords, **position, **given
+        )
         condensed, slopes = self.system.condensed, self.slopes
-        own = (condensed.tree.flexibility, condensed.viscous, condensed.loss_factor)
+        elements = (condensed.tree.flexibility, condensed.viscous, condensed.loss_factor)
         own_slopes = (slopes.flexibility, slopes.viscous, slopes.loss_factor)
-        total = (by.inertia * self.tree.moving_inertia[:, None]).T @ slopes.inertia
-        total = total + _compliance_terms(by.compliance, w, own, own_slopes)
-        total += _compliance_terms(by.chord, w, self.chords, tuple(slopes.closing))
+        total = (derivatives.inertia * self.tree.moving_inertia[:, None]).T @ slopes.inertia
+        total = total + _compliance_terms(derivatives.compliance, w, elements, own_slopes)
+        total += _compliance_terms(derivatives.chord, w, self.chords, tuple(slopes.closing))
 
         # What acts, and what damps to ground, have slopes of their own at every speed.
         speeds = np.searchsorted(self.forms.speed, self.forms.curves[curve].speed)
         for figure, by_row in enumerate(self.acting_slopes[..., speeds]):
             for derivative, rows, row_slopes in zip(
-                (by.ground_damping, by.force, by.twist, by.chord_twist),
+                (
+                    derivatives.ground_damping,
+                    derivatives.force,
+                    derivatives.twist,
+                    derivatives.chord_twist,
+                ),
                 acting,
                 self.forms.blocks(by_row, curve),
                 strict=True,
@@ -329,13 +338,16 @@ class Evaluated:
 
 
 def _compliance_terms(
-    by: ComplexArray, w: FloatArray, own: Sequence[FloatArray], slopes: Sequence[Numbers]
+    derivative: ComplexArray,
+    w: FloatArray,
+    elements: Sequence[FloatArray],
+    slopes: Sequence[Numbers],
 ) -> ComplexArray:
     """Return the sum (points, figures) over spans of flexibility, damper and loss factor `own`; none of rigid spans.
 
     by: slopes (spans, points) by the complex compliance; slopes: (spans, figures) of the logarithms of `own`.
     """
-    flexibility, viscous, loss = own
+    flexibility, viscous, loss = elements
     moves = (flexibility > 0.0)[:, None]
     stiffness = 1.0 / np.where(flexibility > 0.0, flexibility, 1.0)
     by_stiffness, by_loss, by_viscous = compliance_slopes(
@@ -344,6 +356,7 @@ def _compliance_terms(
     terms = -by_stiffness, by_viscous * viscous[:, None], by_loss * loss[:, None]
     return np.asarray(
         sum(
-            np.where(moves, by * term, 0.0).T @ row for term, row in zip(terms, slopes, strict=True)
+            np.where(moves, derivative * term, 0.0).T @ row
+            for term, row in zip(terms, slopes, strict=True)
         )
     )

@@ -21,16 +21,20 @@ def fit_faults(study: Study) -> list[Fault]:
     if not isinstance(settings, FitSettings):
         return []
     faults: list[Fault] = []
-    for place, one in enumerate(settings.measured):
-        faults += _measurement_faults(study, one, (*FIT, "measured", place))
-    frequencies = [one for one in settings.measured if one.frequency is not None]
+    for position, measurement in enumerate(settings.measured):
+        faults += _measurement_faults(study, measurement, (*FIT, "measured", position))
+    frequencies = [
+        measurement for measurement in settings.measured if measurement.frequency is not None
+    ]
     points = sum(
-        len(one.torsiogram or ())
-        * (2 if one.torsiogram and one.torsiogram[0].phase is not None else 1)
-        for one in settings.measured
+        len(measurement.torsiogram or ())
+        * (2 if measurement.torsiogram and measurement.torsiogram[0].phase is not None else 1)
+        for measurement in settings.measured
     )
     count = len(frequencies) + points
-    if len(settings.vary) > count and not any(one.signal for one in settings.measured):
+    if len(settings.vary) > count and not any(
+        measurement.signal for measurement in settings.measured
+    ):
         message = f"{len(settings.vary)} parameters vary, and {count} value{'s were' if count != 1 else ' was'} measured"
         faults.append(
             Fault((*FIT, "vary"), message, "vary fewer, or give more measurements", at_key=True)
@@ -38,8 +42,8 @@ def fit_faults(study: Study) -> list[Fault]:
     return faults
 
 
-def _measurement_faults(study: Study, one: Measured, path: Path) -> list[Fault]:
-    if one.frequency is not None:
+def _measurement_faults(study: Study, measurement: Measured, path: Path) -> list[Fault]:
+    if measurement.frequency is not None:
         return []
     speeds, faults = study.operation.speeds, list[Fault]()
     if speeds is None:
@@ -47,41 +51,41 @@ def _measurement_faults(study: Study, one: Measured, path: Path) -> list[Fault]:
         return [
             Fault(path, "a measurement over speed needs the speeds at which the train runs", hint)
         ]
-    there = excited_orders(study.train)
+    excited = excited_orders(study.train)
     steps: list[tuple[Fraction, Path]] = [
-        (order, ("orders", k)) for k, order in enumerate(one.orders)
+        (order, ("orders", k)) for k, order in enumerate(measurement.orders)
     ]
-    steps += [(one.order, ("order",))] if one.order is not None else []
-    hint = f"there are {', '.join(map(str, there))}, per revolution of the reference"
+    steps += [(measurement.order, ("order",))] if measurement.order is not None else []
+    hint = f"there are {', '.join(map(str, excited))}, per revolution of the reference"
     for order, step in steps:
-        if order not in there:
+        if order not in excited:
             faults.append(
                 Fault(
                     (*path, *step),
                     f"no excitation has order {order}",
-                    hint if there else "nothing excites by order",
+                    hint if excited else "nothing excites by order",
                 )
             )
-    for place, row in enumerate(one.torsiogram or ()):
+    for row_number, row in enumerate(measurement.torsiogram or ()):
         if not speeds.first * (1 - ROUNDING) <= row.speed <= speeds.last * (1 + ROUNDING):
             ends = " to ".join(f"{end * RPM:.6g}" for end in (speeds.first, speeds.last))
             words = f"{row.speed * RPM:.6g} rpm lies outside the speeds {ends} rpm"
             faults.append(
-                Fault((*path, "torsiogram", place, "speed"), words, "widen `operation.speeds`")
+                Fault((*path, "torsiogram", row_number, "speed"), words, "widen `operation.speeds`")
             )
             break
-    faults += _place_faults(study, one, (*path, "at"))
-    if one.signal is not None and not faults:
-        faults += signal_faults(study, one, path)
+    faults += _place_faults(study, measurement, (*path, "at"))
+    if measurement.signal is not None and not faults:
+        faults += signal_faults(study, measurement, path)
     return faults
 
 
-def _place_faults(study: Study, one: Measured, path: Path) -> list[Fault]:
+def _place_faults(study: Study, measurement: Measured, path: Path) -> list[Fault]:
     """A torque is that of an elastic component, all else that of a point."""
-    known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
-    name = one.at or ""
-    if one.quantity == "torque":
-        if (fault := name_fault(name, path, known, point=False)) is not None:
+    components = {part.name: (part.kind, part.is_point) for part in study.train.parts}
+    name = measurement.at or ""
+    if measurement.quantity == "torque":
+        if (fault := name_fault(name, path, components, point=False)) is not None:
             return [fault]
         if not torque_spans(study, name):
             elastic = [part.name for part in study.train.parts if torque_spans(study, part.name)]
@@ -101,7 +105,8 @@ def _place_faults(study: Study, one: Measured, path: Path) -> list[Fault]:
         return []
     hint = f"one of the points {listed(names)}"
     return [
-        name_fault(name, path, known) or Fault(path, f"'{name}' is not one point that turns", hint)
+        name_fault(name, path, components)
+        or Fault(path, f"'{name}' is not one point that turns", hint)
     ]
 
 

@@ -35,7 +35,7 @@ class FittedFigure:
 
 @reported
 class FittedMode:
-    """A measured natural frequency."""
+    """A measured natural frequency with the mode that it is paired with."""
 
     mode: int = result("", (), "with which it is paired, from 1")
     is_given: bool = result(
@@ -166,4 +166,4 @@ class Fit:
     @property
     def fails(self) -> bool:
         """Measurement and model contradict each other."""
-        return self.is_wrong or any(one.is_outside for one in self.modes)
+        return self.is_wrong or any(mode.is_outside for mode in self.modes)

@@ -64,9 +64,9 @@ class Problem:
         self.train, self.settings, self.progress, self.steps = train, settings, progress, 0
         self.deviation = np.array([figure.law.lognormal for figure in train.variation.figures])
         self.pairs = paired(train, self.deviation, settings.measured)
-        frequencies = [settings.measured[place] for place in self.pairs.place]
-        measured = [np.log([one.frequency or 1.0]) for one in frequencies]
-        within = [np.array([one.within]) for one in frequencies]
+        frequencies = [settings.measured[position] for position in self.pairs.place]
+        measured = [np.log([measurement.frequency or 1.0]) for measurement in frequencies]
+        within = [np.array([measurement.within]) for measurement in frequencies]
         for curve in train.curves:
             logs = np.log(curve.amplitude)
             measured += [logs.real, logs.imag] if curve.has_phase else [logs.real]
@@ -90,9 +90,10 @@ class Problem:
         return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
 
     def residual(self, values: FloatArray) -> FloatArray:
-        """Return (measurements,) of figures (figures,)."""
+        """Return the residuals (measurements,) of figures (figures,), each in its deviation."""
         logs = self.train.logarithms(self.factors(values), self.pairs.number)
-        return self.train.wrapped(logs - self.measured, len(self.pairs.number)) / self.sigma
+        difference = self.train.wrapped(logs - self.measured, len(self.pairs.number))
+        return np.asarray(difference / self.sigma)
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
         """Yield figures (figures,) as near as can be at which a measured mode and a neighbour swap, by slopes."""
@@ -109,7 +110,7 @@ class Problem:
                 yield start
 
     def jacobian(self, values: FloatArray) -> FloatArray:
-        """Return (measurements, figures)."""
+        """Return the derivatives of the residuals (measurements, figures)."""
         self.steps += 1
         usual = USUAL_STEPS * (1 + 2 * len(values))
         self.progress(f"fit to measurements, step {self.steps}", min(self.steps / usual, 0.99))
@@ -148,34 +149,37 @@ def _figures(
 ) -> Iterator[FittedFigure]:
     variation, factors = problem.train.variation, problem.factors(best.values)
     lower, upper = (problem.factors(end) for end in best.interval(NINETY_FIVE))
-    for place, figure in enumerate(variation.figures):
-        prior, deviation = float(problem.deviation[place]), float(deviations[place])
+    for position, figure in enumerate(variation.figures):
+        prior, deviation = float(problem.deviation[position]), float(deviations[position])
         yield FittedFigure(
             figure.name,
-            *variation.stated(place, values[place]),
-            factors[place],
+            *variation.stated(position, values[position]),
+            factors[position],
             prior,
             deviation * prior,
-            lower[place],
-            upper[place],
-            float(best.values[place]),
+            lower[position],
+            upper[position],
+            float(best.values[position]),
             max(1.0 - deviation**2, 0.0),
         )
 
 
 def _others(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
     variation = problem.train.variation
-    for other in best.others:
-        factors = np.array(problem.factors(other.values))
+    for minimum in best.others:
+        factors = np.array(problem.factors(minimum.values))
         words = listed(
             [
-                f"{figure.name} {variation.stated(place, float(f'{factor:.{SHOWN}g}'))[1]}"
-                for place, (figure, factor) in enumerate(
+                f"{figure.name} {variation.stated(position, float(f'{factor:.{SHOWN}g}'))[1]}"
+                for position, (figure, factor) in enumerate(
                     zip(variation.figures, factors, strict=True)
                 )
             ]
         )
-        chi2, prior = float(np.square(other.residual).sum()), float(np.square(other.values).sum())
+        chi2, prior = (
+            float(np.square(minimum.residual).sum()),
+            float(np.square(minimum.values).sum()),
+        )
         yield OtherFit(factors, chi2, prior, words)
 
 
@@ -186,8 +190,8 @@ def _modes(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[
     before, after = (
         problem.train.modes(factors).frequency for factors in ([1.0] * len(values), values)
     )
-    for row, (place, number) in enumerate(zip(pairs.place, pairs.number, strict=True)):
-        measured = problem.settings.measured[place]
+    for row, (position, number) in enumerate(zip(pairs.place, pairs.number, strict=True)):
+        measured = problem.settings.measured[position]
         lower, upper = float(pairs.lower[row]), float(pairs.upper[row])
         hertz, slack = measured.frequency or 0.0, np.exp(OUTSIDE * measured.within)
         yield FittedMode(
@@ -258,10 +262,10 @@ def _warnings(fit: Fit, fitted_values: Fitted) -> Iterator[str]:
             "do not hold."
         )
     if fit.others:
-        other, count = fit.others[0], len(fit.others) - 1
-        greater = other.chi2 + other.prior_chi2 - fit.chi2 - fit.prior_chi2
+        nearest, count = fit.others[0], len(fit.others) - 1
+        greater = nearest.chi2 + nearest.prior_chi2 - fit.chi2 - fit.prior_chi2
         yield (
-            f"Other values agree nearly as well: {other.words} (sum of squares greater by "
+            f"Other values agree nearly as well: {nearest.words} (sum of squares greater by "
             f"{max(greater, 0.0):.2g}){f', and {count} more' if count else ''}. The measurements do not decide between "
             "them; intervals, deviations and what is known reach over all of them."
         )

@@ -26,7 +26,7 @@ Phase = Annotated[float, fields.Quantity("rad")]
 
 
 class Reading(Declared):
-    """A row of a torsiogram."""
+    """One speed of a torsiogram with its amplitude and phase."""
 
     speed: fields.Speed = required("of the component `at` of `operation`")
     amplitude: Any = required(
@@ -45,7 +45,7 @@ Rows = Annotated[tuple[Reading, ...], BeforeValidator(_rows, str | tuple[Reading
 
 
 class Measured(Declared):
-    """One measurement."""
+    """A measured frequency, torsiogram or signal with its standard deviation."""
 
     frequency: fields.Frequency | None = given("a measured natural frequency")
     mode: Annotated[int, Field(ge=1)] | None = given(
@@ -73,25 +73,25 @@ class Measured(Declared):
 
     def refuse_clashes(self) -> None:
         """One sort, with its own keys."""
-        there = [
+        given_keys = [
             key
             for key in type(self).model_fields
             if key in self.model_fields_set and key != "within"
         ]
-        sorts = [key for key in SORTS if key in there]
+        sorts = [key for key in SORTS if key in given_keys]
         if len(sorts) != 1:
-            found = (
+            message = (
                 f"{' and '.join(sorts)} are two measurements" if sorts else "nothing is measured"
             )
-            raise refuse(found, f"one of {', '.join(SORTS)}", sorts[1] if sorts else "")
-        own, needed = SORTS[sorts[0]]
-        if wrong := next((key for key in there if key not in (*own, sorts[0])), None):
+            raise refuse(message, f"one of {', '.join(SORTS)}", sorts[1] if sorts else "")
+        permitted, needed = SORTS[sorts[0]]
+        if wrong := next((key for key in given_keys if key not in (*permitted, sorts[0])), None):
             raise refuse(
                 f"`{wrong}` does not go with `{sorts[0]}`",
-                f"with it go {', '.join(own)}, within",
+                f"with it go {', '.join(permitted)}, within",
                 wrong,
             )
-        if lacking := next((key for key in needed if key not in there), None):
+        if lacking := next((key for key in needed if key not in given_keys), None):
             raise refuse(
                 f"`{lacking}` is missing", type(self).model_fields[lacking].description or ""
             )
@@ -112,12 +112,12 @@ class Measured(Declared):
                 "speed and amplitude of at least one speed",
                 "torsiogram",
             )
-        for place, row in enumerate(rows):
+        for row_number, row in enumerate(rows):
             try:
                 self.amplitude(row)
             except ValueError as error:
                 context = getattr(error, "context", None) or {}
-                key = ("torsiogram", place, "amplitude")
+                key = ("torsiogram", row_number, "amplitude")
                 raise refuse(
                     f"{self.quantity}: {context['message']}", context["hint"], key
                 ) from None
@@ -125,12 +125,12 @@ class Measured(Declared):
                 raise refuse(
                     "some rows have a phase and some have none",
                     "all of them, or none",
-                    ("torsiogram", place),
+                    ("torsiogram", row_number),
                 )
-        for place, (before, row) in enumerate(pairwise(rows), start=1):
+        for row_number, (before, row) in enumerate(pairwise(rows), start=1):
             if row.speed <= before.speed:
                 hint = "a row for each speed, the lowest first"
-                raise refuse("the speed does not rise", hint, ("torsiogram", place, "speed"))
+                raise refuse("the speed does not rise", hint, ("torsiogram", row_number, "speed"))
 
     def amplitude(self, row: Reading) -> float:
         """In SI of its quantity; raises what `refuse` makes where it is none."""
@@ -138,12 +138,12 @@ class Measured(Declared):
 
     @property
     def own_orders(self) -> tuple[Fraction, ...]:
-        """Those that it is of."""
+        """The orders of a torsiogram or a signal."""
         return (self.order,) if self.order is not None else self.orders
 
 
 class FitSettings(Declared):
-    """Settings of `fit`."""
+    """What the file states of `fit`: parameters that vary, and measurements."""
 
     vary: dict[str, Width] = required(
         "figures by `component.key`, each with its standard deviation (of the logarithm) as known beforehand: 20 %"
@@ -159,25 +159,31 @@ class FitSettings(Declared):
             if not getattr(self, key):
                 raise refuse(f"`{key}` is empty", f"for example {example}", key)
         seen: dict[int, int] = {}
-        for place, one in enumerate(self.measured):
-            if one.mode is not None and seen.setdefault(one.mode, place) != place:
+        for position, measurement in enumerate(self.measured):
+            if (
+                measurement.mode is not None
+                and seen.setdefault(measurement.mode, position) != position
+            ):
                 raise refuse(
-                    f"mode {one.mode} is measured twice",
+                    f"mode {measurement.mode} is measured twice",
                     "one frequency a mode",
-                    ("measured", place, "mode"),
+                    ("measured", position, "mode"),
                 )
-        for (lower, before), (mode, place) in pairwise(sorted(seen.items())):
-            low, high = (self.measured[at].frequency or 0.0 for at in (before, place))
+        for (lower, before), (mode, position) in pairwise(sorted(seen.items())):
+            low, high = (
+                self.measured[position_of_mode].frequency or 0.0
+                for position_of_mode in (before, position)
+            )
             if high < low:
                 message = (
                     f"mode {mode} is measured at {high:.6g} Hz, below mode {lower} at {low:.6g} Hz"
                 )
                 hint = "modes are numbered as their frequencies rise: exchange the numbers"
-                raise refuse(message, hint, ("measured", place, "mode"))
+                raise refuse(message, hint, ("measured", position, "mode"))
 
     @property
     def together(self) -> tuple[tuple[str, ...], ...]:
-        """No figures vary as one."""
+        """Names of parameters that vary as one: none in a fit."""
         return ()
 
     @property

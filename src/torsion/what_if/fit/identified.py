@@ -15,13 +15,13 @@ EXAMPLE = 1.0  # %, by which the first figure of a combination changes
 
 
 def directions(
-    known: Identified, names: Sequence[str], deviation: FloatArray
+    identity: Identified, names: Sequence[str], deviation: FloatArray
 ) -> tuple[Direction, ...]:
     """Of every singular value its combination; deviation: (figures,) of the logarithms beforehand."""
     return tuple(
         Direction(float(singular), bool(unseen), combination(row * deviation, names))
         for singular, unseen, row in zip(
-            known.singular, known.unseen, known.directions, strict=True
+            identity.singular, identity.unseen, identity.directions, strict=True
         )
     )
 
@@ -41,19 +41,19 @@ def combination(change: FloatArray, names: Sequence[str]) -> str:
         return f"{names[named[0]]} alone"
     if all(abs(parts[k] - 1.0) < ALIKE for k in named):
         return f"{listed([names[k] for k in sorted(named)])} by a common factor"
-    first, *rest = (f"{names[k]} by {EXAMPLE * parts[k]:+.2g} %" for k in named)
-    return f"{first} with {listed(rest)}"
+    first, *further = (f"{names[k]} by {EXAMPLE * parts[k]:+.2g} %" for k in named)
+    return f"{first} with {listed(further)}"
 
 
-def unidentified(each: Sequence[Direction], *, only_frequencies: bool) -> list[str]:
+def unidentified(combinations: Sequence[Direction], *, only_frequencies: bool) -> list[str]:
     """What cannot be known, as sentences."""
-    found = []
-    for one in each:
-        if one.is_unidentified:
-            words = f"No measurement identifies {one.words}: changed so, every measured value stays as it is"
-            if only_frequencies and "common factor" in one.words:
+    sentences = []
+    for direction in combinations:
+        if direction.is_unidentified:
+            words = f"No measurement identifies {direction.words}: changed so, every measured value stays as it is"
+            if only_frequencies and "common factor" in direction.words:
                 words += (
                     " (frequencies never identify the common scale of stiffnesses and inertias)"
                 )
-            found.append(f"{words}. Its values are the prior values of the file.")
-    return found
+            sentences.append(f"{words}. Its values are the prior values of the file.")
+    return sentences

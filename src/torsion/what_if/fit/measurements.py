@@ -36,7 +36,7 @@ PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time", most
 
 @dataclass(frozen=True)
 class Curve:
-    """Measured amplitudes of one order."""
+    """Amplitudes of one order over speed, as they were measured."""
 
     at: str
     order: Fraction  # per revolution of the reference
@@ -58,27 +58,27 @@ class Curve:
 
 
 def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:
-    """All amplitudes over speed."""
-    found = list[Curve]()
-    for place, one in enumerate(measured):
-        path = (*FIT, "measured", place)
-        if one.torsiogram is not None:
-            found.append(_of_torsiogram(study, one, path))
-        elif one.signal is not None:
-            found += _of_signal(study, one, path)
-    return tuple(found)
+    """Return all amplitudes over speed, of torsiograms and of signals."""
+    curves_found = list[Curve]()
+    for position, measurement in enumerate(measured):
+        path = (*FIT, "measured", position)
+        if measurement.torsiogram is not None:
+            curves_found.append(_of_torsiogram(study, measurement, path))
+        elif measurement.signal is not None:
+            curves_found += _of_signal(study, measurement, path)
+    return tuple(curves_found)
 
 
-def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
-    rows = one.torsiogram or ()
-    amplitude = np.array([one.amplitude(row) for row in rows])
+def _of_torsiogram(study: Study, measurement: Measured, path: Path) -> Curve:
+    rows = measurement.torsiogram or ()
+    amplitude = np.array([measurement.amplitude(row) for row in rows])
     phases = [row.phase for row in rows]
     phase = np.array([0.0 if value is None else value for value in phases])
     return Curve(
-        one.at or "",
-        one.order or Fraction(1),
-        one.quantity or "",
-        one.within,
+        measurement.at or "",
+        measurement.order or Fraction(1),
+        measurement.quantity or "",
+        measurement.within,
         np.array([row.speed for row in rows]),
         amplitude * np.exp(1j * phase),
         phases[0] is not None,
@@ -87,21 +87,21 @@ def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
     )
 
 
-def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
+def _of_signal(study: Study, measurement: Measured, path: Path) -> Iterator[Curve]:
     """A curve for each order, of the windows within the speed range in which it stands out."""
-    ratio = next(float(station.ratio) for station in study.train.stations if station.name == one.at)
-    tracked = _tracked(study, one, path, ratio)
+    ratio = next(
+        float(station.ratio) for station in study.train.stations if station.name == measurement.at
+    )
+    tracked = _tracked(study, measurement, path, ratio)
     speeds, reference = study.operation.speeds, tracked.speed / ratio
     inside = np.ones(len(reference), dtype=bool)
     if speeds is not None:
         inside = (reference >= speeds.first) & (reference <= speeds.last)
     if not inside.any():
-        least, most = (end * 30.0 / np.pi for end in (reference.min(), reference.max()))
-        message = (
-            f"the signal runs from {least:.6g} to {most:.6g} rpm, outside the speeds of `operation`"
-        )
+        slowest, fastest = (end * 30.0 / np.pi for end in (reference.min(), reference.max()))
+        message = f"the signal runs from {slowest:.6g} to {fastest:.6g} rpm, outside the speeds of `operation`"
         raise InputError([Fault((*path, "signal"), message, "widen `operation.speeds`")])
-    for k, order in enumerate(one.orders):
+    for k, order in enumerate(measurement.orders):
         angle, error = tracked.angle[:, k], tracked.error[:, k]
         used = np.flatnonzero(inside & (np.abs(angle) >= SEEN * error))
         if not used.size:
@@ -110,100 +110,105 @@ def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
             raise InputError([Fault((*path, "orders"), message, hint)])
         used = used[np.argsort(reference[used], kind="stable")]
         yield Curve(
-            one.at or "",
+            measurement.at or "",
             order,
             "angle",
-            one.within,
+            measurement.within,
             reference[used],
             angle[used],
             False,
-            one.signal or "",
+            measurement.signal or "",
             error[used] / np.abs(angle[used]),
             len(reference) - len(used),
         )
 
 
-def signal_faults(study: Study, one: Measured, path: Path) -> tuple[Fault, ...]:
+def signal_faults(study: Study, measurement: Measured, path: Path) -> tuple[Fault, ...]:
     """What is wrong with a signal, where its file is read."""
     try:
-        tuple(_of_signal(study, one, path))
+        tuple(_of_signal(study, measurement, path))
     except InputError as error:
         return error.faults
     return ()
 
 
-def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked":
+def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "Tracked":
     """Orders of a signal; raises InputError located at its name."""
     from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
 
-    own, place = np.array([float(order) for order in one.orders]) / ratio, (*path, "signal")
-    file = FilePath(study.file).parent / (one.signal or "")
+    shaft_orders, signal_path = (
+        np.array([float(order) for order in measurement.orders]) / ratio,
+        (*path, "signal"),
+    )
+    file = FilePath(study.file).parent / (measurement.signal or "")
     try:
-        values = np.array(pairs(file, PULSES if one.pulses else TIME_AND_SPEED)).T
+        values = np.array(pairs(file, PULSES if measurement.pulses else TIME_AND_SPEED)).T
     except ValueError as error:
-        raise InputError([Fault(place, *error.args)]) from None
+        raise InputError([Fault(signal_path, *error.args)]) from None
     time = values[0]
-    if one.pulses is None and (values[1] <= 0.0).any():
+    if measurement.pulses is None and (values[1] <= 0.0).any():
         hint = "cut the signal to where the shaft turns, in its positive sense"
-        raise InputError([Fault(place, "the speed is not above 0 throughout", hint)])
-    if one.pulses and (wrong := uneven(time)) is not None:
+        raise InputError([Fault(signal_path, "the speed is not above 0 throughout", hint)])
+    if measurement.pulses and (wrong := uneven(time)) is not None:
         message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
         raise InputError(
-            [Fault(place, message, "even marks, each once a revolution: mend the file")]
+            [Fault(signal_path, message, "even marks, each once a revolution: mend the file")]
         )
     steps = np.diff(time)
     gap = int(steps.argmax())
-    if one.pulses is None and steps[gap] > GAP * np.median(steps):
+    if measurement.pulses is None and steps[gap] > GAP * np.median(steps):
         message = f"after {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
-        raise InputError([Fault(place, message, "a signal without gaps: cut it there")])
-    _refuse_orders(one, own, path)
-    highest = one.pulses or _samples(time, values[1])
-    if (own >= highest / 2.0).any():
-        worst = one.orders[int(np.argmax(own))]
-        needed = f"order {worst} needs more than {2.0 * own.max():.6g} samples a revolution"
+        raise InputError([Fault(signal_path, message, "a signal without gaps: cut it there")])
+    _refuse_orders(measurement, shaft_orders, path)
+    highest = measurement.pulses or _samples(time, values[1])
+    if (shaft_orders >= highest / 2.0).any():
+        worst = measurement.orders[int(np.argmax(shaft_orders))]
+        needed = (
+            f"order {worst} needs more than {2.0 * shaft_orders.max():.6g} samples a revolution"
+        )
         message = f"{needed}, and there are {highest:.6g}"
         raise InputError([Fault((*path, "orders"), message, "leave it out")])
     try:
-        found = (
-            of_pulses(time, one.pulses, own, one.revolutions)
-            if one.pulses
-            else of_speeds(time, values[1], own, one.revolutions)
+        tracked = (
+            of_pulses(time, measurement.pulses, shaft_orders, measurement.revolutions)
+            if measurement.pulses
+            else of_speeds(time, values[1], shaft_orders, measurement.revolutions)
         )
     except ValueError as error:
         raise InputError(
-            [Fault(place, str(error), "more samples, or a longer window: `revolutions`")]
+            [Fault(signal_path, str(error), "more samples, or a longer window: `revolutions`")]
         ) from None
-    if not found.speed.size:
-        message = f"the signal is shorter than a window of {one.revolutions} revolutions"
-        raise InputError([Fault(place, message, "a lower `revolutions`")])
-    return found
+    if not tracked.speed.size:
+        message = f"the signal is shorter than a window of {measurement.revolutions} revolutions"
+        raise InputError([Fault(signal_path, message, "a lower `revolutions`")])
+    return tracked
 
 
-def _refuse_orders(one: Measured, own: FloatArray, path: Path) -> None:
+def _refuse_orders(measurement: Measured, shaft_orders: FloatArray, path: Path) -> None:
     """Orders that a window is too short for; own: (orders,) per revolution of the shaft."""
-    ascending = np.argsort(own)
-    least, gaps = float(own.min()), np.diff(own[ascending])
+    ascending = np.argsort(shaft_orders)
+    lowest, gaps = float(shaft_orders.min()), np.diff(shaft_orders[ascending])
     slow, close = (
-        least * one.revolutions < LEAST_CYCLES,
-        bool((gaps * one.revolutions < APART).any()),
+        lowest * measurement.revolutions < LEAST_CYCLES,
+        bool((gaps * measurement.revolutions < APART).any()),
     )
     if not slow and not close:
         return
-    cycles, needed = (least, LEAST_CYCLES) if slow else (float(gaps.min()), APART)
-    words = f"order {one.orders[ascending[0]]} has"
+    cycles, needed = (lowest, LEAST_CYCLES) if slow else (float(gaps.min()), APART)
+    words = f"order {measurement.orders[ascending[0]]} has"
     if not slow:
-        first, second = (one.orders[k] for k in ascending[gaps.argmin() :][:2])
+        first, second = (measurement.orders[k] for k in ascending[gaps.argmin() :][:2])
         words = f"orders {first} and {second} differ by"
-    message = f"{words} {cycles * one.revolutions:.3g} cycles in a window of {one.revolutions} revolutions"
+    message = f"{words} {cycles * measurement.revolutions:.3g} cycles in a window of {measurement.revolutions} revolutions"
     hint = f"{needed:g} are needed: `revolutions: {math.ceil(needed / cycles)}`"
     raise InputError([Fault((*path, "orders"), message, hint)])
 
 
 def _samples(time: np.ndarray, speed: np.ndarray) -> float:
-    """Fewest samples in a revolution."""
+    """Return the smallest number of samples in a revolution."""
     return float((2.0 * np.pi / (np.diff(time) * np.maximum(speed[1:], speed[:-1]))).min())
 
 
 def unit(curve: Curve) -> str:
-    """Of its amplitudes."""
+    """Return the SI unit of the amplitudes of a curve."""
     return UNITS[curve.quantity]

@@ -16,7 +16,7 @@ BEHIND = 1e4  # more than the squared logarithms of all ratios of frequencies of
 
 @dataclass(frozen=True)
 class Pairs:
-    """Measured frequencies with their modes."""
+    """Measured frequencies with the modes that they are paired with."""
 
     place: tuple[int, ...]  # in `measured`
     number: tuple[int, ...]  # of the mode, from 0
@@ -24,10 +24,12 @@ class Pairs:
     upper: FloatArray
 
 
-def highest_mode(measured: Sequence[Measured], found: int) -> int:
+def highest_mode(measured: Sequence[Measured], computed: int) -> int:
     """How many modes the measurements need, where `found` were computed."""
-    named = [one.mode for one in measured if one.mode is not None]
-    return max([found, *named, sum(one.frequency is not None for one in measured)])
+    named = [measurement.mode for measurement in measured if measurement.mode is not None]
+    return max(
+        [computed, *named, sum(measurement.frequency is not None for measurement in measured)]
+    )
 
 
 def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) -> Pairs:
@@ -37,23 +39,25 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     frequency lies goes before all in whose it does not. deviation: (figures,) of the logarithms beforehand. Raises
     InputError for more frequencies than modes, or a mode that is not there.
     """
-    places = [place for place, one in enumerate(measured) if one.frequency is not None]
+    places = [
+        index for index, measurement in enumerate(measured) if measurement.frequency is not None
+    ]
     if not places:
         return Pairs((), (), np.empty(0), np.empty(0))
     nominal = train.frequencies(np.ones(len(deviation)).tolist())
     lower, upper = _bands(train, deviation, len(nominal))
     numbers = dict[int, int]()
-    for place in places:
-        mode = measured[place].mode
+    for index in places:
+        mode = measured[index].mode
         if mode is not None:
             if mode > len(nominal):
                 message = f"mode {mode} is not among the {len(nominal)} of the train"
                 raise InputError(
-                    [Fault((*FIT, "measured", place, "mode"), message, "a lower number")]
+                    [Fault((*FIT, "measured", index, "mode"), message, "a lower number")]
                 )
-            numbers[place] = mode - 1
+            numbers[index] = mode - 1
     unnamed = sorted(
-        (place for place in places if place not in numbers),
+        (index for index in places if index not in numbers),
         key=lambda k: measured[k].frequency or 0.0,
     )
     if len(places) > len(nominal):
@@ -61,13 +65,13 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
         raise InputError(
             [Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")]
         )
-    apart = np.array([_apart(measured[place], nominal, lower, upper) for place in unnamed])
-    for row, place in enumerate(unnamed):
-        for other, mode in numbers.items():
-            above = (measured[place].frequency or 0.0) >= (measured[other].frequency or 0.0)
-            apart[row, slice(mode + 1) if above else slice(mode, None)] = np.inf
-    found = _rising(apart)
-    if found is None:
+    distance = np.array([_apart(measured[index], nominal, lower, upper) for index in unnamed])
+    for row, index in enumerate(unnamed):
+        for paired_index, mode in numbers.items():
+            above = (measured[index].frequency or 0.0) >= (measured[paired_index].frequency or 0.0)
+            distance[row, slice(mode + 1) if above else slice(mode, None)] = np.inf
+    rising = _rising(distance)
+    if rising is None:
         message = "no mode is left between those that are named for a frequency that is not"
         raise InputError(
             [
@@ -76,9 +80,9 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
                 )
             ]
         )
-    numbers |= dict(zip(unnamed, found, strict=True))
-    at = [numbers[place] for place in places]
-    return Pairs(tuple(places), tuple(at), lower[at], upper[at])
+    numbers |= dict(zip(unnamed, rising, strict=True))
+    modes = [numbers[index] for index in places]
+    return Pairs(tuple(places), tuple(modes), lower[modes], upper[modes])
 
 
 def _rising(cost: FloatArray) -> list[int] | None:
@@ -104,13 +108,15 @@ def _rising(cost: FloatArray) -> list[int] | None:
     return min(states, default=(0.0, None))[1]
 
 
-def _apart(one: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+def _apart(
+    measurement: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray
+) -> FloatArray:
     """(modes,) squared logarithm of the ratio of each; every mode outside whose band it lies behind all others."""
-    hertz = one.frequency or 0.0
-    apart = np.square(np.log(hertz / nominal))
-    slack = np.exp(OUTSIDE * one.within)
+    hertz = measurement.frequency or 0.0
+    distance = np.square(np.log(hertz / nominal))
+    slack = np.exp(OUTSIDE * measurement.within)
     inside = (lower / slack <= hertz) & (hertz <= upper * slack)
-    return np.asarray(np.where(inside, apart, apart + BEHIND))
+    return np.asarray(np.where(inside, distance, distance + BEHIND))
 
 
 def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -124,6 +130,6 @@ def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray,
     for row, side in enumerate((-1.0, 1.0)):
         corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
         for corner in np.unique(corners, axis=0):
-            here = np.flatnonzero((corners == corner).all(axis=1))
-            ends[row, here] = train.frequencies(corner.tolist())[here]
+            chosen = np.flatnonzero((corners == corner).all(axis=1))
+            ends[row, chosen] = train.frequencies(corner.tolist())[chosen]
     return ends[0], ends[1]

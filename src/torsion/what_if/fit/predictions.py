@@ -34,9 +34,9 @@ class Train:
 
     def by_reading(self) -> "Train":
         """Return the same train with its file read again for all parameters."""
-        other = copy(self)
-        other.closed = None
-        return other
+        train = copy(self)
+        train.closed = None
+        return train
 
     def _read(self, factors: tuple[float, ...]) -> tuple[Study, System]:
         """Read the file with these factors; raises SolveError if it is at fault."""
@@ -52,7 +52,7 @@ class Train:
         return study, of_train(self.system, study.train)
 
     def modes(self, factors: Sequence[float]) -> Modes:
-        """Return the lowest modes."""
+        """Return the lowest modes of the file read with these factors."""
         return modes_as_discretised(self._assembled(tuple(factors))[1], self.count)
 
     def frequencies(self, factors: Sequence[float]) -> FloatArray:
@@ -83,9 +83,9 @@ class Train:
         """Return ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
         rows = [np.log(self.frequencies(factors)[list(numbers)])] if len(numbers) else []
         closed = None if self.closed is None else self.closed.evaluated(tuple(factors))
-        for place, curve in enumerate(self.curves):
+        for position, curve in enumerate(self.curves):
             values = np.log(
-                self.amplitudes(factors, curve) if closed is None else closed.amplitude(place)
+                self.amplitudes(factors, curve) if closed is None else closed.amplitude(position)
             )
             rows += [values.real, values.imag] if curve.has_phase else [values.real]
         return np.concatenate(rows)
@@ -109,8 +109,8 @@ class Train:
             )
         closed = self.closed.evaluated(tuple(np.exp(logs).tolist()))
         rows = [closed.mode_slopes(numbers)] if len(numbers) else []
-        for place, curve in enumerate(self.curves):
-            slopes = closed.amplitude_slopes(place)
+        for position, curve in enumerate(self.curves):
+            slopes = closed.amplitude_slopes(position)
             rows += [slopes.real, slopes.imag] if curve.has_phase else [slopes.real]
         return np.vstack(rows)
 

@@ -15,7 +15,7 @@ from torsion.what_if.variants.sampling import drawn, units
 
 @dataclass(frozen=True)
 class Points:
-    """The variants of some figures."""
+    """The variants that a sweep has of the figures that vary."""
 
     figures: Sequence[Any]  # torsion.schema.variation.Figure
     method: Method
@@ -25,7 +25,7 @@ class Points:
 
     @classmethod
     def of(cls, study: Study, settings: SweepSettings, figures: Sequence[Any]) -> "Points":
-        """Those that a file states."""
+        """Return the variants that the settings of a file state."""
         method, columns = settings.drawn(figures), 1 + max(one.column for one in figures)
         shape = {one.column: one.places for one in figures}
         count = math.prod(shape.values()) if method == "grid" else settings.samples_of(study)
@@ -40,13 +40,13 @@ class Points:
 
     @property
     def words(self) -> str:
-        """How many there are."""
+        """Number of variants, method and number of figures, for the plan."""
         sets = f", {self.samples:,} of each of {self.sets} sets" if self.sets > 1 else ""
         return f"{self.count:,} variants ({self.method}{sets}) of {len(self.figures)} figures"
 
     @property
     def count(self) -> int:
-        """Variants of all sets."""
+        """Number of variants of all sets of samples."""
         return self.samples * self.sets
 
     def values(self, part: slice) -> FloatArray:

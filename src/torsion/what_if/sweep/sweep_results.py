@@ -22,7 +22,7 @@ class VariedFigure:
 
 @reported
 class SweptCheck:
-    """A check over all variants."""
+    """One check of one component over all variants."""
 
     rule: str = result("", (), "name of the rule")
     clause: str = result("", (), "its clause")
@@ -70,7 +70,7 @@ class GridAxis:
 
     @property
     def name(self) -> str:
-        """The figures."""
+        """Names of its figures, with commas between."""
         return ", ".join(self.figures)
 
 
@@ -117,8 +117,8 @@ class Grid:
     def words(self, variant: int) -> tuple[str, ...]:
         """The values of a variant, an axis each."""
         return tuple(
-            axis.words[int(place)]
-            for axis, place in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
+            axis.words[int(position)]
+            for axis, position in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
         )
 
 

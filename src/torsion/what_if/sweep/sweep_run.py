@@ -57,7 +57,7 @@ def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
 
 
 def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
-    """What variants (variants, figures) answer."""
+    """Return frequencies, and verdicts if they are requested, of variants (variants, figures)."""
     count = _modes(work)
     if not work.settings("sweep", SweepSettings).judges(work.study):
         return frequencies(work, variation, values, count)
@@ -66,10 +66,10 @@ def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
     return answers
 
 
-def in_turn(work: Work, variation: Variation, each: Sequence[Chunk]) -> Iterator[Part]:
+def in_turn(work: Work, variation: Variation, parts: Sequence[Chunk]) -> Iterator[Part]:
     """The answers of chunks, one after another in this process."""
-    pace = Pace(each[-1].end, work.progress)
-    for chunk in each:
+    pace = Pace(parts[-1].end, work.progress)
+    for chunk in parts:
         yield answered(replace(work, progress=pace.within(chunk)), variation, chunk)
         pace.finish(chunk)
 
@@ -80,5 +80,5 @@ def _points(work: Work, variation: Variation) -> Points:
 
 def _modes(work: Work) -> int:
     """How many frequencies every variant has."""
-    found = work.get(Modes)
-    return 0 if found is None else found.frequency.size
+    modes = work.get(Modes)
+    return 0 if modes is None else modes.frequency.size

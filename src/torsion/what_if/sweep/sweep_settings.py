@@ -22,12 +22,12 @@ Result = Literal["modes", "checks"]
 
 
 def _of_tolerances(value: Any) -> Any:
-    """`vary: tolerances` is the default."""
+    """Read `vary: tolerances`, the default, as no named figures."""
     return {} if value == "tolerances" else value
 
 
 class SweepSettings(Declared):
-    """Settings of `sweep`."""
+    """What the file states of `sweep`: figures that vary, samples and results."""
 
     vary: Annotated[dict[str, Law], BeforeValidator(_of_tolerances)] = given(
         "figures by `component.key` and how they vary (default: uniformly within every tolerance of the file)",
@@ -92,7 +92,7 @@ class SweepSettings(Declared):
     def drawn(self, figures: Sequence[Any]) -> Method:
         """How the variants of these figures are made."""
         by_default = (
-            self.samples is None and not self.indices and all(one.places for one in figures)
+            self.samples is None and not self.indices and all(figure.places for figure in figures)
         )
         return self.method or ("grid" if by_default else "sobol")
 
@@ -101,7 +101,7 @@ class SweepSettings(Declared):
         return "checks" in self.results or (not self.results and bool(study.rules))
 
     def samples_of(self, study: Study) -> int:
-        """Those of laws."""
+        """Return the number of samples, or the default of the study."""
         return self.samples or (CHECKED if self.judges(study) else UNJUDGED)
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
@@ -115,7 +115,7 @@ class SweepSettings(Declared):
                 "no variant can be checked, because the file has no rules",
                 "name `rules`",
             )
-        shape = {one.column: one.places for one in figures}
+        shape = {figure.column: figure.places for figure in figures}
         if self.drawn(figures) != "grid":
             sets = len(shape) + 2
             if self.indices and self.samples_of(study) * sets > MOST:
@@ -126,9 +126,11 @@ class SweepSettings(Declared):
                     hint,
                 )
             return
-        for one in figures:
-            if not one.places:
-                message = f"{one.name} varies as {one.law.words}, and a grid takes lists and steps"
+        for figure in figures:
+            if not figure.places:
+                message = (
+                    f"{figure.name} varies as {figure.law.words}, and a grid takes lists and steps"
+                )
                 yield Fault(
                     ("method",),
                     message,

@@ -34,8 +34,8 @@ def summed(
         key: (used[: points.samples], fails[: points.samples])
         for key, (used, fails) in answers.checks.items()
     }
-    faults = {place: why for place, why in answers.faults.items() if place < points.samples}
-    names = [one.name for one in variation.figures]
+    faults = {variant: why for variant, why in answers.faults.items() if variant < points.samples}
+    names = [figure.name for figure in variation.figures]
     unsolved = np.zeros(len(factor), dtype=np.bool_)
     unsolved[list(faults)] = True
     checks = [
@@ -43,14 +43,14 @@ def summed(
         for key, (used, fails) in lines.items()
     ]
     checks.sort(key=lambda one: (-one.probability, -(one.worst or 0.0)))
-    whole = None
+    any_check = None
     if lines:
-        used = np.fmax.reduce([one.utilisation for one in checks])
-        fails = np.any([one.fails for one in checks], axis=0)
-        whole = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
-    known = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
-    known = known if known.size else np.full((len(nominal), 1), np.nan)
-    low, high = quantiles(known, (0.025, 0.975)).T.reshape(2, -1)
+        used = np.fmax.reduce([check.utilisation for check in checks])
+        fails = np.any([check.fails for check in checks], axis=0)
+        any_check = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
+    solved = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
+    solved = solved if solved.size else np.full((len(nominal), 1), np.nan)
+    low, high = quantiles(solved, (0.025, 0.975)).T.reshape(2, -1)
     return Sweep(
         tuple(map(_figure, variation.figures)),
         len(factor),
@@ -59,14 +59,14 @@ def summed(
         len(faults),
         tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS],
         nominal,
-        known.mean(axis=1),
-        known.std(axis=1),
+        solved.mean(axis=1),
+        solved.std(axis=1),
         low,
         high,
-        known.min(axis=1),
-        known.max(axis=1),
+        solved.min(axis=1),
+        solved.max(axis=1),
         tuple(checks),
-        whole,
+        any_check,
         indices,
         grid_of(variation, points, checks, frequency, faults),
         factor,
@@ -75,9 +75,9 @@ def summed(
     )
 
 
-def _figure(one: Any) -> VariedFigure:
-    unit = None if one.law.is_relative else "row" if one.rows else one.law.unit
-    return VariedFigure(one.name, one.law.words, one.column + 1, unit)
+def _figure(figure: Any) -> VariedFigure:
+    unit = None if figure.law.is_relative else "row" if figure.rows else figure.law.unit
+    return VariedFigure(figure.name, figure.law.words, figure.column + 1, unit)
 
 
 def _check(
@@ -89,10 +89,11 @@ def _check(
     method: str,
 ) -> SweptCheck:
     share, low, high = probability(fails, method)
-    known = used[np.isfinite(used)]
+    finite = used[np.isfinite(used)]
     decides, correlation = _decides(used, factor)
     middle, best, worst = (
-        float(of(known)) if known.size else None for of in (np.median, np.min, np.max)
+        float(statistic(finite)) if finite.size else None
+        for statistic in (np.median, np.min, np.max)
     )
     return SweptCheck(
         *key,
@@ -112,18 +113,18 @@ def _check(
 
 def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
     """The figure whose ranks go most with those of the share of a limit, and how much (Spearman 1904)."""
-    known = np.isfinite(used)
-    values = used[known]
+    is_finite = np.isfinite(used)
+    values = used[is_finite]
     if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
         return 0, None
     share = _ranks(values)
-    ranks = np.column_stack([_ranks(own) for own in factor[known].T])
+    ranks = np.column_stack([_ranks(column) for column in factor[is_finite].T])
     size = np.sqrt((ranks**2).sum(axis=0) * (share @ share))
-    found = np.divide(
+    correlation = np.divide(
         share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0
     )  # 0: it takes one value alone
-    best = int(np.argmax(np.abs(found)))
-    return best, float(found[best])
+    best = int(np.argmax(np.abs(correlation)))
+    return best, float(correlation[best])
 
 
 def _ranks(values: FloatArray) -> FloatArray:
@@ -132,5 +133,5 @@ def _ranks(values: FloatArray) -> FloatArray:
     >>> _ranks(np.array([3.0, 1.0, 3.0, 2.0]))
     array([ 1. , -1.5,  1. , -0.5])
     """
-    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(count) - count / 2.0 - len(values) / 2.0)[place])
+    _, rank, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - count / 2.0 - len(values) / 2.0)[rank])

@@ -21,7 +21,7 @@ class Chunk:
 
     @property
     def size(self) -> int:
-        """How many variants."""
+        """Number of variants from `begin` to `end`."""
         return self.end - self.begin
 
 
@@ -42,19 +42,19 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
     """All variants as one, of parts in the order of their chunks; each part is let go before the next is taken."""
-    whole, values, begin = Answers.unknown(modes, count), np.empty((0, 0)), 0
-    for own, answers in parts:
+    total, values, begin = Answers.unknown(modes, count), np.empty((0, 0)), 0
+    for chunk_values, answers in parts:
         if not values.size:
-            values = np.empty((count, own.shape[1]))
-        here = slice(begin, begin + len(own))
-        values[here] = own
-        whole.take(here, answers)
-        whole.faults.update((begin + place, why) for place, why in answers.faults.items())
-        whole.method = whole.method or answers.method
-        whole.standing |= answers.standing
-        whole.partly.update(begin + place for place in answers.partly)
-        begin += len(own)
-    return values, whole
+            values = np.empty((count, chunk_values.shape[1]))
+        columns = slice(begin, begin + len(chunk_values))
+        values[columns] = chunk_values
+        total.take(columns, answers)
+        total.faults.update((begin + variant, why) for variant, why in answers.faults.items())
+        total.method = total.method or answers.method
+        total.standing |= answers.standing
+        total.partly.update(begin + variant for variant in answers.partly)
+        begin += len(chunk_values)
+    return values, total
 
 
 @dataclass
@@ -72,7 +72,7 @@ class Pace:
         return lambda what, share: self.show(share * chunk.size)
 
     def finish(self, chunk: Chunk) -> None:
-        """A chunk is solved."""
+        """Note that a chunk is solved, and show the progress."""
         self.solved += chunk.size
         self.show()
 
@@ -92,12 +92,12 @@ def duration(seconds: float) -> str:
     >>> duration(0.4), duration(200.0), duration(9000.0)
     ('about 1 s', 'about 3 min 20 s', 'about 2 h 30 min')
     """
-    whole = max(round(seconds), 1)
-    if whole < 60:
-        return f"about {whole} s"
-    minutes, rest = divmod(whole, 60)
+    total = max(round(seconds), 1)
+    if total < 60:
+        return f"about {total} s"
+    minutes, remainder = divmod(total, 60)
     return (
-        f"about {minutes} min {rest} s"
+        f"about {minutes} min {remainder} s"
         if minutes < 60
         else f"about {minutes // 60} h {minutes % 60} min"
     )

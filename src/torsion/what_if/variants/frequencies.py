@@ -47,8 +47,8 @@ def frequencies(
         except InputError as error:
             answers.faults.update(dict.fromkeys(places.tolist(), reason(error)))
 
-    unknown = np.flatnonzero(np.isnan(answers.frequency).any(axis=0))
-    left = np.setdiff1d(unknown, list(answers.faults))
+    unsolved = np.flatnonzero(np.isnan(answers.frequency).any(axis=0))
+    left = np.setdiff1d(unsolved, list(answers.faults))
     if not count or left.size == len(values):
         left, answers.method = np.arange(len(values)), "every variant solved separately"
     else:
@@ -88,10 +88,10 @@ def certified(
     base = modes(system, count).system.whole
     if base.bars is not None:
         return _as_divided(base, train, variants, count)
-    found = np.full((count, variants), np.nan)
+    hertz_found = np.full((count, variants), np.nan)
     refined = tuple(bar for bar in train.bars if is_refined(bar))
     travel = np.array([_travel(bar) + np.zeros(variants) for bar in refined])
-    more = np.array([excess(bar) for bar in refined], dtype=float).reshape(-1, 1)
+    multiples = np.array([excess(bar) for bar in refined], dtype=float).reshape(-1, 1)
     waiting = {tuple(base.segments[bar.name] for bar in refined): np.arange(variants)}
 
     for _ in range(ROUNDS):
@@ -107,17 +107,21 @@ def certified(
             # A variant alone may have one segment more or less where its last mode is near a change of them.
             near = 1.0 + np.array([-1.0, 0.0, 1.0])[:, None] * ONE_SEGMENT / min(numbers)
             top = np.maximum(highest, hertz[-1] * near)
-            needed = segments_along(travel[:, None, places] * top, more[..., None]).astype(np.int64)
+            needed = segments_along(travel[:, None, places] * top, multiples[..., None]).astype(
+                np.int64
+            )
             is_right = (needed[:, 1] == np.array(numbers)[:, None]).all(axis=0)
             is_sure = is_right & (needed[:, 0] == needed[:, 2]).all(axis=0)
-            found[:, places[is_sure]] = hertz[:, is_sure]
-            for other in {*map(tuple, needed[:, 1, ~is_right].T.tolist())}:
-                is_same = (needed[:, 1] == np.array(other)[:, None]).all(axis=0)
-                left.setdefault(other, []).append(places[is_same])
+            hertz_found[:, places[is_sure]] = hertz[:, is_sure]
+            for segments_needed in {*map(tuple, needed[:, 1, ~is_right].T.tolist())}:
+                is_same = (needed[:, 1] == np.array(segments_needed)[:, None]).all(axis=0)
+                left.setdefault(segments_needed, []).append(places[is_same])
         enough = min(FEW, variants // 2)
-        groups = {numbers: np.concatenate(each) for numbers, each in left.items()}
-        waiting = {numbers: each for numbers, each in groups.items() if len(each) >= enough}
-    return found
+        groups = {numbers: np.concatenate(lists) for numbers, lists in left.items()}
+        waiting = {
+            numbers: members for numbers, members in groups.items() if len(members) >= enough
+        }
+    return hertz_found
 
 
 def _travel(bar: Bar) -> FloatArray:
@@ -148,13 +152,13 @@ def _as_divided(
             from torsion.kernels.variant_networks import network_modes
 
             chosen = None if factors is None else factors[:, places]
-            found = network_modes(
+            modes_found = network_modes(
                 tree, flexibility, inertia, count, (begin, end), chord[:, places], chosen
             )
         else:
             from torsion.kernels.variant_modes import variant_modes
 
-            found = variant_modes(tree, flexibility, inertia, count)
+            modes_found = variant_modes(tree, flexibility, inertia, count)
     except (SolveError, ValueError):  # a variant has too few modes, or needs shorter pieces
         return np.full((count, flexibility.shape[1]), np.nan)
-    return found.frequency / (2.0 * np.pi)
+    return modes_found.frequency / (2.0 * np.pi)

@@ -72,22 +72,22 @@ class Choice(Declared):
         """One way, and a range with both ends in one unit."""
         ways = self._ways()
         if len(ways) != 1:
-            found = (
+            message = (
                 f"{' and '.join(ways)} exclude each other"
                 if ways
                 else "nothing says how the figure varies"
             )
             raise refuse(
-                found, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else ""
+                message, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else ""
             )
         if self.values is not None and len(self.values) < 2:
             raise refuse("a list of values needs two at least", "give alternatives", "values")
-        for place, value in enumerate(self.values or ()):
-            if value in (self.values or ())[:place]:
+        for position, value in enumerate(self.values or ()):
+            if value in (self.values or ())[:position]:
                 raise refuse(
                     f"the value {shown(value)} is listed twice",
                     "each value once",
-                    ("values", place),
+                    ("values", position),
                 )
         if ways[0] != "from":
             extra = next((key for key in ("steps", "step") if getattr(self, key) is not None), None)
@@ -95,9 +95,9 @@ class Choice(Declared):
                 raise refuse(f"`{extra}` is of a range, `from` and `to`", "leave it out", extra)
             return
         if self.first is None or self.last is None:
-            missing, other = ("from", "to") if self.first is None else ("to", "from")
+            missing, present = ("from", "to") if self.first is None else ("to", "from")
             raise refuse(
-                f"a range without `{missing}`", f"give both `{other}` and `{missing}`", other
+                f"a range without `{missing}`", f"give both `{present}` and `{missing}`", present
             )
         first, last = (
             _amount(value, key) for value, key in ((self.first, "from"), (self.last, "to"))
@@ -168,7 +168,7 @@ class Choice(Declared):
 
     @property
     def words(self) -> str:
-        """As the report states it."""
+        """How the figure varies, in the words of the report."""
         if self.values is not None:
             return f"one of {len(self.values)} values"
         if self.catalogue is not None:
@@ -240,11 +240,11 @@ class Law(Choice):
 
     @property
     def words(self) -> str:
-        """As the report states it."""
+        """How the figure varies, in the words of the report."""
         if not self.is_relative:
             return super().words
         if self.triangular is not None and len(self.triangular) == 3:
-            low, middle, high = (f"{100.0 * one:.6g} %" for one in self.triangular)
+            low, middle, high = (f"{100.0 * share:.6g} %" for share in self.triangular)
             return f"triangular {low} to {high}, likeliest {middle}"
         name = next(law for law in LAWS if getattr(self, law) is not None)
         width = self.triangular[0] if self.triangular is not None else getattr(self, name)

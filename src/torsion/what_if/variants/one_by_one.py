@@ -110,8 +110,8 @@ class Answers:
         """Put the frequencies and verdicts of other variants into the columns."""
         self.frequency[:, columns] = others.frequency
         for key, (utilisation, fails) in others.checks.items():
-            own = self.check(key)
-            own[0][columns], own[1][columns] = utilisation, fails
+            columns_of_check = self.check(key)
+            columns_of_check[0][columns], columns_of_check[1][columns] = utilisation, fails
 
 
 def solved(
@@ -147,8 +147,8 @@ def solved(
         except (InputError, SolveError) as error:
             return Answer(np.empty(0), fault=reason(error))
 
-    found = shared_out(answer_of, range(len(rows)))
-    for number, (column, answer) in enumerate(zip(columns, found, strict=True), start=1):
+    found_answers = shared_out(answer_of, range(len(rows)))
+    for number, (column, answer) in enumerate(zip(columns, found_answers, strict=True), start=1):
         answers.keep(column, answer)
         work.progress(f"variant {number} of {len(rows)}", number / len(rows))
     return answers

@@ -29,12 +29,12 @@ def units(
         return _latin(count, figures, seed)[begin:end]
     from scipy.stats import qmc
 
-    length, found = count // SCRAMBLES, []
+    length, samples = count // SCRAMBLES, []
     for k in range(begin // length, -(-end // length)):
         sequence = qmc.Sobol(figures, rng=np.random.default_rng([seed, k]))
         first, last = max(begin - k * length, 0), min(end - k * length, length)
-        found.append((sequence.fast_forward(first) if first else sequence).random(last - first))
-    return np.concatenate(found)
+        samples.append((sequence.fast_forward(first) if first else sequence).random(last - first))
+    return np.concatenate(samples)
 
 
 @lru_cache(maxsize=1)
@@ -47,7 +47,7 @@ def _latin(count: int, figures: int, seed: int) -> FloatArray:
 
 def drawn(figures: Sequence[Any], unit: FloatArray) -> FloatArray:
     """Values (count, figures) of figures at samples (count, columns) evenly distributed within 0 and 1."""
-    return np.stack([one.at(unit[:, one.column]) for one in figures], axis=1)
+    return np.stack([figure.at(unit[:, figure.column]) for figure in figures], axis=1)
 
 
 def factors(law: Law, unit: FloatArray) -> FloatArray:
@@ -85,9 +85,9 @@ def probability(happens: BoolArray, method: str) -> tuple[float, float, float]:
     if method == "sobol" and FEW <= happens.sum() <= happens.size - FEW:
         from scipy.special import stdtrit
 
-        each = happens.reshape(SCRAMBLES, -1).mean(axis=1)
+        shares = happens.reshape(SCRAMBLES, -1).mean(axis=1)
         half = float(
-            stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0) * each.std(ddof=1) / np.sqrt(SCRAMBLES)
+            stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0) * shares.std(ddof=1) / np.sqrt(SCRAMBLES)
         )
         if half > 0.0:
             low, high = max(share - half, 0.0), min(share + half, 1.0)

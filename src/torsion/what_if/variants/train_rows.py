@@ -33,8 +33,8 @@ class TrainRows:
     @property
     def rows(self) -> Numbers:
         """(rows, variants) all of them, one below the other."""
-        own = (self.flexibility, self.inertia, self.viscous, self.loss_factor)
-        return np.concatenate([*own, *self.closing])
+        on_tree = (self.flexibility, self.inertia, self.viscous, self.loss_factor)
+        return np.concatenate([*on_tree, *self.closing])
 
 
 def rows_on_tree(
@@ -92,15 +92,15 @@ def distributed_factors(system: System, train: Train, variants: int) -> FloatArr
         raise NotInColumns("finite elements and cones are no uniform continua")
     bars = {bar.name: bar for bar in train.bars}
     factors = np.ones((3, len(pieces), variants))
-    for place, piece in enumerate(pieces):
+    for position, piece in enumerate(pieces):
         for sign, bar in ((1.0, bars[piece.bar.name]), (-1.0, piece.bar)):
             if not is_uniform(bar):
                 raise NotInColumns("a shaft becomes a cone")
             area = polar_area_moment(plain(bar.outer[0]), plain(bar.bore[0]))
             length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
-            factors[0, place] *= (length / (modulus * area)) ** sign
-            factors[1, place] *= (density * length * area) ** sign
-            factors[2, place] *= (length * length * density / modulus) ** sign
+            factors[0, position] *= (length / (modulus * area)) ** sign
+            factors[1, position] *= (density * length * area) ** sign
+            factors[2, position] *= (length * length * density / modulus) ** sign
     return factors.reshape(-1, variants)
 
 

@@ -1,4 +1,4 @@
-"""Computes the table of junctions: `python -m torsion.assembly.junction.make_table` writes it in a minute or two."""
+"""Computes the table of junctions: `python -m benchmarks.junction_table` writes it in a minute or two."""
 
 from dataclasses import replace
 from itertools import product

@@ -124,9 +124,9 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
             from torsion.analyses.modes.bars import reach
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
-    modes_found = modes(system, count)
+    solved_modes = modes(system, count)
     finer = ready(
-        divided(study.train, {name: 2 * n for name, n in modes_found.system.segments.items()}),
+        divided(study.train, {name: 2 * n for name, n in solved_modes.system.segments.items()}),
         "exact",
     )
-    return modes_found, modes_as_discretised(finer, count)
+    return solved_modes, modes_as_discretised(finer, count)

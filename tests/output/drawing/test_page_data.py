@@ -11,7 +11,7 @@ import pytest
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque
 from tests.output.drawn import named
 
-from torsion.output.drawing.live import LEFT_OUT, MOST_POINTS, THINNED, Page
+from torsion.output.drawing.page_data import LEFT_OUT, MOST_POINTS, THINNED, Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import plain
 from torsion.output.figure_csv import Cells, csv_of, pieces
