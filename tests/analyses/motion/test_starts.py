@@ -346,7 +346,7 @@ def test_orders_follow_a_prescribed_speed() -> None:
             "needs `synchronous`",
         ),
         ("{at: d, start: {torque: [[100 rpm, 1], [200 rpm, 0]]}}", "begins at 0 rpm"),
-        ("{at: d, start: {torque: [[0 rpm, 1], [0 rpm, 0]]}}", "rising speeds"),
+        ("{at: d, start: {torque: [[0 rpm, 1], [0 rpm, 0]]}}", "the speeds rising"),
         ("{at: d, start: {torque: [[0, 1], [10, 0]]}}", "has no unit"),
         ("{at: d, start: {torque: [[0 rpm, .nan], [10 rpm, 0]]}}", "not a finite number"),
         ("{at: d, load: {law: quadratic}}", "unknown load law 'quadratic'"),
