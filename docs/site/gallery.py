@@ -29,7 +29,6 @@ CHOSEN = (
     "torque",
     "motion",
     "sweep-torque",
-    "joint-index",
     "joint-motion",
     "mode-1",
 )

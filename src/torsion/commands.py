@@ -385,7 +385,7 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
         assert isinstance(settings, SweepSettings)
-        sizes["sweep"] = Points.of(study, settings, variation.figures).words
+        sizes["sweep"] = Points.from_settings(study, settings, variation.figures).words
     if "transient" in study.analyses:
         from torsion.analyses.motion.acting_torques import acting_torques, expected_steps
         from torsion.analyses.motion.transient_settings import cases

@@ -7,7 +7,7 @@ from torsion.kernels.layers import add_children, layers_of, of_the_rest
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, count_bounds
-from torsion.kernels.tree import Tree, by_layers, rerooted_at_middle
+from torsion.kernels.tree import Tree, by_layers
 
 PARENTS = {
     "comb": [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8],
@@ -50,16 +50,17 @@ def test_stations_out_of_order_are_in_no_layers():
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("shape", ["branched", "bushy"])
-def test_a_tree_hung_from_its_middle_is_the_same_train(random_tree, shape, held):
+def test_a_tree_numbered_by_layers_is_the_same_train(random_tree, shape, held):
     tree = random_tree(31, size=25, shape=shape, held=held)
-    hung = rerooted_at_middle(tree)
-    assert hung.tree.layers is not None
-    assert len(hung.tree.layers) <= len(by_layers(tree).tree.layers)
+    numbered = by_layers(tree)
+    assert numbered.tree.layers is not None
     w = np.geomspace(1e-2, 1e9, 300)
-    np.testing.assert_array_equal(count_below(hung.tree, w), count_below(tree, w))
-    np.testing.assert_array_equal(hung.angles(hung.tree.inertia[:, None])[:, 0], tree.inertia)
+    np.testing.assert_array_equal(count_below(numbered.tree, w), count_below(tree, w))
     np.testing.assert_array_equal(
-        np.abs(hung.torques(hung.tree.flexibility[:, None])[:, 0]), tree.flexibility
+        numbered.angles(numbered.tree.inertia[:, None])[:, 0], tree.inertia
+    )
+    np.testing.assert_array_equal(
+        np.abs(numbered.torques(numbered.tree.flexibility[:, None])[:, 0]), tree.flexibility
     )
 
 

@@ -8,7 +8,7 @@ from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
 from torsion.kernels.sturm import enclose, expected_width
-from torsion.kernels.tree import Tree, rerooted_at_middle
+from torsion.kernels.tree import Tree, by_layers
 
 
 @pytest.mark.parametrize("shape", ["branched", "bushy"])
@@ -63,7 +63,7 @@ def test_a_chain_has_the_modes_of_the_same_train_hung_from_its_middle(random_tre
 def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, shape):
     tree = random_tree(29, size=60, shape=shape)
     modes = tree_modes(tree)
-    passed = shapes_at(rerooted_at_middle(tree).tree, modes.frequency).passed
+    passed = shapes_at(by_layers(tree).tree, modes.frequency).passed
     width = expected_width(tree, modes.frequency, passed)
     lower, upper, proven = enclose(tree, modes.frequency, 1, passed)
     assert proven.all()

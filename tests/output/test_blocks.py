@@ -44,7 +44,7 @@ def test_numbers_follow_the_chapters_that_are_there() -> None:
 
 def test_a_table_refuses_a_row_of_another_length() -> None:
     with pytest.raises(ValueError, match="does not have 2 cells"):
-        Table((Column("a"), Column("b")), (("1", "2"), ("1",)), "crooked")
+        table((Column("a"), Column("b")), [("1", "2"), ("1",)], "crooked")
 
 
 def test_a_paragraph_has_no_number() -> None:

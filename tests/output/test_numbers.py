@@ -187,5 +187,5 @@ def test_a_table_shows_values_and_refuses_a_row_of_another_length() -> None:
     )
     assert made.rows == (("first", "12.500"), ("second", "–"))
     assert (made.columns[1].unit, made.marks) == ("Hz", ("pass", ""))
-    with pytest.raises(ValueError, match="argument 2"):
+    with pytest.raises(ValueError, match="2 cells"):
         table("Mode | Frequency", [(1, 2.5, 3)])

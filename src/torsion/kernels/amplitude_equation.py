@@ -33,7 +33,7 @@ class Amplitudes:
     number: IntArray  # (columns,)
 
     def having(self, other_amplitudes: "Amplitudes", columns: IntArray) -> "Amplitudes":
-        """The same with others in the columns `at`."""
+        """Return the same with other amplitudes in some columns."""
         copied = {key: values.copy() for key, values in vars(self).items()}
         for key, values in copied.items():
             values[columns] = getattr(other_amplitudes, key)
@@ -43,7 +43,7 @@ class Amplitudes:
 def amplitudes(
     ratio: Ratio, bottom: FloatArray, top: FloatArray, near: FloatArray, samples: int = SAMPLES
 ) -> Amplitudes:
-    """Every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
+    """Return every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
     column, roots = solutions(ratio, bottom, top, samples)
     largest, smallest, number = (
         np.zeros(len(bottom)),
@@ -63,7 +63,7 @@ def amplitudes(
 def solutions(
     ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int = SAMPLES
 ) -> tuple[IntArray, FloatArray]:
-    """Column and amplitude of every solution, as of `amplitudes`."""
+    """Return the column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))
     steps = np.linspace(0.0, 1.0, samples)[:, None]
     sampled = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)

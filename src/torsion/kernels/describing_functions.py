@@ -22,7 +22,7 @@ OPEN = 1e-12  # share of its stiffness that stands for a spring without contact:
 
 
 def ramp(offset: FloatArray, amplitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean of max(offset + A cos, 0), its fundamental / A, and the share of time above zero; amplitude > 0.
+    """Return the mean of max(offset + A cos, 0), its fundamental / A, and the share of time above zero; amplitude > 0.
 
     >>> [float(one.round(15)) for one in ramp(np.array(0.0), np.array(2.0))]
     [0.636619772367581, 0.5, 0.5]
@@ -50,7 +50,7 @@ def _above_zero(below: FloatArray, above: FloatArray) -> tuple[FloatArray, Float
 def slider(
     amplitude: FloatArray, torque: float, stiffness: float, half: float = 0.0
 ) -> ComplexArray:
-    """(amplitudes,) N m/rad of a spring in series with a slider, behind a play of `half` rad to either side.
+    """Return (amplitudes,) N m/rad of a spring in series with a slider, behind a play of `half` rad to either side.
 
     Half a cycle from the largest twist on is torque - k (min(d, e1) - min(d, e2) + min(d, e3)), d = A (1 - cos(phi)).
 
@@ -136,11 +136,11 @@ class PiecewiseCoupling:
         return springs + 2.0 * sum(dry.torque for dry in self.sliders)
 
     def static(self, mean: FloatArray) -> FloatArray:
-        """(columns,) rad under mean torques (columns,) N m >= 0 alone; 0 under none."""
+        """Return (columns,) rad under mean torques (columns,) N m >= 0 alone; 0 under none."""
         return self.bias(np.full(len(mean), 1e-30), mean)
 
     def first(self, mean: FloatArray) -> FloatArray:
-        """(columns,) rad, the smallest amplitude at which the coupling ceases to be linear about its mean twist."""
+        """Return (columns,) rad, the smallest amplitude at which the coupling ceases to be linear about its mean twist."""
         mean_twist = self.static(mean)
         near = [
             np.abs(begin - mean_twist) if begin else np.full(len(mean_twist), np.inf)
@@ -152,7 +152,7 @@ class PiecewiseCoupling:
         return np.asarray(np.min([*near, *slips], axis=0))
 
     def bias(self, amplitude: FloatArray, mean: FloatArray) -> FloatArray:
-        """(columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
+        """Return (columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
         total = sum(stiffness for _, stiffness in self.springs)
         if not (self.half or self.stages):
             return np.asarray(mean / total)
@@ -169,7 +169,7 @@ class PiecewiseCoupling:
         return twist
 
     def secant(self, amplitude: FloatArray, mean: FloatArray) -> Secant:
-        """Of amplitudes (columns,) rad > 0 and mean torques (columns,) N m >= 0."""
+        """Return the secant of amplitudes (columns,) rad > 0 and mean torques (columns,) N m >= 0."""
         mean_twist = (
             self.bias(amplitude, mean) if self.half or self.stages else np.zeros(len(amplitude))
         )

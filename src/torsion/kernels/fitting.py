@@ -86,7 +86,7 @@ class Fitted:
         return self, *self.others
 
     @property
-    def known(self) -> Identified:
+    def identity(self) -> Identified:
         """What all minima agree on: the covariance is that of their normal distributions as one, each as likely."""
         identities = [identified(minimum.jacobian) for minimum in self.minima]
         if len(identities) == 1:

@@ -27,7 +27,7 @@ from torsion.kernels.reduction import (
 )
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.sturm import bisect, brackets, enclose
-from torsion.kernels.tree import Tree, rerooted_at_middle
+from torsion.kernels.tree import Tree, by_layers
 from torsion.sources import source
 
 _SETTLED = (
@@ -63,8 +63,8 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
 
     # Rigid spans between fixed stations carry reactions only: they are put back at the end.
     solved = cut(tree, bodies)
-    rerooted = rerooted_at_middle(solved)
-    swept = rerooted.tree
+    numbered = by_layers(solved)
+    swept = numbered.tree
     if wanted == 0:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
@@ -75,7 +75,7 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
             shapes = shapes_at(swept, frequency)
         if swept is not solved:
             shapes = replace(
-                shapes, angle=rerooted.angles(shapes.angle), torque=rerooted.torques(shapes.torque)
+                shapes, angle=numbered.angles(shapes.angle), torque=numbered.torques(shapes.torque)
             )
         _complete(solved, frequency, shapes)
     torque, of_shafts = _with_shafts(solved, frequency, shapes)

@@ -95,7 +95,7 @@ def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
 
     `lean` (m,) is the direction in which every rounding is outweighed.
     """
-    tree = tree if tree.is_ready else by_layers(tree).tree
+    tree = by_layers(tree).tree
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
     parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
     with np.errstate(divide="ignore", over="ignore", under="ignore"):

@@ -1,7 +1,4 @@
-"""The tree that every sweep runs over: stations numbered from the root to the leaves, one span to each parent.
-
-With another root, in the middle, a sweep passes half as many layers.
-"""
+"""The tree that every sweep runs over: stations numbered from the root to the leaves, one span to each parent."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -201,66 +198,17 @@ class Rerooted:
         return given
 
 
-def rerooted_at_middle(tree: Tree) -> Rerooted:
-    """The same train with the middle of its longest path as the root.
-
-    The root stays where there are several, and where a fixed one has more than one span: a fixed station is a leaf.
-    A chain stays as it is, for it is swept from both ends at once; so do small trees, not worth while, and distributed
-    shafts, whose shapes are swept station by station.
-    """
-    if tree.is_swept_by_stations or tree.shafts is not None:
-        return _as_it_is(tree)
-    parents = tree.parents
-    path = [] if not parents or parents.count(-1) > 1 else _to_the_middle(parents)
-    if len(path) < 2 or (tree.held[0] and parents.count(0) > 1):
-        return by_layers(tree)
-    return _rerooted(tree, path)
-
-
 def by_layers(tree: Tree) -> Rerooted:
-    """The same train numbered layer by layer, its roots where they are."""
-    return _renumbered(tree, tree.parents, np.arange(tree.size), np.ones((tree.size, 1)))
-
-
-def _as_it_is(tree: Tree) -> Rerooted:
-    return Rerooted(tree, np.arange(tree.size), np.arange(tree.size), np.ones((tree.size, 1)))
-
-
-def _rerooted(tree: Tree, path: list[int]) -> Rerooted:
-    """The train with the last station of a `path` from its root as the root."""
-    toward, span, sign = tree.parents.copy(), list(range(tree.size)), np.ones((tree.size, 1))
-    for outer, inner in zip(path[1:], path, strict=False):
-        toward[inner], span[inner] = outer, outer
-    toward[path[-1]], span[path[-1]] = -1, path[0]
-    sign[path[1:]] = -1.0
-    return _renumbered(tree, toward, np.array(span), sign)
-
-
-def _renumbered(tree: Tree, toward: list[int], span: IntArray, sign: FloatArray) -> Rerooted:
-    """The train with parents `toward`; each station has the span that was numbered `span` (stations,)."""
-    order = _by_layers(toward)
-    station, span = _inverse(order), span[order]
-    number = np.append(station, -1)  # the last one is what -1 finds
-    parent = number[np.array(toward, dtype=np.int64)[order]]
-    renumbered = Tree(parent, tree.flexibility[span], tree.inertia[order], tree.held[order])
-    return Rerooted(renumbered, station, _inverse(span), sign)
-
-
-def _to_the_middle(parents: list[int]) -> list[int]:
-    """Stations from the only root to the middle of the longest path."""
-    size = len(parents)
-    height, second, tallest = [0] * size, [0] * size, [-1] * size
-    for station in range(size - 1, 0, -1):
-        parent, reach = parents[station], height[station] + 1
-        if reach > height[parent]:
-            height[parent], second[parent], tallest[parent] = reach, height[parent], station
-        elif reach > second[parent]:
-            second[parent] = reach
-    path, behind = [0], 0
-    while height[path[-1]] > max(behind, second[path[-1]]) + 1:
-        behind = max(behind, second[path[-1]]) + 1
-        path.append(tallest[path[-1]])
-    return path
+    """Return the same train numbered layer by layer; as it is where sweeps take it so."""
+    sign = np.ones((tree.size, 1))
+    if tree.is_ready:
+        station = np.arange(tree.size)
+        return Rerooted(tree, station, station, sign)
+    order = _by_layers(tree.parents)
+    station = _inverse(order)
+    parent = np.append(station, -1)[tree.parent[order]]  # the last one is what -1 finds
+    numbered = Tree(parent, tree.flexibility[order], tree.inertia[order], tree.held[order])
+    return Rerooted(numbered, station, station, sign)
 
 
 def _by_layers(parents: list[int]) -> IntArray:

@@ -16,7 +16,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.mode_shapes import free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
-from torsion.kernels.tree import Rerooted, Tree, by_layers, rerooted_at_middle
+from torsion.kernels.tree import Rerooted, Tree, by_layers
 
 Selection = IntArray | BoolArray | slice
 
@@ -63,7 +63,7 @@ def variant_modes(
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
-    numbered, square = _numbered(middle), middle_modes.frequency**2
+    numbered, square = by_layers(middle), middle_modes.frequency**2
     by_flexibility = -0.5 * middle.flexibility[:, None] * middle_modes.torque**2 / square
     by_inertia = -0.5 * middle.moving_inertia[:, None] * middle_modes.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
@@ -102,12 +102,6 @@ def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
     return np.asarray(
         np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None])
     )
-
-
-def _numbered(tree: Tree) -> Rerooted:
-    """The layout as sweeps take it."""
-    moved = rerooted_at_middle(tree)
-    return moved if moved.tree.is_ready else by_layers(tree)
 
 
 def parts(size: int, trains: int) -> Iterator[slice]:

@@ -287,7 +287,7 @@ def _modes(
         if mean.shafts is not None:
             node = mean.shafts.node
             torque[node] = (angle[mean.parent[node]] - angle[node]) / h[node]
-        all_h, all_j = _at(given.tree, w * w)
+        all_h, all_j = _values_at(given.tree, w * w)
         moved = (torque**2 * h) @ changes(all_h, h) + w * w * (angle**2 * j) @ changes(all_j, j)
         if len(chord):
             moved = moved + (middle_modes.loop_torque[:, mode] ** 2 * chord) @ changes(
@@ -299,7 +299,7 @@ def _modes(
     return _proven(torn, np.stack(start), ways, np.array(passed), middle_modes.rigid)
 
 
-def _at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
+def _values_at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
     """Flexibility and inertia (stations, trains) at one s for all, a shaft a flexibility between two inertias."""
     h, j = tree.flexibility.copy(), tree.moving_inertia.copy()
     if tree.shafts is not None:
@@ -328,8 +328,8 @@ def _proven(
     order = np.argsort(frequency, axis=0)
     frequency, passed = np.take_along_axis(frequency, order, axis=0), passed[order]
     bounds, proven = np.stack([frequency] * 3), np.zeros(frequency.shape, dtype=np.bool_)
-    for k, (one, way) in enumerate(zip(frequency, ways, strict=True)):
-        bounds[1:, k], proven[k] = _enclosed(trains, one, passed[k], k + rigid, way)
+    for k, (hertz, way) in enumerate(zip(frequency, ways, strict=True)):
+        bounds[1:, k], proven[k] = _enclosed(trains, hertz, passed[k], k + rigid, way)
     mode, column = np.nonzero(~proven)
     if mode.size:
         some, near, way = trains.chosen(column), frequency[mode, column], ways[mode[0]]

@@ -30,7 +30,9 @@ class Slider:
     def nominal(self) -> float | None:
         """The position that is the file as it stands; None where there is none."""
         first = self.figures[0]
-        places = np.flatnonzero(np.isclose(first.every(), first.nominal)) if first.places else None
+        places = (
+            np.flatnonzero(np.isclose(first.all_values(), first.nominal)) if first.places else None
+        )
         if places is not None:
             return float(places[0]) if places.size else None
         return None if math.isnan(first.nominal) else first.nominal
@@ -42,7 +44,7 @@ class Slider:
             message = f"the slider '{self.name}' goes from {self.low:g} to {self.high:g}"
             raise InputError([Fault((), message)], message)
         first = self.figures[0]
-        return float(first.every()[round(position)]) if first.places else position
+        return float(first.all_values()[round(position)]) if first.places else position
 
 
 def sliders_of(variation: Variation) -> dict[str, Slider]:

@@ -13,7 +13,7 @@ Judge = Callable[[Results], tuple[Check, ...]]  # by all rules of the study
 
 
 def worst_of_solutions(evidence: Results, judge: Judge) -> tuple[Check, ...]:
-    """The checks of the largest solution, each replaced by that of another solution where it is worse."""
+    """Return the checks of the largest solution, each replaced by that of another solution where it is worse."""
     checks = judge(evidence)
     response = evidence.get(Response)
     if response is None or not response.others:

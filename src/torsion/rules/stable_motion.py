@@ -62,7 +62,7 @@ def drive_laws(study: Study) -> list[DriveLaw]:
 
 
 def mean_speed_check(stability: Stability, study: Study) -> Check:
-    """The largest drift of the mean speed against 0, where the law of the drive is stated.
+    """Return the largest drift of the mean speed against 0, where the law of the drive is stated.
 
     Where a steep slope or a long lag leaves no slow exponent, every exponent is in the row on stability.
     """
@@ -103,7 +103,7 @@ def slope_words(study: Study) -> str:
 
 
 def mean_speed_words(stability: Stability, study: Study) -> str:
-    """What is said of a drift of the mean speed; empty where there is none."""
+    """Return what is said of a drift of the mean speed; empty where there is none."""
     if not stability.drifts:
         return ""
     drift, laws = stability.drifts[0], drive_laws(study)
@@ -130,7 +130,7 @@ def mean_speed_words(stability: Stability, study: Study) -> str:
 
 
 def stability_check(stability: Stability, operation: Operation) -> Check:
-    """The largest growth rate within the operation's speeds (else those requested) against 0.
+    """Return the largest growth rate within the operation's speeds (else those requested) against 0.
 
     It fails also where a speed has no periodic motion to be stable about, or part of the operation was not looked at.
     """
@@ -250,7 +250,7 @@ class StableBending(Rule[RuleSettings]):
 
 
 def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
-    """One for the whirl and one for the tilting of every shaft whose speeds are known."""
+    """Return one for the whirl and one for the tilting of every shaft whose speeds are known."""
     checks = []
     for shaft in bending.shafts:
         if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():

@@ -56,7 +56,7 @@ class Tube:
 
 
 def tubes(train: Train) -> tuple[Tube, ...]:
-    """Every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
+    """Return every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
     joints = {mesh.part: mesh for mesh in train.constraints}
     rows = [
         _tube(train, joints[mesh.after], mesh)
@@ -69,7 +69,7 @@ def tubes(train: Train) -> tuple[Tube, ...]:
 def critical_speed(
     length: float, outer: float, bore: float, modulus: float, density: float
 ) -> float:
-    """pi^2/4 sqrt(E/rho) sqrt(D^2 + d^2)/L^2, rad/s: first bending frequency of a simply supported tube (Euler).
+    """Return pi^2/4 sqrt(E/rho) sqrt(D^2 + d^2)/L^2, rad/s: first bending frequency of a simply supported tube (Euler).
 
     In the joint makers' form 15 pi/2 sqrt(E/rho) sqrt(D^2 + d^2)/L^2 per minute.
     """
@@ -159,7 +159,7 @@ class UniversalJoints(Rule[JointRuleSettings]):
     needs = ("joints",)
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not study.has_joints:
             return [
                 Fault(
@@ -178,7 +178,7 @@ class UniversalJoints(Rule[JointRuleSettings]):
         return []
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What it does not judge, and why."""
+        """Return what it does not judge, and why."""
         rows = [
             (f"{RULE}: bending of {tube.name}", tube.lacks)
             for tube in tubes(study.train)
@@ -194,7 +194,7 @@ class UniversalJoints(Rule[JointRuleSettings]):
         return tuple(rows)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
+        """Return every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         joints, speed = evidence.get(Joints), _speed(evidence.study)
         if joints is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")

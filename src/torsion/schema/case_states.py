@@ -27,7 +27,7 @@ def _states_of(name: str, cases: dict[str, Any]) -> CaseStates:
         return CaseStates(frozenset({"other stiffness"} if case == "tolerances" else ()))
     states = frozenset(_own_states(case))
     rules = None if case.get("rules") is None else tuple(_names(case["rules"]))
-    base = case.get("based_on")
+    base: Any = case.get("based_on")
     base_case = None if base == name else cases.get(base)
     if not isinstance(base_case, dict) or "based_on" in base_case:
         return CaseStates(states, rules)

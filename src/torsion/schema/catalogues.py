@@ -35,12 +35,12 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
                         file=reading.tables[name].name,
                     )
                 )
-        puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *STATED)}
+        changes = {key: node for key, node in row.parts.items() if key not in (LABEL, *STATED)}
         origin = row.parts.get("source", row.parts[LABEL])
-        puts["source"] = replace(
-            origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else "")
+        changes["source"] = replace(
+            origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in changes else "")
         )
-        yield Row(label, tuple(((*part.path, key), node) for key, node in puts.items()), stated)
+        yield Row(label, tuple(((*part.path, key), node) for key, node in changes.items()), stated)
     faults += reading.faults
 
 

@@ -120,7 +120,7 @@ class Overlay:
         named = next((part for part in self.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
             if named is None:
-                self.faults.append(self._unknown(first, words, fault, is_quoted))
+                self.faults.append(self._unknown_name(first, words, fault, is_quoted))
                 return None
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
@@ -162,7 +162,7 @@ class Overlay:
         plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
         return plain[0], words_found[0] != plain[0], canonical_steps(plain[0], plain[1:])
 
-    def _unknown(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
+    def _unknown_name(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
         """The fault of a word that neither a component nor a section goes by."""
         if not is_quoted and first in NOT_BY_KEY:
             message = f"`{first}` is not changed by its key"
@@ -208,7 +208,7 @@ class Overlay:
         """The file with all of it; components keep the names that they have without it."""
         root = self.source.root
         for path, value, key_place in self._put:
-            root = _with(root, path, value, key_place)
+            root = _put_in(root, path, value, key_place)
         for path in sorted(
             self._gone,
             key=lambda path: [(isinstance(step, str), step) for step in path],
@@ -228,12 +228,12 @@ def node_at(node: Node, path: Path) -> Node | None:
     return node
 
 
-def _with(node: Node, path: Path, new: Node, key_place: Place) -> Node:
+def _put_in(node: Node, path: Path, new: Node, key_place: Place) -> Node:
     """The same with another value at a path; mappings on the way to it are made."""
     if not path:
         return new
     step, deeper = path[0], path[1:]
-    inner = _with(
+    inner = _put_in(
         node.parts.get(step) or Node(None, *key_place, source=new.source), deeper, new, key_place
     )
     parts = {**node.parts, step: inner}

@@ -17,7 +17,7 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
     entries: dict[Path, None] = {}  # of the lists of components
     ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
     for position, name in enumerate(names):
-        fault_path = _place(overlay, fault, position)
+        fault_path = _fault_path(overlay, fault, position)
         if name in parts:
             path = parts[name].path[:-1]
             if path[:-1] == MAIN and parts[name].kind != "branch":
@@ -33,7 +33,7 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
         _remove_entries(overlay, list(entries), fault)
 
 
-def _place(overlay: Overlay, fault: Path, position: int) -> Path:
+def _fault_path(overlay: Overlay, fault: Path, position: int) -> Path:
     """Where a name stands: in a list, or alone."""
     node = node_at(overlay.source.root, fault)
     return (*fault, position) if node is not None and isinstance(node.value, list) else fault

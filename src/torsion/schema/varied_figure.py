@@ -23,7 +23,7 @@ class Row:
 
     label: str
     puts: tuple[tuple[Path, Node], ...]
-    said: Mapping[str, float]  # what else it states, such as mass and cost
+    amounts: Mapping[str, float]  # what else it states, such as mass and cost
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ class Figure:
         if not self.places:
             low, high = self.law.ends
             return np.asarray(low + unit * (high - low))
-        return self.every()[np.minimum((unit * self.places).astype(np.intp), self.places - 1)]
+        return self.all_values()[np.minimum((unit * self.places).astype(np.intp), self.places - 1)]
 
     @property
     def places(self) -> int:
         """How many values it takes; 0 where any within its range, or by its law."""
         return len(self.rows) or (0 if self.law.first is None else self.law.places or 0)
 
-    def every(self) -> FloatArray:
+    def all_values(self) -> FloatArray:
         """Return all values of a list, a catalogue or a range in steps."""
         if self.rows:
             return np.arange(float(len(self.rows)))
@@ -83,7 +83,7 @@ class Figure:
     def numbers(self) -> tuple[FloatArray, str]:
         """Its values as numbers, and their unit; NaN where they are no numbers of one unit."""
         if not self.rows:
-            return self.every(), self.law.unit
+            return self.all_values(), self.law.unit
         stated = [
             amount_of(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows
         ]

@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from torsion.errors import Fault, InputError, SolveError
-from torsion.sweeping.worker_task import Errand, answered, others
+from torsion.sweeping.worker_task import Errand, answered, differing_versions
 from torsion.what_if.variants.chunks import Chunk, Part
 
 ENVIRONMENT = {  # of the workers of this machine
@@ -224,7 +224,7 @@ def _compare(client: Any, errand: Errand) -> None:
     """Raise InputError where a worker has other versions."""
     workers = client.get_versions(packages=[name for name, _ in errand.versions])["workers"]
     for worker, versions in workers.items():
-        differ = others(errand.versions, versions.get("packages", {}))
+        differ = differing_versions(errand.versions, versions.get("packages", {}))
         if differ:
             hint = "install the same everywhere: answers of others may differ in their last digits"
             raise _refused(f"the worker {worker} cannot join: {differ}", hint)

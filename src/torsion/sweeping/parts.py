@@ -23,50 +23,55 @@ Columns = Mapping[str, np.ndarray]  # (variants,) each
 def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, dict[str, Any]]:
     """The columns of a part, and what they hold."""
     values, answers = part
-    found: dict[str, np.ndarray] = {"variant": np.arange(chunk.begin, chunk.end)}
+    table: dict[str, np.ndarray] = {"variant": np.arange(chunk.begin, chunk.end)}
     about: dict[str, Any] = {
-        "figures": [one.name for one in variation.figures],
+        "figures": [figure.name for figure in variation.figures],
         "method": answers.method,
     }
-    for figure, own in zip(variation.figures, values.T, strict=True):
-        found[figure.name] = own
+    for figure, column in zip(variation.figures, values.T, strict=True):
+        table[figure.name] = column
         if figure.rows:
-            found[f"{figure.name} label"] = np.array(
-                [figure.words(value) for value in own.tolist()]
+            table[f"{figure.name} label"] = np.array(
+                [figure.words(value) for value in column.tolist()]
             )
     about["modes"] = [f"mode {mode} (Hz)" for mode in range(1, 1 + len(answers.frequency))]
-    found |= dict(zip(about["modes"], answers.frequency, strict=True))
+    table |= dict(zip(about["modes"], answers.frequency, strict=True))
     about["checks"] = []
     for key, (used, fails) in answers.checks.items():
         name = ", ".join(filter(None, key))
         about["checks"].append([*key, name])
-        found[f"{name}: utilisation"], found[f"{name}: fails"] = used, fails
-    found["fault"] = np.array([answers.faults.get(place, "") for place in range(chunk.size)])
-    return found, about
+        table[f"{name}: utilisation"], table[f"{name}: fails"] = used, fails
+    table["fault"] = np.array([answers.faults.get(variant, "") for variant in range(chunk.size)])
+    return table, about
 
 
-def part_of(found: Columns, about: Mapping[str, Any]) -> Part:
+def part_of(columns_of_part: Columns, about: Mapping[str, Any]) -> Part:
     """What the columns of a part hold, to the last bit as they were written."""
-    values = np.stack([found[name] for name in about["figures"]], axis=1)
+    values = np.stack([columns_of_part[name] for name in about["figures"]], axis=1)
     frequency = (
-        np.stack([found[name] for name in about["modes"]])
+        np.stack([columns_of_part[name] for name in about["modes"]])
         if about["modes"]
         else np.empty((0, len(values)))
     )
     checks = {
-        (rule, clause, where, what): (found[f"{name}: utilisation"], found[f"{name}: fails"])
+        (rule, clause, where, what): (
+            columns_of_part[f"{name}: utilisation"],
+            columns_of_part[f"{name}: fails"],
+        )
         for rule, clause, where, what, name in about["checks"]
     }
-    faults = {place: str(why) for place, why in enumerate(found["fault"].tolist()) if why}
+    faults = {
+        variant: str(why) for variant, why in enumerate(columns_of_part["fault"].tolist()) if why
+    }
     return values, Answers(frequency, checks, faults, about["method"])
 
 
-def write_part(path: Path, found: Columns, about: Mapping[str, Any]) -> str:
+def write_part(path: Path, columns_of_part: Columns, about: Mapping[str, Any]) -> str:
     """Write the columns so that the file is there whole or not at all; return its SHA-256."""
     import pyarrow
     from pyarrow import parquet
 
-    table = pyarrow.table({name: pyarrow.array(own) for name, own in found.items()})
+    table = pyarrow.table({name: pyarrow.array(column) for name, column in columns_of_part.items()})
     content = io.BytesIO()
     parquet.write_table(
         table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True

@@ -87,7 +87,7 @@ class SweepFolder:
         lines = (line.partition("  ") for line in text.splitlines())
         self.checksums.update((name, checksum) for checksum, _, name in lines)
 
-    def found(self, chunk: Chunk) -> Path | None:
+    def part_path(self, chunk: Chunk) -> Path | None:
         """Return the part of a chunk; None if it is missing or its checksum was never written."""
         path = self._path(chunk)
         return path if path.name in self.checksums and path.exists() else None
@@ -107,7 +107,7 @@ class SweepFolder:
 
     def read(self, chunk: Chunk) -> Part:
         """What a chunk answers; raises InputError where its part is missing or another's."""
-        path = self.found(chunk)
+        path = self.part_path(chunk)
         if path is None:
             message = f"the part {chunk.number} has disappeared from {self.parts}"
             raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
@@ -121,7 +121,7 @@ class SweepFolder:
 
     def write_csv(self, chunks: Sequence[Chunk]) -> Path:
         """Write all variants into one table, a part at a time; its path."""
-        paths = [path for path in map(self.found, chunks) if path is not None]
+        paths = [path for path in map(self.part_path, chunks) if path is not None]
         names: dict[str, None] = {}
         for path in paths:
             names |= dict.fromkeys(read_part(path, self.checksums[path.name])[0])
@@ -225,7 +225,7 @@ def _differences(
     """What differs, in words; of another scene that alone."""
     if not above and stored.get("scene") != current.get("scene"):
         return [
-            f"of the model file {_said(stored.get('scene'))}, and this is {_said(current.get('scene'))}"
+            f"of the model file {_in_words(stored.get('scene'))}, and this is {_in_words(current.get('scene'))}"
         ]
     return list(_each_difference(stored, current, above))
 
@@ -250,10 +250,10 @@ def _each_difference(
             yield f"the file {key} {change}"
         else:
             name = {"settings": f"`{key}`", "versions": key}.get(above, key)
-            yield f"{name} was {_said(before)} and is {_said(after)}"
+            yield f"{name} was {_in_words(before)} and is {_in_words(after)}"
 
 
-def _said(value: object) -> str:
+def _in_words(value: object) -> str:
     return (
         "not given"
         if value is None

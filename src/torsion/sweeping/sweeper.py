@@ -46,7 +46,9 @@ class Sweeper:
             with alone(sweep_folder.folder, self.notice):
                 sweep_folder.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
                 self.kept += (
-                    sum(sweep_folder.found(chunk) is not None for chunk in chunks) if is_new else 0
+                    sum(sweep_folder.part_path(chunk) is not None for chunk in chunks)
+                    if is_new
+                    else 0
                 )
                 self._complete(sweep_folder, work, variation, chunks)
                 if self.csv and is_new:
@@ -59,7 +61,7 @@ class Sweeper:
         self, sweep_folder: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]
     ) -> None:
         """Solve the chunks that are not there, each written as soon as it is answered."""
-        left = [chunk for chunk in chunks if sweep_folder.found(chunk) is None]
+        left = [chunk for chunk in chunks if sweep_folder.part_path(chunk) is None]
         pace = Pace(
             chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left)
         )

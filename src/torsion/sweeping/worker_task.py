@@ -50,7 +50,7 @@ def answered(given: Errand, chunk: Chunk) -> Part:
 
 @lru_cache(maxsize=4)
 def _opened(given: Errand) -> tuple[Work, Variation]:
-    fault = others(
+    fault = differing_versions(
         given.versions, {name: version(name) for name, _ in given.versions}
     ) or _other_files(given.files)
     if fault:
@@ -59,7 +59,9 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
     return replace(work, solve=run, rules=rule_over_speed), variation
 
 
-def others(versions: Iterable[tuple[str, str]], installed: Mapping[str, str | None]) -> str:
+def differing_versions(
+    versions: Iterable[tuple[str, str]], installed: Mapping[str, str | None]
+) -> str:
     """Which of the versions found on a worker are others, in words; empty where none is."""
     differ = ((name, needed) for name, needed in versions if installed.get(name) != needed)
     return ", ".join(

@@ -273,3 +273,31 @@ def test_a_rigid_joint_beside_fast_modes_without_damping_is_given_up_soon(
     ) as refused:
         transient(study, assemble(study.train, model=model), settings, path=place)
     assert refused.value.path == place
+
+
+def test_two_joints_that_are_nearly_straight_move_as_none_with_a_damper_to_ground() -> None:
+    """Three parts turn freely and the damper holds one: two rigid motions of theirs have no damping at all."""
+    text = """
+name: mill
+operation: {{speeds: {{from: 20 rpm, to: 80 rpm}}, rated: {{speed: 60 rpm, power: 5 MW}}, load: constant}}
+train:
+- motor: {{name: motor, inertia: 60000}}
+- coupling: {{name: coupling, stiffness: 900 MN*m/rad, viscous: 100 kN*m*s/rad}}
+{first}
+- shaft: {{name: spindle, length: 9 m, diameter: 800 mm, segments: 2}}
+{second}
+- disc: {{name: roll, inertia: 8000, damping: 2 N*m*s/rad}}
+analyses:
+  transient:
+    duration: 0.15 s
+    initial: {{speed: 60 rpm}}
+    events: [{{at: roll, time: 0.05 s, step: {{torque: -1.5 MN*m, length: 20 ms}}}}]
+"""
+    joints = ("- joint: {angle: 0.1 deg}", "- joint: {angle: 0.1 deg, phase: 90 deg}")
+    greatest = []
+    for first, second in (joints, ("", "")):
+        findings = torsion.run(torsion.parse(text.format(first=first, second=second)))
+        motion = findings.results["transient"].each[0]
+        names = [span.name for span in findings.system.spans]
+        greatest.append(motion.greatest[[names.index("coupling"), names.index("spindle [2]")]])
+    np.testing.assert_allclose(greatest[0], greatest[1], rtol=1e-5)

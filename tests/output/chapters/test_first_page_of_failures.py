@@ -86,14 +86,14 @@ def test_unstable_speeds_of_a_tilting_shaft_stand_in_the_box_and_the_bar() -> No
         if one.kind == "unstable"
     ]
     np.testing.assert_allclose(
-        bands, [(zone.lower * RPM, zone.upper * RPM) for zone in zones], rtol=1e-14
+        bands, [(zone.first * RPM, zone.last * RPM) for zone in zones], rtol=1e-14
     )
     said = lines(found)["Restrictions"]
     assert said.count("Unstable range") == len(zones) == 3
     for zone in zones:
         low, high = (
-            math.floor(10.0 * zone.lower * RPM) / 10.0,
-            math.ceil(10.0 * zone.upper * RPM) / 10.0,
+            math.floor(10.0 * zone.first * RPM) / 10.0,
+            math.ceil(10.0 * zone.last * RPM) / 10.0,
         )
         assert (
             f"Unstable range: {low:.1f} to {high:.1f} rpm, tilt of tail shaft, {zone.kind}" in said

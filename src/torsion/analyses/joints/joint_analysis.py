@@ -57,7 +57,7 @@ def joints(
     requested: JointsSettings | None = None,
     steady: Steady | None = None,
 ) -> Joints:
-    """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
+    """Return all joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
 
     Each joint carries its own mean torque at the rated speed (else the highest), constant on the shaft `carrier`;
     a `torque` that is given stands in its place everywhere. `steady` saves computing the mean torques again.
@@ -168,7 +168,7 @@ def _remarks(
 
 
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
-    """Faults of the settings against the train."""
+    """Return the faults of the settings against the train."""
     placed = joint_lines.placed(train)
     if not placed:
         return [Fault(PLACE, "the train has no joint", "add one: `- joint: {angle: 5 deg}`")]

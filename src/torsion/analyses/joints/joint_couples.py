@@ -20,7 +20,7 @@ _SAMPLES = 720  # over a revolution of a tripod; symmetry puts the extremes of i
 def joint_couples(
     joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier, distance: float | None
 ) -> tuple[Pair, float]:
-    """Couples on the driving and the driven shaft, and the greatest force across the driving shaft, N.
+    """Return the couples on the driving and the driven shaft, and the greatest force across the driving shaft, N.
 
     yoke (angles,) rad from the joint's plane; `torque` is constant on the shaft called `carrier`; distance of two
     bearings, m.
@@ -91,7 +91,7 @@ def _of_tripod(
         x, share = x + both.error[:-1] - both.error[-1], both.ratio[:-1]
 
     def statics(angles: FloatArray) -> tuple[list[tuple[FloatArray, FloatArray]], FloatArray]:
-        """(normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
+        """Return (normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
         carried = (
             np.full_like(angles, torque)
             if carrier == "driving"

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -49,7 +49,7 @@ class Behind:
 
 
 def placed(train: Train) -> tuple[Placed, ...]:
-    """Every joint, the ones before it first. Assemblies number springs first, then gears and joints."""
+    """Return every joint, the ones before it first. Assemblies number springs first, then gears and joints."""
     placed_joints: dict[int, Placed] = {}
     for span, mesh in enumerate(train.constraints, len(train.springs)):
         part = train.parts[mesh.part]
@@ -62,13 +62,13 @@ def placed(train: Train) -> tuple[Placed, ...]:
 
 
 def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
-    """Positions of the joints of every shaft line, from its first joint to one that no other stands behind."""
+    """Return the positions of the joints of every shaft line, from its first joint to one that no other stands behind."""
     followed = {joint.before for joint in joints}
     return tuple(path_to(joints, last) for last in range(len(joints)) if last not in followed)
 
 
 def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
-    """Positions of the joints of a shaft line from its first to one of them."""
+    """Return the positions of the joints of a shaft line from its first to one of them."""
     path: list[int] = []
     while last is not None:
         path.insert(0, last)
@@ -77,7 +77,7 @@ def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
 
 
 def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
-    """Exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
+    """Return the exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
     none, behind_joints = np.zeros(turned.size), list[Behind]()
     for joint in joints:
         before = (
@@ -92,7 +92,7 @@ def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
 
 
 def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
-    """Error, ratio and second derivative of one joint, its driving yoke at angles from its plane, rad."""
+    """Return the error, ratio and second derivative of one joint, its driving yoke at angles from its plane, rad."""
     if joint.order == 2:
         return transfer(yoke, joint.angle)
     if joint.order == 0 or joint.angle == 0:
@@ -117,7 +117,7 @@ def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatAr
 
 
 def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, ...], Line]:
-    """Positions of the cross joints of a path, and the line that they make, joints between them turning its yokes.
+    """Return the positions of the cross joints of a path, and the line that they make, joints between them turning its yokes.
 
     Where there is none, the line is that of a straight joint.
     """
@@ -143,7 +143,7 @@ _WIDEST = math.radians(45.0)  # of a joint's angle in the picture of the index
 def line_found(
     joints: Sequence[Placed], path: tuple[int, ...], variable: Variable | None, free: str | None
 ) -> LineFound:
-    """The joints of one path as one: the resultant of its cross joints, the speeds of all, the best `variable`."""
+    """Return the joints of one path as one: the resultant of its cross joints, the speeds of all, the best `variable`."""
     _, line = crosses(joints, path)
     single = resultant(line)
     angle = float(single.greatest_at)
@@ -159,7 +159,7 @@ def line_found(
 
 
 def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
-    """A tripod on the path moves the end of its shaft: no single cross joint turns as the line does."""
+    """Return whether a tripod on the path moves the end of its shaft: no single cross joint turns as the line does."""
     return any(joints[k].record.order == 3 and joints[k].record.angle > 0 for k in path)
 
 
@@ -179,7 +179,7 @@ def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> E
 
 
 def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
-    """Greatest magnitude of the acceleration behind the last joint of a path at speed 1, 1/rad."""
+    """Return the greatest magnitude of the acceleration behind the last joint of a path at speed 1, 1/rad."""
     if not has_third_order(joints, path):
         return float(greatest_curvature(resultant(crosses(joints, path)[1]).angle))
     size = np.abs(
@@ -192,15 +192,14 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
 
 
 def _end(joints: Sequence[Placed], path: tuple[int, ...], turned: FloatArray) -> Transfer:
-    """Motion behind the last joint of a path, which is taken alone, its joints counted anew."""
-    alone = [replace(joints[k], before=rank - 1 if rank else None) for rank, k in enumerate(path)]
-    return motions(alone, turned)[-1].transfer
+    """Motion behind the last joint of a path."""
+    return motions(joints, turned)[path[-1]].transfer
 
 
 def optimum_found(
     joints: Sequence[Placed], path: tuple[int, ...], variable: Variable, free: str | None
 ) -> OptimumFound | None:
-    """The best choice for the cross joints of a path, tripods left out; None where there is nothing to choose.
+    """Return the best choice for the cross joints of a path, tripods left out; None where there is nothing to choose.
 
     free: the joint that may be changed, all cross joints but the first if None.
     """

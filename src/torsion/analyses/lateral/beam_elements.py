@@ -35,30 +35,30 @@ class Segment:
     loss_factor: float = 0.0
 
     def diameters(self, share: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Outer diameter and bore, m, at shares of the length."""
+        """Return outer diameter and bore, m, at shares of the length."""
         outer, bore = (ends[0] + (ends[1] - ends[0]) * share for ends in (self.outer, self.bore))
         return outer, bore
 
     def between(self, start: float, end: float) -> "Segment":
-        """The part between two distances from its start, m."""
+        """Return the part between two distances from its start, m."""
         (o1, o2), (b1, b2) = (
             diameters.tolist() for diameters in self.diameters(np.array([start, end]) / self.length)
         )
         return replace(self, length=end - start, outer=(o1, o2), bore=(b1, b2))
 
     def area(self, share: FloatArray) -> FloatArray:
-        """Area of the section at shares of the length, m2."""
+        """Return the area of the section at shares of the length, m2."""
         outer, bore = self.diameters(share)
         return np.asarray(math.pi / 4.0 * (outer - bore) * (outer + bore))
 
     def moment(self, share: FloatArray) -> FloatArray:
-        """Second moment of area about a diameter, m4."""
+        """Return the second moment of area about a diameter, m4."""
         outer, bore = self.diameters(share)
         return np.asarray(math.pi / 64.0 * (outer - bore) * (outer + bore) * (outer**2 + bore**2))
 
     @source("Cowper1966")
     def shear_coefficient(self, share: FloatArray) -> FloatArray:
-        """Cowper's coefficient of a hollow circular section with the Poisson's ratio of E and G."""
+        """Return Cowper's coefficient of a hollow circular section with the Poisson's ratio of E and G."""
         poisson = self.youngs_modulus / (2.0 * self.shear_modulus) - 1.0
         outer, bore = self.diameters(share)
         square = (bore / outer) ** 2
@@ -71,7 +71,7 @@ class Segment:
         )
 
     def phase(self, frequency: float, shear: bool) -> float:
-        """rad of the bending wave along the element at a frequency, rad/s; not less than it is."""
+        """Return the phase (rad) of the bending wave along the element at a frequency, rad/s; not less than it is."""
         ends = np.array([0.0, 1.0])
         bending = (
             np.sqrt(self.density * self.area(ends) / (self.youngs_modulus * self.moment(ends)))
@@ -98,13 +98,13 @@ class Functions:
 
 
 def size(shear: bool) -> int:
-    """Unknowns of one element, those at its ends included."""
+    """Return the unknowns of one element, those at its ends included."""
     return 2 * DEGREE + 1 if shear else DEGREE + 1
 
 
 @source("SzaboBabuska1991", "ch. 3")
 def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stiffness, N/m, mass, kg, and rotary inertia of the sections, kg, by quadrature that is exact for cones.
+    """Return the stiffness, N/m, mass, kg, and rotary inertia of the sections, kg, by quadrature that is exact for cones.
 
     Each (functions, functions) of one plane over displacements, m, slopes, and inner unknowns.
     """
@@ -123,7 +123,7 @@ def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, Floa
 
 
 def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
-    """The functions on an element of a length, m, whose unknowns at the ends are displacements and slopes."""
+    """Return the functions on an element of a length, m, whose unknowns at the ends are displacements and slopes."""
     if shear:
         return Functions(
             shapes.deflection, shapes.rotation, shapes.bending / length, shapes.shear / length
@@ -141,7 +141,7 @@ def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
 
 @lru_cache(maxsize=16)
 def functions(points: tuple[float, ...], shear: bool) -> Functions:
-    """All functions of the cell at points in [0, 1]: displacement and slope at both ends, then the inner ones."""
+    """Return all functions of the cell at points in [0, 1]: displacement and slope at both ends, then the inner ones."""
     return _independent(np.array(points)) if shear else _hermite(np.array(points))
 
 
@@ -198,7 +198,7 @@ def _on_cell(kind: Any, points: FloatArray) -> list[Any]:
 
 @lru_cache(maxsize=2)
 def gauss(number: int) -> tuple[FloatArray, FloatArray]:
-    """Points and weights of Gauss on [0, 1]."""
+    """Return the points and weights of Gauss on [0, 1]."""
     points, weights = np.polynomial.legendre.leggauss(number)
     return (points + 1.0) / 2.0, weights / 2.0
 

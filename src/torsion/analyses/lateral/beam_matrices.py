@@ -65,7 +65,7 @@ class Beam:
         )
 
     def rigid_motions(self, plane: int) -> int:
-        """Motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
+        """Return the motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
         if any(point.fixation == "clamped" for point in self.points):
             return 0
         places = {
@@ -76,7 +76,7 @@ class Beam:
         return max(0, 2 - len(places))
 
     def hold(self, plane: int) -> float:
-        """How stiffly its points hold it against the softest motion that bends nothing, over E I/length^3; at most 1.
+        """Return how stiffly its points hold it against the softest motion that bends nothing, over E I/length^3; at most 1.
 
         The motions are 1 - x/L and x/L; no point counts for more than the bending stiffness.
         """
@@ -131,7 +131,7 @@ class LateralSystem:
     shear: bool
 
     def support(self, what: Literal["stiffness", "damping"], plane: int) -> FloatArray:
-        """(n, n) springs, N/m, or dampers, N s/m, of the points in a plane."""
+        """Return (n, n) springs, N/m, or dampers, N s/m, of the points in a plane."""
         matrix = np.zeros_like(self.stiffness)
         for point, row in zip(self.beam.points, self.place, strict=True):
             matrix[row, row] += getattr(point, what)[plane]
@@ -146,7 +146,7 @@ def assemble_lateral(
     rotary_inertia: bool = True,
     elements: int = 1,
 ) -> LateralSystem:
-    """The system of a shaft, divided finely enough for a highest frequency, rad/s, and into `elements` at least.
+    """Return the system of a shaft, divided finely enough for a highest frequency, rad/s, and into `elements` at least.
 
     An interval between two points or changes of section has as many elements as keep the bending wave's phase along
     one of them below LONGEST_PHASE. rotary_inertia False is the beam of Euler: no inertia and no gyroscopic moment of
@@ -232,7 +232,7 @@ class Places:
 
 
 def places(system: LateralSystem, shares: tuple[float, ...] = SHARES) -> Places:
-    """The rows at shares of the length of every element."""
+    """Return the rows at shares of the length of every element."""
     local = np.array(shares)
     rows = np.zeros((3, len(system.cells), len(shares), len(system.inertia)))
     for k, cell in enumerate(system.cells):

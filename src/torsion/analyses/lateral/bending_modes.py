@@ -54,7 +54,7 @@ class Planes:
 
 
 def planes(system: LateralSystem) -> Planes:
-    """The modal coordinates of a shaft on its joints and supports; raises SolveError where it is not supported."""
+    """Return the modal coordinates of a shaft on its joints and supports; raises SolveError where it is not supported."""
     for name, plane in (("y", 0), ("z", 1)):
         if system.beam.rigid_motions(plane):
             where = system.beam.name or "the shaft"

@@ -45,7 +45,7 @@ class BendingShaft:
 
 
 def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]:
-    """Every shaft line of a train, and the faults of their data.
+    """Return every shaft line of a train, and the faults of their data.
 
     Joints hold both their shafts in place and let them tilt; everything else but a `support` leaves them free.
     """

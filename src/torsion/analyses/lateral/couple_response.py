@@ -74,13 +74,13 @@ class Answer:
 
 
 def extent(pairs: ComplexArray) -> FloatArray:
-    """(...) largest amplitude in any direction of amplitudes (..., 2) in y and z: half the long axis of the ellipse."""
+    """Return (...) largest amplitude in any direction of (..., 2) in y and z: half the long axis of the ellipse."""
     y, z = pairs[..., 0], pairs[..., 1]
     return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
 
 
 def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
-    """The speeds requested, and more around the resonances between them, which are there themselves."""
+    """Return the speeds requested, and more around the resonances between them, which are there themselves."""
     added = [requested]
     for resonance in resonances:
         steps = (
@@ -95,7 +95,7 @@ def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> Float
 
 
 def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) -> Answer:
-    """Answer to couples (speeds, points, 2) N m, M_y and M_z at the points, turning at speeds (speeds,) rad/s.
+    """Return the answer to couples (speeds, points, 2) N m, M_y and M_z at the points, turning at speeds (speeds,) rad/s.
 
     A loss factor of the shaft acts as E (1 + i eta) at orders from 2 on, as forward and backward whirl then bend it in
     the sense in which they pass (Genta 2005); at order 0 it is left out. Raises ValueError for order 1.
@@ -200,7 +200,7 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
 
 
 def orders(joints: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
-    """0, and the orders of all joints up to this shaft and at its end."""
+    """Return 0, and the orders of all joints up to this shaft and at its end."""
     position = {joint.part: k for k, joint in enumerate(joints)}
     found_orders = {
         joints[k].record.order for end in shaft.joints for k in path_to(joints, position[end.part])
@@ -211,7 +211,7 @@ def orders(joints: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
 def couples_at(
     joints: Sequence[Placed], shaft: BendingShaft, torque: FloatArray, carrier: Carrier = "driving"
 ) -> dict[int, ComplexArray]:
-    """By order: (speeds, points, 2) N m, amplitudes about y and z of Re[C exp(i order x)], x the first shaft's angle.
+    """Return by order (speeds, points, 2) N m: about y and z of Re[C exp(i order x)], x the first shaft's angle.
 
     torque: (joints of `every`, speeds) N m, mean, constant on the first shaft of the line (carrier driving) or on the
     last. y is the normal of the plane of the joint before the shaft, else of the one behind it.

@@ -57,7 +57,7 @@ class MisalignedShaft:
         return self.torque / self.inertia
 
     def pull_at(self, speeds: FloatArray) -> FloatArray:
-        """(speeds,) rad/s2, the same at speeds in rad/s."""
+        """Return (speeds,) rad/s2, the same at speeds in rad/s."""
         return self.pull * self.load(np.asarray(speeds, dtype=float))
 
     @property
@@ -67,7 +67,7 @@ class MisalignedShaft:
 
 
 def linearised(turned: ArrayLike, tilt: float) -> FloatArray:
-    """(..., 2, 2) minus the derivative of couple / torque: Zhu and Wang, eq. 7, sec and two entries corrected."""
+    """Return (..., 2, 2) minus the derivative of couple / torque: Zhu and Wang, eq. 7, sec and two entries corrected."""
     sine, cosine = (
         np.sin(2.0 * np.asarray(turned, dtype=float)),
         np.cos(2.0 * np.asarray(turned, dtype=float)),
@@ -80,7 +80,7 @@ def linearised(turned: ArrayLike, tilt: float) -> FloatArray:
 def small_angle_part(
     turned: ArrayLike, *, sine: float, cosine: float, constant: float
 ) -> FloatArray:
-    """(..., 2, 2) `linearised` at no tilt with its parts in sin 2x, cos 2x and the constant one scaled.
+    """Return (..., 2, 2) `linearised` at no tilt with its parts in sin 2x, cos 2x and the constant one scaled.
 
     With all three it is minus eq. 8 of Zhu and Wang in its right sign. The constant part, [[0, 1], [-1, 0]], is
     circulatory: it comes from no potential and feeds energy in.
@@ -121,7 +121,7 @@ class Growth:
 def coefficients(
     shaft: MisalignedShaft, turned: FloatArray, speeds: FloatArray, model: Model = EXACT
 ) -> tuple[FloatArray, FloatArray]:
-    """Damping and stiffness, each (speeds, angles, 2, 2), of y'' + C y' + K y = what shakes it at driving angles."""
+    """Return damping and stiffness, each (speeds, angles, 2, 2), of y'' + C y' + K y = what shakes it at driving angles."""
     pull = shaft.pull_at(speeds)[:, None, None, None]
     stiffness = np.diag(shaft.square) + pull * model.couple(turned, shaft.tilt)
     ratio = np.ones_like(turned) if model.is_even else transfer(turned, shaft.tilt, "N").ratio
@@ -131,7 +131,7 @@ def coefficients(
 
 
 def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> FloatArray:
-    """(speeds, 4, 4): what half a turn of the driving shaft, the period of the couple, makes of angles and rates."""
+    """Return (speeds, 4, 4): what half a turn of the driving shaft, the period of the couple, makes of angles and rates."""
     speed, rule = np.atleast_1d(np.asarray(speeds, dtype=float)), radau()
     highest = float(np.sqrt(shaft.square.max() + np.abs(shaft.pull_at(speed)).max()))
     steps = max(FEWEST_STEPS, int(np.ceil(2.0 * np.pi * highest / (ANGLE_PER_STEP * speed.min()))))
@@ -158,7 +158,7 @@ def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT
 
 @source("ZhuWang", "eq. 7, corrected")
 def growth(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> Growth:
-    """Growth over positive speeds (rad/s) by the eigenvalues of the monodromy matrix."""
+    """Return the growth over positive speeds (rad/s) by the eigenvalues of the monodromy matrix."""
     speed = np.atleast_1d(np.asarray(speeds, dtype=float))
     multiplier = np.linalg.eigvals(monodromies(shaft, speed, model))
     rank = np.abs(multiplier).argmax(axis=1)[:, None]

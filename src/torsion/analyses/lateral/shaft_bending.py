@@ -114,7 +114,7 @@ def lateral(
     *,
     progress: Progress = silent,
 ) -> Lateral:
-    """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
+    """Return every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
     Raises InputError where no shaft is supported, or a support or a material is at fault; SolveError where the
     requested modes are out of reach.
@@ -151,7 +151,7 @@ def lateral(
 
 
 def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Fault]:
-    """Supports and materials at fault; where bending is requested and no shaft is supported, that too."""
+    """Return the supports and materials at fault; where bending is requested and no shaft is supported, that too."""
     shafts, faults = bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not supported:

@@ -69,7 +69,7 @@ class TiltRange:
         return KIND_NAMES.get(self.kind, self.kind)
 
     def meets(self, first: float, last: float) -> bool:
-        """Some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
+        """Return whether some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
         return self.first < last and self.last > first
 
 
@@ -111,7 +111,7 @@ def tilting(
     speeds: FloatArray,
     bending: Bending,
 ) -> tuple[Tilting | None, str]:
-    """Growth and unstable ranges of the tilt, and why there are none; torque, speeds (rad/s) are of the reference.
+    """Return the growth and unstable ranges of the tilt, and why there are none; torque, speeds (rad/s) are of the reference.
 
     bending: (modes,) Hz of y and of z at rest, of the same shaft as it bends.
     """
@@ -215,7 +215,7 @@ def _named(shaft: MisalignedShaft, zone: TiltRange) -> TiltRange:
 def zones(
     shaft: MisalignedShaft, first: float, last: float, model: Model = EXACT, points: int = LOOKED_AT
 ) -> tuple[TiltRange, ...]:
-    """Every unstable range between two positive speeds, ascending.
+    """Return every unstable range between two positive speeds, ascending.
 
     Growth is sampled evenly and more densely where the frequencies meet; each local greatest value is sought out, so
     that a zone narrower than the spacing is still found where its growth has a slope that leads to it.
@@ -247,7 +247,7 @@ def zones(
 
 
 def resonances(shaft: MisalignedShaft) -> dict[str, float]:
-    """Speeds at which n times twice the speed is twice a frequency, their sum or their difference, by name; rad/s."""
+    """Return the speeds (rad/s) at which 2 n times the speed is twice a frequency, their sum or difference, by name."""
     lower, two = shaft.frequency
     parts = {
         "principal of 1": 2.0 * lower,

@@ -59,7 +59,7 @@ class Critical:
 
 @source("Genta2005")
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
-    """The lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
+    """Return the lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
 
     Loss factors of the shaft enter the decrement to first order; they drive a forward whirl slower than the shaft
     (Genta 2005). With unequal supports the 2 `modes` lowest are reported, in ascending order.
@@ -97,12 +97,12 @@ def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, Comp
 
 
 def lowest(planes: Planes, modes: int) -> IntArray:
-    """Coordinates of the lowest modes at rest, some more than are reported."""
+    """Return the coordinates of the lowest modes at rest, some more than are reported."""
     return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + modes]
 
 
 def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexArray, ComplexArray]:
-    """All roots and shapes (coordinates, roots) of the coordinates that are kept."""
+    """Return all roots and shapes (coordinates, roots) of the coordinates that are kept."""
     square = planes.square[kept]
     moving = np.flatnonzero(square > 0)
     n, m = len(kept), len(moving)
@@ -129,7 +129,7 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
 def refined(
     planes: Planes, speed: float, rough: tuple[ComplexArray, ComplexArray], modes: int
 ) -> tuple[ComplexArray, ComplexArray] | None:
-    """The `modes` lowest oscillating roots of either sense, refined, by modulus; None where they are in doubt.
+    """Return the `modes` lowest oscillating roots of either sense, refined, by modulus; None where they are in doubt.
 
     The equation (1 + s2 M + s C - i s Omega G) p = 0 has complex symmetric matrices, so that p is also its left vector.
     """
@@ -205,14 +205,14 @@ def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
 
 
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
-    """(modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
+    """Return (modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
     n = len(planes.y.square)
     direct, cross = 0.5 * _of_both(planes, p, planes.lossy), _energy(p[:n], planes.crossed, p[n:])
     return direct + cross, direct - cross
 
 
 def direction(planes: Planes, p: ComplexArray) -> FloatArray:
-    """(modes,) forward less backward share of the orbits, weighted by the inertia, of shapes of both planes."""
+    """Return (modes,) forward less backward share of the orbits, weighted by the inertia, of shapes of both planes."""
     n = len(planes.y.square)
     y, z = planes.y.shape @ p[:n], planes.z.shape @ (-1j * p[n:])
     forward, backward = (_energy(u, planes.system.inertia, u) for u in (y + 1j * z, y - 1j * z))
@@ -220,7 +220,7 @@ def direction(planes: Planes, p: ComplexArray) -> FloatArray:
 
 
 def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...]:
-    """Every speed up to the highest, rad/s, at which `order` times the speed is a frequency, ascending.
+    """Return every speed up to the highest, rad/s, at which `order` times the speed is a frequency, ascending.
 
     1 = Omega2 (order2 M - order G): a definite problem in 1/Omega2, so that none is missed.
     """

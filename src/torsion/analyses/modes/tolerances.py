@@ -134,10 +134,10 @@ class _Varied:
 
     def __init__(self, modes: Modes) -> None:
         self.system, self.nominal, self.count = modes.system, modes, modes.frequency.size
-        self.at = lru_cache(maxsize=256)(self._at)
+        self.solved = lru_cache(maxsize=256)(self._solve)
 
-    def _at(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left.
+    def _solve(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left.
 
         end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
         """
@@ -145,35 +145,37 @@ class _Varied:
             scaled(with_inertias(self.system, end), dict(factors)), self.count
         )
         loose = max(varied.rigid - self.nominal.rigid, 0)
-        values = []
-        for values_of_modes in (varied.frequency, varied.lower, varied.upper):
-            padded = np.concatenate([np.zeros(loose), values_of_modes, np.full(self.count, np.inf)])
-            values.append(padded[: self.count])
-        return values[0], values[1], values[2]
+        rows = np.array([varied.frequency, varied.lower, varied.upper])
+        padded = np.pad(rows, ((0, 0), (loose, 0)))
+        missing = np.full((3, self.count), np.inf)
+        frequency, lower, upper = np.hstack([padded, missing])[:, : self.count]
+        return frequency, lower, upper
 
     def stiffness(
         self, span: int, mode: int, frequency: float
     ) -> tuple[float | None, float, float]:
-        """Factor of the stiffness of a span at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
+        """Return the factor of a span's stiffness at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
         softest, stiffest = (
-            float(self.at(((span, factor),))[0][mode]) for factor in (0.0, math.inf)
+            float(self.solved(((span, factor),))[0][mode]) for factor in (0.0, math.inf)
         )
         if not softest < frequency < stiffest:
             return None, softest, stiffest
 
-        def apart(log_factor: float) -> float:
-            return math.log(float(self.at(((span, math.exp(log_factor)),))[0][mode]) / frequency)
+        def mismatch(log_factor: float) -> float:
+            return math.log(
+                float(self.solved(((span, math.exp(log_factor)),))[0][mode]) / frequency
+            )
 
         low = high = 0.0
         step = 1.0
-        while apart(low) > 0.0 and low > -FARTHEST:
+        while mismatch(low) > 0.0 and low > -FARTHEST:
             high, low, step = low, low - step, 2.0 * step
-        while apart(high) < 0.0 and high < FARTHEST:
+        while mismatch(high) < 0.0 and high < FARTHEST:
             low, high, step = high, high + step, 2.0 * step
-        if apart(low) * apart(high) > 0.0:
+        if mismatch(low) * mismatch(high) > 0.0:
             return None, softest, stiffest
         return (
-            math.exp(float(find_root(apart, low, high, tolerance=1e-16, relative=1e-15))),
+            math.exp(float(find_root(mismatch, low, high, tolerance=1e-16, relative=1e-15))),
             softest,
             stiffest,
         )
@@ -239,13 +241,13 @@ def ranked(modes: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
                     sensitivity * part.stiffness_tolerance,
                 )
             )
-    return tuple(sorted(figures, key=lambda lump: -float(lump.change.max(initial=0.0))))
+    return tuple(sorted(figures, key=lambda figure: -float(figure.change.max(initial=0.0))))
 
 
 def tolerances(
     study: Study, modes: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()
 ) -> Tolerances:
-    """Of a study with its modes. Raises InputError for an aim at a mode that was not computed."""
+    """Return the bands of a study with its modes; raises InputError for an aim at a mode that was not computed."""
     train, system, varied = study.train, modes.system, _Varied(modes)
     spans = {
         train.parts[span.part].name: number
@@ -255,21 +257,24 @@ def tolerances(
     width = {name: train.part(name).stiffness_tolerance for name in spans}
     _refuse(study, aims, modes)
 
-    def at(
+    def band_end(
         factor: Callable[[float], float], *names: str, end: int = 0
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return varied.at(
+        return varied.solved(
             tuple((spans[name], factor(width[name])) for name in names if width[name]), end
         )
 
-    lower, upper = at(lambda t: 1.0 - t, *spans, end=1)[1], at(lambda t: 1.0 + t, *spans, end=-1)[2]
+    lower, upper = (
+        band_end(lambda t: 1.0 - t, *spans, end=1)[1],
+        band_end(lambda t: 1.0 + t, *spans, end=-1)[2],
+    )
     reaches = [
         CouplingReach(
             name,
             width[name],
-            at(lambda t: 1.0 - t, name)[0],
-            at(lambda t: 1.0 + t, name)[0],
-            *(varied.at(((span, factor),))[0] for factor in (0.0, math.inf)),
+            band_end(lambda t: 1.0 - t, name)[0],
+            band_end(lambda t: 1.0 + t, name)[0],
+            *(varied.solved(((span, factor),))[0] for factor in (0.0, math.inf)),
         )
         for name, span in spans.items()
     ]

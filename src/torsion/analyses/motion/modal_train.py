@@ -23,6 +23,7 @@ from torsion.errors import Path, SolveError
 from torsion.kernels.motion.damped_motion import ModalTrain
 
 MOST_MODES = 3000
+ROUNDING = 1e-13  # of the largest damping: less is none
 BAND = 50  # modes kept of a train of finite elements, where the file names no number
 
 
@@ -84,6 +85,9 @@ class TrainInModes:
         damping = (system.viscous[damped, None] * twist).T @ twist
         if system.dampers:
             damping += (self.ground[:, None] * self.deviation).T @ self.deviation
+        size = np.abs(damping).max(axis=1, initial=0.0)
+        undamped = np.flatnonzero(size[: self.rigid] <= ROUNDING * size.max(initial=0.0))
+        damping[undamped], damping[:, undamped] = 0.0, 0.0
         return ModalTrain(self.w, ratio + system.modal_ratios(len(self.w)), damping)
 
     def slowed_torques(self) -> FloatArray:
@@ -125,7 +129,15 @@ def train_in_modes(
 ) -> TrainInModes:
     """Return the train with the shapes of its rigid motions before those of its modes."""
     shape = np.concatenate([rigid_shapes(system), modes.shape], axis=1)
-    return TrainInModes(system, modes, before, is_driven, shape)
+    train = TrainInModes(system, modes, before, is_driven, shape)
+    # A damper that holds a combination of rigid motions leaves others free, with a double root 0 each: these motions are
+    # to be motions of their own, as a double root has no two shapes.
+    parts = slice(0 if system.held.any() else 1, train.rigid)
+    damping = train.damped().viscous[parts, parts]
+    if len(damping) > 1 and damping.any():
+        values, turned = np.linalg.eigh(damping)
+        shape[:, parts] = shape[:, parts] @ turned[:, np.argsort(np.abs(values))]
+    return train
 
 
 def kept_modes(

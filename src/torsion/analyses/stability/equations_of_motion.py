@@ -53,7 +53,7 @@ class State:
 
 
 def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turning:
-    """Every body's turning, arrays (bodies, times), from the coordinates' deviations (free or more, times).
+    """Return every body's turning, arrays (bodies, times), from the coordinates' deviations (free or more, times).
 
     turned: (times,) rad, the mean angle of the reference station.
     """
@@ -76,19 +76,19 @@ def _of_bodies(layout: Layout, values: FloatArray) -> FloatArray:
 
 
 def mean_angle(loading: Loading, times: int) -> FloatArray:
-    """(times,) rad of the reference station over the common period."""
+    """Return (times,) rad of the reference station over the common period."""
     return np.asarray(2.0 * np.pi / loading.order * np.arange(times) / times)
 
 
 def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
-    """(bodies, times) N m that act on the bodies."""
+    """Return (bodies, times) N m that act on the bodies."""
     constant = loading.torque[:, None] + (loading.drive.T @ load)[:, None]
     phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
     return np.asarray(constant + (loading.vibratory @ phase).real)
 
 
 def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
-    """(bodies, times) N m/s by which the vibratory torques change."""
+    """Return (bodies, times) N m/s by which the vibratory torques change."""
     order = loading.order * loading.multiple
     phase = np.exp(1j * np.outer(order, turned))
     return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
@@ -97,7 +97,7 @@ def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
 def state(
     layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray
 ) -> State:
-    """The motion of all bodies, and what each lacks for equilibrium.
+    """Return the motion of all bodies, and what each lacks for equilibrium.
 
     Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
     """
@@ -120,7 +120,7 @@ def state(
 def spring_torques(
     layout: Layout, deviation: FloatArray, slip: FloatArray, dampers: FloatArray | None = None
 ) -> FloatArray:
-    """(springs, times) N m, positive when the driving side pushes: elastic, viscous and hysteretic share.
+    """Return (springs, times) N m, positive when the driving side pushes: elastic, viscous and hysteretic share.
 
     The hysteretic share is that of a steady vibration over the whole period: i eta k sign(frequency).
     dampers: (dampers, times) rad/s, rates of their twists where they are known beside the slip.
@@ -147,7 +147,7 @@ def spring_torques(
 def linearised(
     layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int
 ) -> Linearised:
-    """The equations at a motion over the common period, with their derivatives.
+    """Return the equations at a motion over the common period, with their derivatives.
 
     Dampers are in them where the motion holds their twists: those are then further unknowns, and the matrix stays
     sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
@@ -191,7 +191,7 @@ def _with_dampers(
 
 
 def damper_matrices(layout: Layout, moving: State) -> tuple[FloatArray, FloatArray]:
-    """Damping and stiffness of the dampers, each (times, free, free)."""
+    """Return the damping and stiffness of the dampers, each (times, free, free)."""
     twist = at_coordinates(layout, moving.turning.first)
     slope = at_coordinates(layout, moving.turning.second * moving.rate)
     pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
@@ -199,7 +199,7 @@ def damper_matrices(layout: Layout, moving: State) -> tuple[FloatArray, FloatArr
 
 
 def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
-    """Mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
+    """Return the mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
     f1, f2, f3 = moving.turning.first, moving.turning.second, moving.turning.third
     inertia, ground = layout.inertia[:, None], loading.damping[:, None]
     slip_slope = f2 * moving.rate  # of a body's speed over its coordinate

@@ -94,7 +94,7 @@ def slip_slope(mechanism: Scene, station: int) -> float:
 
 
 def agrees(growth: float, slope: float, inertia: float) -> bool:
-    """The growth (1/s) of a turning of the whole train has the sign that D (N m s/rad) gives it, or both are slow."""
+    """Return whether the growth (1/s) of a turning of it all has the sign that D (N m s/rad) gives it, or both are slow."""
     return growth * slope < 0 or max(abs(growth), abs(slope) / inertia) < SLOW
 
 
@@ -110,7 +110,7 @@ def missing_slope(
     reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
 
     def lacking(slope: float) -> float:
-        """The largest -D within reach, with a slope at the station."""
+        """Return the largest -D within reach, with a slope at the station."""
         nonlocal before
         steadied = replace(
             mechanism, slopes=mechanism.slopes + slope * np.eye(len(mechanism.slopes))[station]

@@ -39,7 +39,7 @@ class JointMap:
         )
 
     def undone(self) -> "JointMap":
-        """The map from the driven side back; raises SolveError where only a series is known."""
+        """Return the map from the driven side back; raises SolveError where only a series is known."""
         if self.series:
             raise SolveError(
                 "a tripod joint that is driven from its driven side by a fixed station is not built"
@@ -48,7 +48,7 @@ class JointMap:
 
 
 def joint_map(system: System, span: Span) -> JointMap:
-    """The map of a span with an error."""
+    """Return the map of a span with an error."""
     ratios = float(system.speed_ratio[span.driving]), float(system.speed_ratio[span.driven])
     joint = system.train.parts[span.part].joint
     if joint is None or joint.kind != "cross":
@@ -60,7 +60,7 @@ def joint_map(system: System, span: Span) -> JointMap:
 def error(
     joint: JointMap, angle: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Transmission error (rad) and its derivatives over the driving angle, at driving angles at own speed.
+    """Return the transmission error (rad) and its derivatives over the driving angle, at driving angles at own speed.
 
     With w = q z/(1 - q z): e' = 2 Re w, e'' = -4 Im(w + w^2), e''' = -8 Re(w (1 + w)(1 + 2 w)).
     """
@@ -96,7 +96,7 @@ class Turning:
 
 
 def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
-    """The turning of the station behind a joint; `turned` is the mean angle of the reference station, rad."""
+    """Return the turning of the station behind a joint; `turned` is the mean angle of the reference station, rad."""
     r, s = joint.driving_ratio, joint.driven_ratio
     e0, e1, e2, e3 = error(joint, r * (turned + before.deviation))
     g1, g2, g3 = 1.0 + e1 * r / s, e2 * r * r / s, e3 * r**3 / s
@@ -110,7 +110,7 @@ def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
 
 
 def at_rest(deviation: FloatArray) -> Turning:
-    """The turning of the station that a coordinate is the angle of."""
+    """Return the turning of the station that a coordinate is the angle of."""
     return Turning(
         deviation, np.ones_like(deviation), np.zeros_like(deviation), np.zeros_like(deviation)
     )
@@ -180,14 +180,14 @@ class Layout:
 
 
 def gathered(layout: Layout, onto: FloatArray) -> FloatArray:
-    """(free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
+    """Return (free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
     out = np.zeros((len(layout.root), *onto.shape[1:]))
     np.add.at(out, layout.coordinate, onto)
     return out[: layout.free]
 
 
 def layout(system: System) -> Layout:
-    """The mechanism of a system; raises SolveError where joints close a loop."""
+    """Return the mechanism of a system; raises SolveError where joints close a loop."""
     rigid = system.flexibility == 0
     joints = np.array([bool(span.error) for span in system.spans], dtype=bool)
     if np.any(joints & ~rigid):

@@ -13,14 +13,8 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.stability.common_period import common_order
-from torsion.analyses.stability.equations_of_motion import Loading
-from torsion.analyses.stability.mechanism import (
-    Layout,
-    Turning,
-    at_rest,
-    beyond,
-    layout,
-)
+from torsion.analyses.stability.equations_of_motion import Loading, turning
+from torsion.analyses.stability.mechanism import Layout, layout
 from torsion.analyses.steady import reference_station, steady_if_known
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
@@ -55,7 +49,7 @@ class Scene:
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
-    """The mechanism with the torques that have an order; those at fixed frequencies share no period and are left out.
+    """Return the mechanism with the torques that have an order; those at fixed frequencies share no period and are left out.
 
     vibratory: False leaves out all of them, so that the joints alone excite, and lets slopes of drive and load act.
     """
@@ -88,7 +82,7 @@ class Operating:
 
 
 def operating(mechanism: Scene, speed: float) -> Operating:
-    """What acts at a reference speed (rad/s)."""
+    """Return what acts at a reference speed (rad/s)."""
     system, layout = mechanism.system, mechanism.layout
     speeds = np.array([speed])
     steady_state = steady_if_known(mechanism.study, system, speeds)
@@ -193,42 +187,25 @@ def _drive(
 def rigid_deviation(
     layout: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray
 ) -> FloatArray:
-    """(free, times) rad of the train turning without any elasticity but its static twist (bodies, 1 or times).
+    """Return (free, times) rad of the train turning without any elasticity but its static twist (bodies, 1 or times).
 
     steady: coordinates that turn evenly, from which the motion is followed on; turned: (times,) rad.
     """
     deviation = np.zeros((len(layout.root), len(turned)))
-    bodies: dict[int, FloatArray] = {}
-
-    def follow(coordinate: int, angle: FloatArray) -> dict[int, Turning]:
-        met = {int(layout.root[coordinate]): at_rest(angle)}
-        for step in layout.steps:
-            if step.inner in met:
-                met[step.outer] = beyond(met[step.inner], step.joint, turned)
-        return met
-
-    def reach(coordinate: int, body: int, target: FloatArray) -> None:
-        angle = target
+    known = [*range(layout.free, len(layout.root)), *steady.tolist()]
+    is_reached = np.isin(layout.coordinate, known)
+    ends = list(zip(layout.driving.tolist(), layout.driven.tolist(), strict=True))
+    ends += [(b, a) for a, b in ends]
+    while link := next(((a, b) for a, b in ends if is_reached[a] and not is_reached[b]), None):
+        a, b = link
+        coordinate = layout.coordinate[b]
+        target = turning(layout, deviation, turned).deviation[a] + (twist[b] - twist[a])
+        deviation[coordinate] = target
         for _ in range(MOST_INVERSIONS):
-            met = follow(coordinate, angle)
-            miss = met[body].deviation - target
+            moving = turning(layout, deviation, turned)
+            miss = moving.deviation[b] - target
             if np.abs(miss).max() < 1e-13:
                 break
-            angle = angle - miss / met[body].first
-        deviation[coordinate] = angle
-        bodies.update({turned_body: turning.deviation for turned_body, turning in met.items()})
-
-    coordinates = [*range(layout.free, len(layout.root)), *steady.tolist()]
-    for prescribed in coordinates:
-        reach(prescribed, int(layout.root[prescribed]), np.zeros(len(turned)))
-    ends = list(zip(layout.driving.tolist(), layout.driven.tolist(), strict=True))
-    while True:
-        torques = [
-            (a, b)
-            for a, b in [*ends, *((b, a) for a, b in ends)]
-            if a in bodies and b not in bodies
-        ]
-        if not torques:
-            return deviation[: layout.free]
-        a, b = torques[0]
-        reach(int(layout.coordinate[b]), b, bodies[a] + (twist[b] - twist[a]))
+            deviation[coordinate] -= miss / moving.first[b]
+        is_reached |= layout.coordinate == coordinate
+    return deviation[: layout.free]

@@ -116,7 +116,7 @@ class PeriodicResponse:
     )
 
     def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
-        """The same at the stations and spans that stand for segment groups."""
+        """Return the same at the stations and spans that stand for segment groups."""
         return replace(
             self,
             angle=self.angle[..., groups.stations],

@@ -44,7 +44,7 @@ EDGE = 1e-3  # the same next to a speed without a periodic motion
 
 
 def too_long(study: Study, system: System) -> str:
-    """Why the exact response takes too long to be computed unrequested; empty where it does not."""
+    """Return why the exact response takes too long to be computed unrequested; empty where it does not."""
     mechanism = scene(study, system)
     try:
         harmonics = harmonics_at_least(mechanism)

@@ -69,7 +69,7 @@ class StabilitySettings(Declared):
 
 
 def motion_faults(study: Study, path: Path) -> list[Fault]:
-    """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
+    """Return why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
     if study.model != "lumped" and study.train.has_shafts:
         message = (
             f"the exact motion of joints is built for the model lumped, and this is {study.model}"

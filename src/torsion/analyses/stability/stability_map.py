@@ -18,10 +18,12 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.joints.cross import unevenness
+from torsion.processes import shared_out
 from torsion.results import reported, result
 from torsion.study import Study
 
 Over = Literal["angle", "damping", "torque"]
+FEWEST_VALUES = 6  # for which processes are begun
 STAGES = 4  # order 7: growth rates of a map need no more
 CHECKED = 9  # points at which the unreduced train is computed too
 
@@ -100,11 +102,15 @@ def stability_map(
         Search(vary_scene(lossy, over, value), shapes, reduced, stages=STAGES)
         for value in values.tolist()
     ]
+    columns = shared_out(
+        lambda search: [search.growth(speed) for speed in speeds.tolist()],
+        searches,
+        fewest=FEWEST_VALUES,
+    )
     growth = np.empty((len(speeds), len(values)))
-    for column, search in enumerate(searches):
-        for row, speed in enumerate(speeds.tolist()):
-            progress("stability map", (column + row / len(speeds)) / len(values))
-            growth[row, column] = search.growth(speed)
+    for column, rates in enumerate(columns):
+        progress("stability map", column / len(values))
+        growth[:, column] = rates
 
     errors, elsewhere = list[float](), 0
     for row, column in points_to_check(growth):

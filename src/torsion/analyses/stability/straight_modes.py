@@ -39,7 +39,7 @@ class Basis:
         return float(self.frequency[: self.modes].max(initial=0.0))
 
     def share(self, motion: FloatArray) -> FloatArray:
-        """(shapes, ...) of each shape in a motion (coordinates, ...)."""
+        """Return (shapes, ...) of each shape in a motion (coordinates, ...)."""
         shares = np.asarray((self.shape.T * self.inertia) @ motion)
         light = np.isnan(self.frequency)
         if light.any():
@@ -48,7 +48,7 @@ class Basis:
 
 
 def reduced(layout: Layout, shapes: Basis, count: int) -> Basis:
-    """The lowest `count` modes with what the joints excite of the others statically.
+    """Return the lowest `count` modes with what the joints excite of the others statically.
 
     What a joint's varying ratio adds to the equations of the straight train acts at its coordinate and at those that
     its springs lead to. The deflection of the modes left out under forces there is taken along.
@@ -96,7 +96,7 @@ def _with_light(some: Basis) -> Basis:
 
 
 def basis(layout: Layout) -> Basis:
-    """All modes of finite frequency; coordinates without inertia follow the others statically."""
+    """Return all modes of finite frequency; coordinates without inertia follow the others statically."""
     free = layout.free
     mass = gathered(layout, layout.inertia)
     stiffness, lossy = (_assembled(layout, part) for part in (layout.stiffness, layout.hysteretic))
@@ -129,7 +129,7 @@ def _assembled(layout: Layout, spring: FloatArray) -> FloatArray:
 
 
 def viscous(layout: Layout, shapes: Basis) -> Layout:
-    """The same with dampers for its loss factors: torque t = Q c Qᵀ (rate of twist), Q = k B φ/w², c = `shapes.loss`.
+    """Return the same with dampers for its loss factors: torque t = Q c Qᵀ (rate of twist), Q = k B φ/w², c = `shapes.loss`.
 
     Qᵀ takes from the twists B y of the springs the share of each shape φ, since φᵀ K φ = w². Of a reduced basis only
     the shapes that it has are damped.
@@ -153,7 +153,7 @@ def viscous(layout: Layout, shapes: Basis) -> Layout:
 
 
 def at_bodies(layout: Layout) -> FloatArray:
-    """(dampers, bodies): twist of each damper = sum over the bodies times their angles."""
+    """Return (dampers, bodies): twist of each damper = sum over the bodies times their angles."""
     out = np.zeros((layout.bodies, layout.dampers.onto.shape[1]))
     np.add.at(out, layout.driving, layout.dampers.onto)
     np.subtract.at(out, layout.driven, layout.dampers.onto)
@@ -161,7 +161,7 @@ def at_bodies(layout: Layout) -> FloatArray:
 
 
 def at_coordinates(layout: Layout, slope: FloatArray) -> FloatArray:
-    """(times, dampers, free): twist of each damper over the free coordinates.
+    """Return (times, dampers, free): twist of each damper over the free coordinates.
 
     slope: (bodies, times), that of each body over its coordinate.
     """

@@ -144,7 +144,7 @@ class UnstableRange(Zone):
         return below or under is not None, above or over is not None
 
     def meets(self, first: float, last: float) -> bool:
-        """Some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
+        """Return whether some unstable speed of it lies between two speeds (rad/s); a boundary is none."""
         below, above = self.grows_at_end
         begins = self.first <= last if below else self.first < last
         return begins and (self.last >= first if above else self.last > first)

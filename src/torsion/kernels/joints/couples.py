@@ -61,7 +61,7 @@ def couples(
     carrier: Carrier = "driving",
     convention: Convention = "P",
 ) -> Couples:
-    """Couples at driving angles, the torque of one shaft being given (Liu 2023, eq. 13, with T2 corrected).
+    """Return the couples at driving angles, the torque of one shaft being given (Liu 2023, eq. 13, with T2 corrected).
 
     In convention N, T on the driving shaft: driven shaft T t/2 sin 2x and T s/2 (1 - cos 2x), driving shaft
     -T t/2 sin 2x and T t/2 (1 + cos 2x).
@@ -87,7 +87,7 @@ def couples(
 def couple_harmonics(
     angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
 ) -> tuple[CoupleHarmonics, CoupleHarmonics]:
-    """Harmonics of the couples on the driving and the driven shaft."""
+    """Return the harmonics of the couples on the driving and the driven shaft."""
     bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
     slope, tilt = 0.5 * given * np.tan(bend), 0.5 * given * np.sin(bend)
     sign = 1.0 if convention == "N" else -1.0

@@ -29,22 +29,22 @@ class Transfer:
 
 
 def unevenness(angle: ArrayLike) -> FloatArray:
-    """q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
+    """Return q = tan(angle/2)^2: order-2 amplitude of the transmission error, rad."""
     return np.asarray(np.tan(np.asarray(angle, dtype=float) / 2.0) ** 2)
 
 
 def rapidity(angle: ArrayLike) -> FloatArray:
-    """ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
+    """Return ln(1/cos(angle)), the logarithm of the greatest speed ratio; q = tanh(rapidity/2)."""
     return np.asarray(0.5 * np.log1p(np.tan(np.asarray(angle, dtype=float)) ** 2))
 
 
 def fluctuation(angle: ArrayLike) -> FloatArray:
-    """(greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
+    """Return (greatest - least)/mean driven speed at constant driving speed: 1/cos(angle) - cos(angle)."""
     return np.asarray(np.sin(angle) * np.tan(angle))
 
 
 def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Transfer:
-    """Transmission error, speed ratio and second derivative from one sine and one cosine of the driving angle."""
+    """Return transmission error, speed ratio and second derivative from one sine and one cosine of the driving angle."""
     bend, turned = np.asarray(angle, dtype=float), np.asarray(driving, dtype=float)
     across, along = (
         (np.sin(turned), np.cos(turned)) if convention == "P" else (np.cos(turned), -np.sin(turned))
@@ -58,14 +58,14 @@ def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P")
 
 
 def behind(before: Transfer, joint: Transfer) -> Transfer:
-    """The transfer up to behind a joint, from that up to it and its own at the angles where it stands."""
+    """Return the transfer up to behind a joint, from that up to it and its own at the angles where it stands."""
     rate = before.ratio
     gain = joint.curvature * rate * rate + joint.ratio * before.curvature
     return Transfer(before.error + joint.error, joint.ratio * rate, gain)
 
 
 def error_amplitude(angle: float, yoke: float) -> complex:
-    """Complex amplitude of order 2 of the transmission error, over the driving shaft's angle (convention P).
+    """Return the complex amplitude of order 2 of the transmission error, over the driving shaft's angle (convention P).
 
     Of order 2k it is -i q^k/k exp(2 i k yoke).
     """
@@ -73,7 +73,7 @@ def error_amplitude(angle: float, yoke: float) -> complex:
 
 
 def greatest_curvature(angle: ArrayLike) -> FloatArray:
-    """The greatest second derivative over a revolution, 1/rad; the least is its negative.
+    """Return the greatest second derivative over a revolution, 1/rad; the least is its negative.
 
     It stands where cos 2x = -+4 s^2/(1 + c^2 + sqrt(4 c^2 + 9 s^4)), the root of its derivative written without a
     difference.

@@ -80,7 +80,7 @@ class Resultant:
 
 
 def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) -> Line:
-    """A line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
+    """Return a line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
     given = (
         np.asarray(angle, dtype=float),
         np.asarray(plane, dtype=float),
@@ -93,7 +93,7 @@ def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) ->
 
 
 def motion(driving: ArrayLike, line: Line) -> Transfer:
-    """What one line does to its driving angle up to behind each joint; arrays of shape (joints, *driving.shape)."""
+    """Return what one line does to its driving angle up to behind each joint; arrays of shape (joints, *driving.shape)."""
     turned = np.asarray(driving, dtype=float)
     transfers = [Transfer(np.zeros_like(turned), np.ones_like(turned), np.zeros_like(turned))]
     for angle, offset in zip(line.angle, np.cumsum(line.offset), strict=True):
@@ -107,7 +107,7 @@ def motion(driving: ArrayLike, line: Line) -> Transfer:
 
 @source("Ma2011", "eq. 3, 6")
 def resultant(line: Line) -> Resultant:
-    """The single joint that turns as the whole line does."""
+    """Return the single joint that turns as the whole line does."""
     first, second = _disk_map(line)
     return Resultant(2.0 * np.arcsinh(np.abs(second)), -np.angle(-second * np.conj(first)) / 2.0)
 
@@ -132,7 +132,7 @@ def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
 
 
 def classical_angle(line: Line) -> FloatArray:
-    """Resulting joint angle of the handbooks, sqrt|sum angle^2 exp(2 i gamma)| for small angles, rad, shape (...)."""
+    """Return the resulting angle of the handbooks, sqrt|sum angle^2 exp(2 i gamma)| for small angles, rad, shape (...)."""
     gamma = np.cumsum(line.offset, axis=-1)
     total: FloatArray = np.abs(np.sum(line.angle**2 * np.exp(2j * gamma), axis=-1))
     return np.sqrt(total)
@@ -151,7 +151,7 @@ class Optimum:
 def optimise(
     line: Line, variable: Variable = "phase", joints: Sequence[int] | None = None
 ) -> Optimum:
-    """The line of least fluctuation over the `variable` of the given joints (of all but the first, if not given).
+    """Return the line of least fluctuation over the `variable` of the given joints (of all but the first, if not given).
 
     Phases and planes of a first joint change nothing, so they are refused. Angles are sought in [0, 89.99 degrees].
     """
@@ -169,7 +169,7 @@ def optimise(
 
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
-    """Index of fluctuation of the line, shape (values,), as one joint's phase, plane or angle takes the values, rad."""
+    """Return the index of fluctuation (values,) of a line as one joint's phase, plane or angle takes the values, rad."""
     many = Line(
         *(np.tile(angles, (values.size, 1)) for angles in (line.angle, line.plane, line.phase))
     )

@@ -48,21 +48,21 @@ class TripodStatics:
 
 
 def error_size(angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> FloatArray:
-    """Amplitude, rad, of cos 3 x in the transmission error, to first order in radius/arm (Chang and Li, eq. 1)."""
+    """Return the amplitude, rad, of cos 3 x in the transmission error, to first order in radius/arm (Chang and Li, eq. 1)."""
     bend = np.asarray(angle, dtype=float)
     share = np.asarray(radius, dtype=float) / (2.0 * np.asarray(arm))
     return np.asarray(share * np.tan(bend / 2.0) ** 2 * np.tan(bend))
 
 
 def error_amplitude(angle: float, spider: float, radius: float, arm: float) -> complex:
-    """Complex amplitude of order 3 of the error over the driving angle, arm 0 standing `spider` rad from n at 0."""
+    """Return the complex amplitude of order 3 of the error over driving angles, arm 0 standing `spider` rad from n at 0."""
     return complex(error_size(angle, radius, arm) * np.exp(3j * spider))
 
 
 def exact_motion(
     driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike
 ) -> TripodMotion:
-    """Exact motion of three lines met by three lines, the pivot being a joint of constant velocity.
+    """Return the exact motion of three lines met by three lines, the pivot being a joint of constant velocity.
 
     A spider on a shaft of free end turns as the driving shaft does, and its centre runs on the orbit
     radius/2 ((sec b - 1) cos 3(x - w), (1 - cos b) sin 3(x - w)) in the axes of the plane as it stands, b the bend
@@ -96,7 +96,7 @@ def exact_motion(
 def exact_statics(
     driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike, torque: ArrayLike
 ) -> TripodStatics:
-    """Couples of the three contact forces, each square to its arm and its line, with moments balanced at the pivot."""
+    """Return the couples of three contact forces, each square to its arm and line, with moments balanced at the pivot."""
     motion = exact_motion(driving, angle, radius, arm)
     given = np.broadcast_arrays(driving, angle, radius, arm, torque, motion.bend)
     turned, nominal, offset, length, carried = (
@@ -129,7 +129,7 @@ def exact_statics(
 
 
 def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
-    """T tan(angle/2), N m: steady couple in the plane on either shaft of a twin tripod or another cv joint."""
+    """Return T tan(angle/2), N m: steady couple in the plane on either shaft of a twin tripod or another cv joint."""
     return np.asarray(torque, dtype=float) * np.tan(np.asarray(angle, dtype=float) / 2.0)
 
 

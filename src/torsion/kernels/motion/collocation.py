@@ -346,6 +346,8 @@ def _solve_linear(matrix: FloatArray, right: FloatArray, required: FloatArray) -
 
     required: (interfaces, interfaces) what torques change of accelerations that laws require.
     """
+    if not np.isfinite(matrix).all():
+        return None
     rows = required[required.any(axis=1)]
     scaled = rows / np.abs(rows).max(axis=1, initial=0.0)[:, None]
     if len(rows) > 1 and np.linalg.matrix_rank(scaled, 1e-9) < len(rows):

@@ -71,7 +71,7 @@ Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, h
 
 
 def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
-    """Deviation, speed and acceleration at `times` points of the period from harmonics (..., 2 count + 1)."""
+    """Return the deviation, speed and acceleration at `times` points of the period from harmonics (..., 2 count + 1)."""
     count = harmonic.shape[-1] // 2
     half = np.zeros((*harmonic.shape[:-1], times // 2 + 1), dtype=complex)
     half[..., : count + 1] = harmonic[..., count:]
@@ -80,7 +80,7 @@ def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
 
 
 def resized(harmonic: ComplexArray, count: int) -> ComplexArray:
-    """The harmonics up to `count`: those that are missing are 0, those beyond are left out."""
+    """Return the harmonics up to `count`: those that are missing are 0, those beyond are left out."""
     old = (harmonic.shape[1] - 1) // 2
     if count <= old:
         return harmonic[:, old - count : old + count + 1]
@@ -88,7 +88,7 @@ def resized(harmonic: ComplexArray, count: int) -> ComplexArray:
 
 
 def points_in_time(count: int) -> int:
-    """Odd number of points of a period for harmonics up to `count`."""
+    """Return the odd number of points of a period for harmonics up to `count`."""
     points = next_fast_len(OVERSAMPLED * count + 1)
     while points % 2 == 0:
         points = next_fast_len(points + 1)
@@ -104,7 +104,7 @@ def balance(
     *,
     steps: int = MOST_NEWTON,
 ) -> Balance:
-    """The periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
+    """Return the periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
 
     load: first guess of the unknown loads; each goes with one coordinate of `held`, whose mean stays as it starts.
     Raises SolveError where Newton's method finds no solution.

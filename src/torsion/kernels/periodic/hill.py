@@ -27,7 +27,7 @@ class Couplings:
     stiffness: FloatArray  # (entries, times)
 
     def full(self, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """M, C and K, each (times, size, size)."""
+        """Return M, C and K, each (times, size, size)."""
         sums = np.zeros((3, size * size, self.mass.shape[1]))
         for total, part in zip(sums, (self.mass, self.damping, self.stiffness), strict=True):
             np.add.at(total, self.row * size + self.column, part)
@@ -36,7 +36,7 @@ class Couplings:
 
 
 def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> Couplings:
-    """Entries of full matrices, each (times, size, size)."""
+    """Return the entries of full matrices, each (times, size, size)."""
     size = mass.shape[1]
     row, column = np.divmod(np.arange(size * size), size)
     flat = (part.reshape(len(part), -1).T for part in (mass, damping, stiffness))
@@ -44,7 +44,7 @@ def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -
 
 
 def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
-    """(..., 2 count + 1) Fourier coefficients of a function sampled over its period (..., times).
+    """Return (..., 2 count + 1) Fourier coefficients of a function sampled over its period (..., times).
 
     Those beyond what the samples resolve are 0, and all but the mean of a constant, to the last bit: the matrices that
     are made of them are as sparse as the train is where it does not change over the period.
@@ -59,7 +59,7 @@ def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
 
 
 def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> ComplexArray:
-    """(..., rows, 2 count + 1): multiplication by a periodic function, from harmonics -count..count to those of `rows`.
+    """Return (..., rows, 2 count + 1): multiplication by a periodic function, from -count..count to the harmonics `rows`.
 
     samples: (..., times), evenly spaced over the period; rows: the same harmonics unless given.
     """
@@ -72,7 +72,7 @@ def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> C
 def hill_blocks(
     entries: Couplings, w0: float, count: int, rows: IntArray | None = None
 ) -> ComplexArray:
-    """(entries, rows, 2 count + 1): K_{r-c} + i w_c C_{r-c} - w_c^2 M_{r-c} of each entry; rows as in `toeplitz`."""
+    """Return (entries, rows, 2 count + 1): K_{r-c} + i w_c C_{r-c} - w_c^2 M_{r-c} of each entry; rows as in `toeplitz`."""
     w = w0 * np.arange(-count, count + 1)
     blocks = toeplitz(entries.stiffness, count, rows) + 1j * w * toeplitz(
         entries.damping, count, rows
@@ -83,7 +83,7 @@ def hill_blocks(
 
 
 def real_blocks(upper: ComplexArray) -> FloatArray:
-    """(..., 2 count + 1, 2 count + 1) acting on what `real_parts` makes, from rows 0..count (..., rows, harmonics)."""
+    """Return (..., 2 count + 1, 2 count + 1) acting on what `real_parts` makes, from rows 0..count (..., rows, harmonics)."""
     count = upper.shape[-1] // 2
     right, left = upper[..., count:], upper[..., count::-1]
     out = np.empty((*upper.shape[:-2], 2 * count + 1, 2 * count + 1))
@@ -103,20 +103,20 @@ def real_blocks(upper: ComplexArray) -> FloatArray:
 
 
 def real_parts(harmonic: ComplexArray) -> FloatArray:
-    """(..., 2 count + 1) mean, real parts and imaginary parts of harmonics -count..count of real functions."""
+    """Return (..., 2 count + 1) mean, real parts and imaginary parts of harmonics -count..count of real functions."""
     count = harmonic.shape[-1] // 2
     return np.concatenate([harmonic[..., count:].real, harmonic[..., count + 1 :].imag], axis=-1)
 
 
 def from_real_parts(parts: FloatArray) -> ComplexArray:
-    """(..., 2 count + 1) harmonics from what `real_parts` makes of them."""
+    """Return (..., 2 count + 1) harmonics from what `real_parts` makes of them."""
     count = parts.shape[-1] // 2
     above = parts[..., 1 : count + 1] + 1j * parts[..., count + 1 :]
     return np.concatenate([above[..., ::-1].conj(), parts[..., :1], above], axis=-1)
 
 
 def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) -> np.ndarray:
-    """(size * harmonics, size * harmonics) with `blocks` (entries, harmonics, harmonics) at their places, summed."""
+    """Return (size * harmonics, size * harmonics) with `blocks` (entries, harmonics, harmonics) at their places, summed."""
     number = blocks.shape[-1]
     full = np.zeros((size, size, number, number), dtype=blocks.dtype)
     np.add.at(full, (row, column), blocks)
@@ -143,7 +143,7 @@ class Exponents:
 def hill_exponents(
     entries: Couplings, w0: float, count: int, size: int, repeated: ComplexArray | None = None
 ) -> Exponents:
-    """Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
+    """Return the Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
 
     known: (motions, size, 2 count + 1) harmonics of what may solve the equations with s = 0. Those that do, to KEPT,
     and no combinations of others, are taken out beforehand: the exponent 0 is often a double one, that splits.

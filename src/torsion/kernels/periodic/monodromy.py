@@ -37,7 +37,7 @@ class Collocation:
 
 @cache
 def radau(stages: int = STAGES) -> Collocation:
-    """The nodes (roots of P_{s-1} - P_s on (-1, 1], mapped to (0, 1]) and the matrix of the method."""
+    """Return the nodes (roots of P_{s-1} - P_s on (-1, 1], mapped to (0, 1]) and the matrix of the method."""
     from numpy.polynomial import legendre
 
     coefficients = np.zeros(stages + 1)
@@ -60,13 +60,13 @@ def radau(stages: int = STAGES) -> Collocation:
 
 
 def steps_for(period: float, highest: float) -> int:
-    """Steps that resolve a highest frequency (rad/s) over the period (s), a multiple of FEWEST_STEPS."""
+    """Return the steps that resolve a highest frequency (rad/s) over the period (s), a multiple of FEWEST_STEPS."""
     needed = int(np.ceil(min(highest * period / ANGLE_PER_STEP, MOST_STEPS) / FEWEST_STEPS))
     return max(needed, 1) * FEWEST_STEPS
 
 
 def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
-    """(points, ...) a periodic function at shares of its period, from even samples (times, ...) by its Fourier sum."""
+    """Return (points, ...) a periodic function at shares of its period, from even samples (times, ...) by its Fourier sum."""
     times = len(samples)
     half = np.fft.rfft(samples.reshape(times, -1), axis=0) / times
     half[1:] *= 2.0
@@ -90,7 +90,7 @@ def monodromy(
     *,
     visited: list[FloatArray] | None = None,
 ) -> FloatArray:
-    """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s).
+    """Return (2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s).
 
     visited: as of `through_steps`.
     """
@@ -121,7 +121,7 @@ def through_steps(
     *,
     visited: list[FloatArray] | None = None,
 ) -> FloatArray:
-    """(..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
+    """Return (..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
 
     Each is (..., steps, stages, size, size). visited: collects the same matrix at the beginning of each of FEWEST_STEPS
     equal parts of the steps, which must be a multiple of them.
@@ -144,7 +144,7 @@ def through_steps(
 def step_matrices(
     mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation
 ) -> FloatArray:
-    """(..., 2 size, 2 size) of single steps h (s) from M, C, K at the nodes, each (..., stages, size, size).
+    """Return (..., 2 size, 2 size) of single steps h (s) from M, C, K at the nodes, each (..., stages, size, size).
 
     Unknown are the accelerations a at the nodes: v = v0 + h A a, y = y0 + h A v, M a + C v + K y = 0.
     """
@@ -224,6 +224,6 @@ def rigid_share(
 
 
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
-    """1/s: ln(multiplier)/period, imaginary part within pi/period of 0; a multiplier of 0 decays infinitely fast."""
+    """Return (1/s) ln(multiplier)/period, imaginary part within pi/period of 0; a multiplier of 0 decays infinitely fast."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.abs(multiplier)) / period + 1j * np.angle(multiplier) / period)

@@ -184,10 +184,12 @@ def _titled(design: Design) -> str:
     return design.aim[0].upper() + design.aim[1:]
 
 
-def _axis(design: Design, place: int) -> Axis:
+def _axis(design: Design, variable: int) -> Axis:
     """Return the axis of a variable; names of rows in place of numbers."""
-    places = tuple((float(k), label) for k, label in enumerate(design.rows[place]))
-    return Axis(design.figures[place].name, "" if places else design.unit[place], places=places)
+    places = tuple((float(k), label) for k, label in enumerate(design.rows[variable]))
+    return Axis(
+        design.figures[variable].name, "" if places else design.unit[variable], places=places
+    )
 
 
 def _chosen_mark(design: Design, x: np.ndarray, y: np.ndarray) -> tuple[Marks, ...]:
@@ -201,8 +203,8 @@ def _curves(design: Design) -> Figure:
     """Draw the objective over one variable; of two, one with rows, a line for each of the best rows."""
     listed_place = next((k for k, rows in enumerate(design.rows) if rows), 0)
     is_single = len(design.figures) == 1
-    place = 0 if is_single else 1 - listed_place
-    x, aims = design.values[:, place], design.aims
+    variable = 0 if is_single else 1 - listed_place
+    x, aims = design.values[:, variable], design.aims
     row = np.zeros(len(x)) if is_single else design.values[:, listed_place]
 
     def best_aim(number_of_row: float) -> float:
@@ -225,19 +227,19 @@ def _curves(design: Design) -> Figure:
     broken = np.isin(row, best[:MOST_ROWS]) & ~design.allowed & np.isfinite(aims)
     marks = Marks("constraint violated", x[broken], aims[broken], "cross", "unstable")
     panel = Panel(
-        _axis(design, place),
+        _axis(design, variable),
         _objective(design),
         tuple(lines),
         _limit(design),
         marks=(*((marks,) if broken.any() else ()), *_chosen_mark(design, x, aims)),
         height=240.0 if is_single else 260.0,
     )
-    over = f"{_titled(design)} over {design.figures[place].name}"
+    over = f"{_titled(design)} over {design.figures[variable].name}"
     if is_single:
         return Figure("design_curve", over, (panel,))
-    rest = f" (the best {MOST_ROWS} of {len(best)})" if len(best) > MOST_ROWS else ""
-    by = design.figures[listed_place].name
-    return Figure("design_rows", f"{over}, by {by}{rest}", (panel,))
+    extent = f" (the best {MOST_ROWS} of {len(best)})" if len(best) > MOST_ROWS else ""
+    listed_name = design.figures[listed_place].name
+    return Figure("design_rows", f"{over}, by {listed_name}{extent}", (panel,))
 
 
 def _map(design: Design) -> Figure | None:

@@ -231,7 +231,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
 
 
 def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """(speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
+    """Return (speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
     periodic = findings.need(PeriodicResponse)
     turns, harmonics = common_cycle(list(periodic.orders))
     torque = periodic.torque[:, :, list(spans)].swapaxes(1, 2)
@@ -245,7 +245,7 @@ def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:
 
 
 def compared(findings: Findings) -> tuple[Compared, ...]:
-    """Every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
+    """Return every element that carries torque: all orders together (where no torque has a fixed frequency), then each."""
     if findings.get(Response) is None or findings.get(PeriodicResponse) is None:
         return ()
     nothing = rounding(findings)
@@ -285,7 +285,7 @@ def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iter
 
 
 def first_order_judged(findings: Findings) -> str:
-    """That the rules judge the first order, and by how much it misses the exact one; empty where there is only one."""
+    """Return that the rules judge the first order, and how it misses the exact one; empty where there is only one."""
     rows = compared(findings)
     if not rows or not findings.study.rules:
         return ""

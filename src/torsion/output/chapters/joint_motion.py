@@ -47,7 +47,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def alone(findings: Findings) -> Iterator[Block]:
-    """The same, on the terminal with every table."""
+    """Return the same, on the terminal with every table."""
     joints = findings.get(Joints)
     if joints is None or not joints.joints:
         return
@@ -78,7 +78,7 @@ def alone(findings: Findings) -> Iterator[Block]:
 
 
 def summary(findings: Findings) -> Iterator[Block]:
-    """The joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
+    """Return the joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
     joints = findings.get(Joints)
     if joints is not None:
         yield Heading("Summary")

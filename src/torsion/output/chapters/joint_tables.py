@@ -26,7 +26,7 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 
 
 def geometry(joints: Joints) -> Table:
-    """Kind, angle, plane and phase of every joint."""
+    """Return the kind, angle, plane and phase of every joint."""
     leading = {line.joints[0] for line in joints.lines}
     return table(
         "< Joint -> | < Kind -> | Angle β [deg]:g -> angle | Plane against the previous joint [deg]:g -> plane | "
@@ -49,7 +49,7 @@ def geometry(joints: Joints) -> Table:
 
 
 def alone(joints: Joints) -> Table:
-    """Transmission error and unevenness of every joint by itself."""
+    """Return the transmission error and unevenness of every joint by itself."""
     rows = []
     for joint in joints.joints:
         size = abs(joint.amplitude)
@@ -66,7 +66,7 @@ def alone(joints: Joints) -> Table:
 
 
 def lines(joints: Joints) -> Table:
-    """The joints of each shaft line as one."""
+    """Return the joints of each shaft line as one."""
     rows = []
     for line in joints.lines:
         varies = line.index > STILL
@@ -96,7 +96,7 @@ def lines(joints: Joints) -> Table:
 
 
 def at_speed(joints: Joints) -> Iterator[Table]:
-    """Speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
+    """Return the speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
     rows = [
         (
             joint.name,
@@ -120,7 +120,7 @@ def at_speed(joints: Joints) -> Iterator[Table]:
 
 
 def couples(joints: Joints) -> Table:
-    """Secondary couples of the joints whose torque is known."""
+    """Return the secondary couples of the joints whose torque is known."""
     rows = [
         (
             joint.name,
@@ -150,7 +150,7 @@ def couples(joints: Joints) -> Table:
 
 
 def optimum(joints: Joints, line: LineFound) -> Iterator[Block]:
-    """What the best choice is and what it gains; nothing where none was sought."""
+    """Return what the best choice is and what it gains; nothing where none was sought."""
     best_choice = line.optimum
     if best_choice is not None:
         title = f"Optimum {best_choice.variable} of {names(joints, line)}"
@@ -184,7 +184,7 @@ def _gained(best_choice: OptimumFound) -> str:
 
 
 def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
-    """A line of joints in one or two sentences."""
+    """Return a line of joints in one or two sentences."""
     best_choice, made = line.optimum, "rotates its last shaft uniformly"
     if line.index > STILL:
         made = f"rotates its last shaft with a degree of non-uniformity of {_percent(line.index)} %"
@@ -200,7 +200,7 @@ def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
 
 
 def names(joints: Joints, line: LineFound) -> str:
-    """The joints of a line in words."""
+    """Return the joints of a line in words."""
     return ", ".join(joints.joints[k].name for k in line.joints)
 
 
@@ -214,7 +214,7 @@ def _angle(value: float) -> str:
 
 
 def columns(findings: Findings) -> list[Series]:
-    """Motion and couples of every joint over the angle of the first shaft, title with unit and values."""
+    """Return the motion and couples of every joint over the angle of the first shaft, title with unit and values."""
     joints = findings.need(Joints)
     curves = [
         (f"{joint.name} {title}", values)

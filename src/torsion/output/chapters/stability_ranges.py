@@ -200,7 +200,7 @@ def _beyond(band: "Unstable") -> list[str]:
 
 
 def restrictions(findings: Findings, stability: Stability) -> list[str]:
-    """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
+    """Return restrictions of the speed: the unstable ranges, and where it could not be said whether there is one."""
     stated = [_restriction(band, stability.speed) for band in stability.ranges]
     if drift := mean_speed_words(stability, findings.study):
         stated.append(_sentence(drift))
@@ -223,7 +223,7 @@ def restrictions(findings: Findings, stability: Stability) -> list[str]:
 
 
 def tilt_restrictions(findings: Findings) -> list[str]:
-    """Of the speed: the unstable ranges of the tilt of every shaft in words, the first of them."""
+    """Return restrictions of the speed: the unstable ranges of the tilt of every shaft, the first of them."""
     stated = [
         _restriction(band, tilting.speed, f"tilt of {name}, ")
         for name, tilting in tilted(findings)

@@ -92,11 +92,11 @@ def _dominant_parameters(tolerances: Tolerances) -> Block:
         ]
     ]
     count = len(tolerances.figures)
-    rest = f" (the first {MOST_FIGURES} of {count} of each mode)" * (count > MOST_FIGURES)
+    extent = f" (the first {MOST_FIGURES} of {count} of each mode)" * (count > MOST_FIGURES)
     return table(
         "Mode -> | < Parameter -> | Tolerance [%]:3 | Sensitivity:3 | Change of the mode, ± [%]:3 -> ± %",
         rows[:MOST_ROWS],
-        f"Dominant parameters{rest}",
+        f"Dominant parameters{extent}",
         short="Dominant parameters",
     )
 
@@ -132,12 +132,12 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
         for low, crossing, high in possible[:MOST_ROWS]
     ]
     count = len(possible)
-    rest = f" (the lowest {MOST_ROWS} of {count})" if count > MOST_ROWS else ""
+    extent = f" (the lowest {MOST_ROWS} of {count})" if count > MOST_ROWS else ""
     yield table(
         "Minimum [rpm] | Critical speed [rpm] | Maximum [rpm] | Order:o | Mode | < Excited by"
         + " | < In the range" * (not is_certain),
         rows,
-        f"Critical speeds that can lie in the speed range {within} within the tolerances{rest}",
+        f"Critical speeds that can lie in the speed range {within} within the tolerances{extent}",
     )
 
 

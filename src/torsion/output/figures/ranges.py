@@ -25,7 +25,7 @@ MOST_ORDERS, LARGEST = (
 def unanswered(
     x: FloatArray, bad: BoolArray, name: str = NO_RELIABLE_ANSWER
 ) -> tuple[BoolArray, tuple[Band, ...]]:
-    """Ranges where `bad` holds, from neighbour to neighbour, and (points,) those inside, which are left blank."""
+    """Return ranges where `bad` holds, from neighbour to neighbour, and (points,) those inside, which are left blank."""
     inside, bands = np.array(bad, dtype=bool), list[Band]()
     narrowest = float(x[-1] - x[0]) * LEAST
     for first, last in runs(inside.copy()):
@@ -39,7 +39,7 @@ def unanswered(
 
 
 def barred_bands(barred: Bands, unstable: Bands = ()) -> tuple[Band, ...]:
-    """Bands of the barred and the unstable ranges of speed, rpm."""
+    """Return the bands of the barred and the unstable ranges of speed, rpm."""
     return (
         *(Band("barred range", low, high, "barred") for low, high in barred),
         *(Band("unstable range", low, high, "unstable") for low, high in unstable),
@@ -47,14 +47,14 @@ def barred_bands(barred: Bands, unstable: Bands = ()) -> tuple[Band, ...]:
 
 
 def rated_level(rated: float | None) -> tuple[Level, ...]:
-    """The rated speed, rpm, where there is one."""
+    """Return the rated speed, rpm, where there is one."""
     return () if rated is None else (Level("rated speed", rated, "rated", "x"),)
 
 
 def amplitudes(
     quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()
 ) -> Axis:
-    """From zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
+    """Return an axis from zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
     positive = np.concatenate(
         [np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)]
     )
@@ -71,7 +71,7 @@ def amplitudes(
 
 
 def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
-    """One line an order, its number at its peak; the order with the largest value is heavier.
+    """Return one line an order, its number at its peak; the order with the largest value is heavier.
 
     Of more than MOST_ORDERS the largest are drawn, and at every place the largest value of the others. An order of
     nothing is left out.
@@ -98,5 +98,5 @@ def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
 
 
 def span(axis: Axis, x: FloatArray) -> Axis:
-    """The axis from the first to the last value."""
+    """Return the axis from the first to the last value."""
     return Axis(axis.quantity, axis.unit, float(np.min(x)), float(np.max(x)))

@@ -238,12 +238,12 @@ class Candidates:
         mass, judged = float(shaft_mass(self.work.study.train)), list[Judged]()
         for name, case in self.cases.items():
             answers, only = (
-                Answers.unknown(self.modes, 1),
+                Answers.empty(self.modes, 1),
                 analyses_of_variant(case.work, judged=self.judged),
             )
             try:
                 findings = self.work.solve(bare(case.study), only=only)
-                answers.keep(0, Answer.of(findings))
+                answers.keep(0, Answer.from_findings(findings))
             except (InputError, SolveError):
                 return None
             if name:
@@ -266,7 +266,7 @@ class Candidates:
             if name in requested:
                 amounts[:, column] = sum(
                     (
-                        np.array([row.said.get(name, 0.0) for row in figure.rows])[
+                        np.array([row.amounts.get(name, 0.0) for row in figure.rows])[
                             chosen.astype(np.intp)
                         ]
                         for figure, chosen in zip(self.variation.figures, values.T, strict=True)

@@ -55,7 +55,7 @@ def run(work: Work) -> None:
         nominal = candidates.nominal()
         seconds = (time.perf_counter() - begin) / len(cases)
         searched = len(candidates.searched) * len(samples)
-        evaluations = settings.evaluations or _most(candidates)
+        evaluations = settings.evaluations or _default_evaluations(candidates)
         if candidates.judged:
             words = duration(evaluations * seconds / processors())
             work.progress(f"design, trains solved separately: at most {words}", 0.0)
@@ -84,7 +84,7 @@ def _cases(work: Work, variation: Variation, sweep: Variation | None) -> Iterato
         yield name, Case(study, case_work, chosen, sampled)
 
 
-def _most(candidates: Candidates) -> int:
+def _default_evaluations(candidates: Candidates) -> int:
     """Return how many trains are solved at most if the file does not say."""
     if not candidates.judged:
         return LOOKED_AT
@@ -127,7 +127,7 @@ def _best(candidates: Candidates) -> list[Tried]:
     """Return the ten best, none of them beside a better one."""
     widths = np.array(
         [
-            0.5 * float(np.diff(figure.every()).min(initial=1.0 if figure.rows else np.inf))
+            0.5 * float(np.diff(figure.all_values()).min(initial=1.0 if figure.rows else np.inf))
             if figure.places
             else APART * figure.law.width
             for figure in candidates.variation.figures
@@ -164,8 +164,8 @@ def _solved(candidates: Candidates, candidate: Tried) -> Proof:
             findings = candidates.work.solve(case.variation.study(list(candidate.values)))
         except (InputError, SolveError) as error:
             return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
-        answers = Answers.unknown(candidates.modes, 1)
-        answers.keep(0, Answer.of(findings))
+        answers = Answers.empty(candidates.modes, 1)
+        answers.keep(0, Answer.from_findings(findings))
         amounts = np.array([[candidate.mass, candidate.cost]])
         judged = candidates.judge(answers, amounts, of_case=bool(name))
         kept &= not (findings.failed or findings.is_partial or findings.plan.unanswered)

@@ -196,7 +196,7 @@ def _unsaid(path: tuple[str | int, ...], key: str, figures: Sequence[Any]) -> It
     """A mass or cost that a catalogue does not state."""
     listed = [figure for figure in figures if figure.law.catalogue is not None]
     lacking = next(
-        (figure for figure in listed if any(key not in row.said for row in figure.rows)), None
+        (figure for figure in listed if any(key not in row.amounts for row in figure.rows)), None
     )
     if lacking is not None:
         yield Fault(

@@ -25,7 +25,7 @@ def search(candidates: Candidates) -> str:
     figures, limit = candidates.variation.figures, candidates.limit
     combinations = math.prod(figure.places for figure in figures)
     if 0 < combinations <= limit:
-        candidates.scores(_grid([figure.every() for figure in figures]))
+        candidates.scores(_grid([figure.all_values() for figure in figures]))
         return f"all {combinations:,} combinations"
     if len(figures) <= 2:
         axes = _axes(figures, limit)
@@ -49,7 +49,7 @@ def _axes(figures: Sequence[Any], limit: int) -> list[FloatArray]:
     values = CURVE if len(figures) == 1 else MAP
     side = max(min(values, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
     return [
-        figure.every()
+        figure.all_values()
         if figure.places
         else np.linspace(figure.law.ends[0], figure.law.ends[1], side)
         for figure in figures
@@ -117,7 +117,7 @@ def _evolve(candidates: Candidates) -> str:
     from scipy.optimize import differential_evolution
 
     figures, limit = candidates.variation.figures, candidates.limit
-    lists = [figure.every() if figure.places else None for figure in figures]
+    lists = [figure.all_values() if figure.places else None for figure in figures]
     bounds: Any = [(0.0, 1.0) if values is None else (0, len(values) - 1) for values in lists]
     crowd = max(CROWD * len(figures), 20)
 

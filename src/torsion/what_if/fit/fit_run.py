@@ -64,7 +64,7 @@ class Problem:
         self.train, self.settings, self.progress, self.steps = train, settings, progress, 0
         self.deviation = np.array([figure.law.lognormal for figure in train.variation.figures])
         self.pairs = paired(train, self.deviation, settings.measured)
-        frequencies = [settings.measured[position] for position in self.pairs.place]
+        frequencies = [settings.measured[position] for position in self.pairs.index]
         measured = [np.log([measurement.frequency or 1.0]) for measurement in frequencies]
         within = [np.array([measurement.within]) for measurement in frequencies]
         for curve in train.curves:
@@ -120,7 +120,7 @@ class Problem:
 
 def _result(problem: Problem, best: Fitted, values: Sequence[float], frequency: FloatArray) -> Fit:
     """Return all that is stated; values: factors as they stand in the fitted file."""
-    identity, count = best.known, problem.sigma.size
+    identity, count = best.identity, problem.sigma.size
     deviations = np.sqrt(np.diag(identity.covariance))
     figures = tuple(_figures(problem, best, deviations, values))
     fit = Fit(
@@ -136,7 +136,7 @@ def _result(problem: Problem, best: Fitted, values: Sequence[float], frequency: 
         identity.rank,
         best.steps,
         best.searches,
-        tuple(_others(problem, best)),
+        tuple(_other_fits(problem, best)),
         (),
         frequency,
         problem.train.variation.text(values),
@@ -164,7 +164,7 @@ def _figures(
         )
 
 
-def _others(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
+def _other_fits(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
     variation = problem.train.variation
     for minimum in best.others:
         factors = np.array(problem.factors(minimum.values))
@@ -185,12 +185,12 @@ def _others(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
 
 def _modes(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
     pairs = problem.pairs
-    if not pairs.place:
+    if not pairs.index:
         return
     before, after = (
         problem.train.modes(factors).frequency for factors in ([1.0] * len(values), values)
     )
-    for row, (position, number) in enumerate(zip(pairs.place, pairs.number, strict=True)):
+    for row, (position, number) in enumerate(zip(pairs.index, pairs.number, strict=True)):
         measured = problem.settings.measured[position]
         lower, upper = float(pairs.lower[row]), float(pairs.upper[row])
         hertz, slack = measured.frequency or 0.0, np.exp(OUTSIDE * measured.within)
@@ -211,7 +211,7 @@ def _modes(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[
 def _curves(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[FittedCurve]:
     train, nominal = problem.train, [1.0] * len(values)
     sizes = [curve.speed.size for curve in train.curves for _ in range(1 + curve.has_phase)]
-    edges = np.cumsum([len(problem.pairs.place), *sizes])[:-1]
+    edges = np.cumsum([len(problem.pairs.index), *sizes])[:-1]
     residuals = iter(np.split(best.residual, edges)[1:])
     for curve in train.curves:
         fine = np.union1d(np.linspace(curve.speed[0], curve.speed[-1], CURVE_POINTS), curve.speed)

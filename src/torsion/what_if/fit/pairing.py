@@ -18,7 +18,7 @@ BEHIND = 1e4  # more than the squared logarithms of all ratios of frequencies of
 class Pairs:
     """Measured frequencies with the modes that they are paired with."""
 
-    place: tuple[int, ...]  # in `measured`
+    index: tuple[int, ...]  # in `measured`
     number: tuple[int, ...]  # of the mode, from 0
     lower: FloatArray  # Hz, band of that mode
     upper: FloatArray
@@ -65,7 +65,7 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
         raise InputError(
             [Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")]
         )
-    distance = np.array([_apart(measured[index], nominal, lower, upper) for index in unnamed])
+    distance = np.array([_distances(measured[index], nominal, lower, upper) for index in unnamed])
     for row, index in enumerate(unnamed):
         for paired_index, mode in numbers.items():
             above = (measured[index].frequency or 0.0) >= (measured[paired_index].frequency or 0.0)
@@ -108,7 +108,7 @@ def _rising(cost: FloatArray) -> list[int] | None:
     return min(states, default=(0.0, None))[1]
 
 
-def _apart(
+def _distances(
     measurement: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> FloatArray:
     """(modes,) squared logarithm of the ratio of each; every mode outside whose band it lies behind all others."""

@@ -25,12 +25,14 @@ def grid_of(
     if points.method != "grid" or count > MOST_REPORTED:
         return None
     axes = tuple(
-        _axis([one for one in variation.figures if one.column == k])
+        _axis([figure for figure in variation.figures if figure.column == k])
         for k in range(len(points.shape))
     )
-    used = np.stack([one.utilisation for one in checks]) if checks else np.empty((0, count))
+    used = np.stack([check.utilisation for check in checks]) if checks else np.empty((0, count))
     fails = (
-        np.any([one.fails for one in checks], axis=0) if checks else np.zeros(count, dtype=np.bool_)
+        np.any([check.fails for check in checks], axis=0)
+        if checks
+        else np.zeros(count, dtype=np.bool_)
     )
     fails[list(faults)] = True
     greatest = np.fmax.reduce(used, axis=0) if checks else np.full(count, np.nan)
@@ -48,30 +50,30 @@ def grid_of(
 def _axis(figures: Sequence[Any]) -> GridAxis:
     first = figures[0]
     number, unit = first.numbers
-    every = [one.every().tolist() for one in figures]
+    columns = [figure.all_values().tolist() for figure in figures]
     words = tuple(
-        ", ".join(one.words(value) for one, value in zip(figures, row, strict=True))
-        for row in zip(*every, strict=True)
+        ", ".join(figure.words(value) for figure, value in zip(figures, row, strict=True))
+        for row in zip(*columns, strict=True)
     )
     in_file = None if np.isnan(first.in_file) else float(first.in_file)
-    return GridAxis(tuple(one.name for one in figures), words, number, unit, in_file)
+    return GridAxis(tuple(figure.name for figure in figures), words, number, unit, in_file)
 
 
-def _turns(at: FloatArray, checks: Sequence[SweptCheck]) -> Iterator[Turn]:
+def _turns(numbers: FloatArray, checks: Sequence[SweptCheck]) -> Iterator[Turn]:
     """Between neighbours of which one keeps the limit and the other does not."""
-    for place, check in enumerate(checks):
+    for position, check in enumerate(checks):
         for k in np.flatnonzero(np.diff(check.fails)).tolist():
             kept, failing = (k, k + 1) if check.fails[k + 1] else (k + 1, k)
             low, high = check.utilisation[kept], check.utilisation[failing]
             is_known = low <= 1.0 < high < np.inf
             between = (
-                at[kept] + (1.0 - low) / (high - low) * (at[failing] - at[kept])
+                numbers[kept] + (1.0 - low) / (high - low) * (numbers[failing] - numbers[kept])
                 if is_known
                 else None
             )
             yield Turn(
-                place,
-                float(at[kept]),
-                float(at[failing]),
+                position,
+                float(numbers[kept]),
+                float(numbers[failing]),
                 None if between is None else float(between),
             )

@@ -18,23 +18,23 @@ def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     """Of every frequency and share of a limit that all variants have; nothing of one that does not vary."""
     columns = len(points.shape)
     names = [
-        ", ".join(one.name for one in points.figures if one.column == column)
+        ", ".join(figure.name for figure in points.figures if figure.column == column)
         for column in range(columns)
     ]
-    quantities = {f"mode {mode}": one for mode, one in enumerate(answers.frequency, start=1)}
+    quantities = {f"mode {mode}": hertz for mode, hertz in enumerate(answers.frequency, start=1)}
     quantities |= {
         f"{key[1]}: {key[2]}, {key[3]}": used for key, (used, _) in answers.checks.items()
     }
-    found = []
+    indices = []
     for words, values in quantities.items():
         if not np.isfinite(values).all() or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
             continue
         value, error = estimated(values.reshape(points.sets, points.samples))
-        found += [
+        indices += [
             SobolIndex(words, name, *np.column_stack([value[:, k], error[:, k]]).ravel().tolist())
             for k, name in enumerate(names)
         ]
-    return tuple(found)
+    return tuple(indices)
 
 
 def estimated(values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -54,11 +54,11 @@ def estimated(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _indices(values: FloatArray) -> FloatArray:
     """(2, figures) from values (2 + figures, ...)."""
-    first, second, *mixed = (one.ravel() - values[:2].mean() for one in values)
+    first, second, *mixed = (answers.ravel() - values[:2].mean() for answers in values)
     variance = np.concatenate([first, second]).var()
     return np.array(
         [
-            [np.mean(second * (one - first)) / variance for one in mixed],
-            [np.mean((first - one) ** 2) / (2.0 * variance) for one in mixed],
+            [np.mean(second * (answers - first)) / variance for answers in mixed],
+            [np.mean((first - answers) ** 2) / (2.0 * variance) for answers in mixed],
         ]
     )

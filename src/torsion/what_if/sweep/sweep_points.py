@@ -24,10 +24,12 @@ class Points:
     sets: int = 1  # of samples: of indices two, and one more for every figure
 
     @classmethod
-    def of(cls, study: Study, settings: SweepSettings, figures: Sequence[Any]) -> "Points":
+    def from_settings(
+        cls, study: Study, settings: SweepSettings, figures: Sequence[Any]
+    ) -> "Points":
         """Return the variants that the settings of a file state."""
-        method, columns = settings.drawn(figures), 1 + max(one.column for one in figures)
-        shape = {one.column: one.places for one in figures}
+        method, columns = settings.drawn(figures), 1 + max(figure.column for figure in figures)
+        shape = {figure.column: figure.places for figure in figures}
         count = math.prod(shape.values()) if method == "grid" else settings.samples_of(study)
         return cls(figures, method, settings.seed, count, columns + 2 if settings.indices else 1)
 
@@ -35,7 +37,10 @@ class Points:
     def shape(self) -> tuple[int, ...]:
         """Of a grid, how many values each of its axes has."""
         return tuple(
-            places for _, places in sorted({one.column: one.places for one in self.figures}.items())
+            places
+            for _, places in sorted(
+                {figure.column: figure.places for figure in self.figures}.items()
+            )
         )
 
     @property
@@ -55,8 +60,12 @@ class Points:
         Of indices the sets A and B, and A with one column of B after another (Saltelli et al. 2010).
         """
         if self.method == "grid":
-            place = np.unravel_index(np.arange(part.start, min(part.stop, self.count)), self.shape)
-            return np.stack([one.every()[place[one.column]] for one in self.figures], axis=1)
+            positions = np.unravel_index(
+                np.arange(part.start, min(part.stop, self.count)), self.shape
+            )
+            return np.stack(
+                [figure.all_values()[positions[figure.column]] for figure in self.figures], axis=1
+            )
         columns = len(self.shape)
         if self.sets == 1:
             unit = units(self.samples, columns, self.method, self.seed, part)

@@ -31,12 +31,14 @@ def run(work: Work) -> None:
     points = _points(work, variation)
     with work.log.step("sweep", "the file names it") as step:
         nominal = np.empty(0) if modes is None else modes.frequency
-        each = chunks_of(work, variation)
+        all_chunks = chunks_of(work, variation)
         if settings.judges(work.study):
-            seconds = each[-1].end * sum(line.seconds for line in work.log.lines) / processors()
+            seconds = (
+                all_chunks[-1].end * sum(line.seconds for line in work.log.lines) / processors()
+            )
             work.progress(f"sweep, every variant solved separately: {duration(seconds)}", 0.0)
-        parts = (work.answered or in_turn)(work, variation, each)
-        values, answers = joined(each[-1].end, nominal.size, parts)
+        parts = (work.answered or in_turn)(work, variation, all_chunks)
+        values, answers = joined(all_chunks[-1].end, nominal.size, parts)
         step.method, step.size = answers.method, points.words
     work.put(sweep=summed(variation, settings, points, values, nominal, answers))
 
@@ -75,7 +77,9 @@ def in_turn(work: Work, variation: Variation, parts: Sequence[Chunk]) -> Iterato
 
 
 def _points(work: Work, variation: Variation) -> Points:
-    return Points.of(work.study, work.settings("sweep", SweepSettings), variation.figures)
+    return Points.from_settings(
+        work.study, work.settings("sweep", SweepSettings), variation.figures
+    )
 
 
 def _modes(work: Work) -> int:

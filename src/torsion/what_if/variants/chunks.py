@@ -42,7 +42,7 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
     """All variants as one, of parts in the order of their chunks; each part is let go before the next is taken."""
-    total, values, begin = Answers.unknown(modes, count), np.empty((0, 0)), 0
+    total, values, begin = Answers.empty(modes, count), np.empty((0, 0)), 0
     for chunk_values, answers in parts:
         if not values.size:
             values = np.empty((count, chunk_values.shape[1]))
@@ -76,9 +76,9 @@ class Pace:
         self.solved += chunk.size
         self.show()
 
-    def show(self, more: float = 0.0) -> None:
+    def show(self, under_way: float = 0.0) -> None:
         """Variants, rate and time left, `more` being those of chunks under way."""
-        solved, words = self.solved + more, ""
+        solved, words = self.solved + under_way, ""
         if solved:
             rate = solved / max(time.perf_counter() - self.start, 1e-9)
             words = f", {rate:.3g} variants/s, {duration((self.count - self.kept - solved) / rate)} left"

@@ -32,7 +32,7 @@ def frequencies(
 
     Variants of another layout, and all if there are fewer than `least`, are solved separately.
     """
-    answers = Answers.unknown(count, len(values))
+    answers = Answers.empty(count, len(values))
     for places, rows, numbers in _groups(variation, values) if count else ():
         if len(places) < least or "system" not in work.results:
             continue
@@ -56,7 +56,9 @@ def frequencies(
             left.size > 0
         )
         answers.method = f"frequencies of all variants at once, each certified by counts{separate}"
-    return solved(work, variation, values, count, judged=False, known=answers, places=left.tolist())
+    return solved(
+        work, variation, values, count, judged=False, partial=answers, places=left.tolist()
+    )
 
 
 def _groups(

@@ -46,7 +46,7 @@ class Answer:
     fault: str = ""  # why there is no answer
 
     @classmethod
-    def of(cls, findings: Findings) -> "Answer":
+    def from_findings(cls, findings: Findings) -> "Answer":
         """The answer in the findings of a variant, none where an analysis was left unanswered."""
         unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
         if unanswered:
@@ -79,7 +79,7 @@ class Answers:
     partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
 
     @classmethod
-    def unknown(cls, modes: int, count: int) -> "Answers":
+    def empty(cls, modes: int, count: int) -> "Answers":
         """Of so many variants, as yet without any."""
         return cls(np.full((modes, count), np.nan))
 
@@ -106,10 +106,10 @@ class Answers:
             if not check.is_judged:
                 self.partly.add(column)
 
-    def take(self, columns: IntArray | slice, others: "Answers") -> None:
+    def take(self, columns: IntArray | slice, answers: "Answers") -> None:
         """Put the frequencies and verdicts of other variants into the columns."""
-        self.frequency[:, columns] = others.frequency
-        for key, (utilisation, fails) in others.checks.items():
+        self.frequency[:, columns] = answers.frequency
+        for key, (utilisation, fails) in answers.checks.items():
             columns_of_check = self.check(key)
             columns_of_check[0][columns], columns_of_check[1][columns] = utilisation, fails
 
@@ -121,14 +121,14 @@ def solved(
     modes: int,
     *,
     judged: bool,
-    known: Answers | None = None,
+    partial: Answers | None = None,
     places: Sequence[int] | None = None,
 ) -> Answers:
     """The answers of variants (variants, figures), each solved and judged by itself, on all processors.
 
-    known: answers to which those at the `places` alone are added.
+    partial: answers to which those at the `places` alone are added.
     """
-    answers = Answers.unknown(modes, len(values)) if known is None else known
+    answers = Answers.empty(modes, len(values)) if partial is None else partial
     columns = range(len(values)) if places is None else places
     solve = work.solve
     if solve is None or not columns:
@@ -143,7 +143,9 @@ def solved(
     def answer_of(variant: int) -> Answer:
         try:
             study = study_of(variant)
-            return Answer.of(solve(study if judged else replace(study, rules=()), only=only))
+            return Answer.from_findings(
+                solve(study if judged else replace(study, rules=()), only=only)
+            )
         except (InputError, SolveError) as error:
             return Answer(np.empty(0), fault=reason(error))
 

@@ -109,6 +109,6 @@ def _wilson(count: int, size: int) -> tuple[float, float]:
     return (0.0 if count == 0 else middle - half), (1.0 if count == size else middle + half)
 
 
-def quantiles(values: FloatArray, at: Sequence[float]) -> FloatArray:
+def quantiles(values: FloatArray, levels: Sequence[float]) -> FloatArray:
     """(quantities, len(at)) of the samples (quantities, count); nothing where a sample has no value."""
-    return np.quantile(values, at, axis=1).T
+    return np.quantile(values, levels, axis=1).T
