@@ -32,7 +32,6 @@ HEAD = {  # key of `scene`: words, unit
     "rules": ("rules", ""),
 }
 INERTIA, FLEXIBILITY = ("inertia", "kg m2"), ("flexibility", "rad/(N m)")  # name, unit
-NAME = ("rule", "clause", "where", "what")  # keys of a check that hold no value that varies
 SEVERITY = ("pass", "restricted", "not judged", "not kept", "fail")
 
 
@@ -190,8 +189,8 @@ def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comp
 def _compare_case(
     name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None
 ) -> CaseComparison:
-    verdicts = (None if data is None else _verdict(data) for data in (before, after))
-    comparison = CaseComparison(name, *verdicts)
+    old, new = (None if data is None else _verdict(data) for data in (before, after))
+    comparison = CaseComparison(name, old, new)
     if before is None or after is None or not ("checks" in before and "checks" in after):
         return comparison
     checks = sorted(_checks(before, after), key=lambda change: change.severity)
@@ -328,12 +327,12 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
 
 def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[CheckChange]:
     """Yield every check whose verdict or utilisation differs, and every check that only one of both has."""
-    common_names = [
-        {tuple(check[key] for key in NAME): check for check in data["checks"] or ()}
-        for data in (before, after)
+    checks_by_name = [
+        {(check["rule"], check["clause"], check["where"], check["what"]): check for check in rows}
+        for rows in (data["checks"] or () for data in (before, after))
     ]
-    for name in dict.fromkeys((*common_names[0], *common_names[1])):
-        old, new = (checks.get(name, {}) for checks in common_names)
+    for name in dict.fromkeys((*checks_by_name[0], *checks_by_name[1])):
+        old, new = (checks.get(name, {}) for checks in checks_by_name)
         used, other_use = old.get("utilisation"), new.get("utilisation")
         is_same = old.get("verdict") == new.get("verdict") and _is_same(used, other_use)
         if used is None and other_use is None:  # a limit of 0, or none

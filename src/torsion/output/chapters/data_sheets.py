@@ -103,12 +103,11 @@ def _couplings(findings: Findings) -> Table | None:
             cells[1] = OVER_FREQUENCY
         if limits is not None and limits.heat_over_frequency is not None:
             cells[-1] = OVER_FREQUENCY
+        stiffness, psi = stiffness_or_rigid(spring.flexibility), 2.0 * np.pi * spring.loss_factor
+        values: tuple[Any, ...] = (stiffness, tolerance, psi or None, spring.viscous or None)
         if spring.table is not None:
-            stiffness, *losses = [spring.table.follows] * 3
-        else:
-            stiffness = stiffness_or_rigid(spring.flexibility)
-            losses = [2.0 * np.pi * spring.loss_factor or None, spring.viscous or None]
-        rows.append((part.name, *cells, stiffness, tolerance, *losses))
+            values = (spring.table.follows, tolerance, spring.table.follows, spring.table.follows)
+        rows.append((part.name, *cells, *values))
     return _sheet(
         "< Coupling | T_{KN} [N m]:8g | T_{KW} [N m]:8g | T_{Kmax} [N m]:8g | P_{KW} [W]:8g | "
         "k own [N m/rad]:8g | Tolerance [%]:8g | Relative damping ψ | Viscous c [N m s/rad]:8g",
