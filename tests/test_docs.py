@@ -237,3 +237,12 @@ def test_files_and_folders_of_the_readme_exist() -> None:
     named = set(re.findall(r"\b(?:shafting_specs|docs|benchmarks|src/torsion)/[\w./-]*", text))
     for name in named:
         assert (ROOT / name.rstrip(".")).exists(), name
+
+
+@pytest.mark.parametrize("page", ["a-number", "where-to-change"])
+def test_a_page_of_the_source_names_files_that_there_are(page: str) -> None:
+    text = (ROOT / "docs" / "develop" / f"{page}.md").read_text(encoding="utf-8")
+    names = re.findall(r"`((?:[a-z_]+/)+(?:[a-z_0-9]+\.py)?|[a-z_]+\.py|tests/[a-z_/]+)`", text)
+    assert len(names) > 10
+    roots = (ROOT, ROOT / "src" / "torsion")
+    assert [name for name in names if not any((root / name).exists() for root in roots)] == []
