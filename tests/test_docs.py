@@ -39,6 +39,7 @@ THEORY = "\n".join(
     page.read_text(encoding="utf-8")
     for page in sorted((ROOT / "docs/explanation/theory").glob("*.md"))
 )
+RETIRED = (67, 68, 69, 70)  # equations of a method that is gone; the source cites the others by their numbers
 EQUATION = re.compile(r"\((T\d+[a-z]?)\)")
 NUMBERED = re.findall(
     r"^    .*\S +\(T(\d+)([a-z]?)\)$", THEORY, re.MULTILINE
@@ -154,7 +155,7 @@ def test_documents_hold_scenes() -> None:
 
 def test_equations_are_numbered_once_and_without_gaps() -> None:
     numbers = sorted(int(number) for number, letter in NUMBERED if not letter)
-    assert numbers == list(range(1, len(numbers) + 1))
+    assert numbers == [n for n in range(1, numbers[-1] + 1) if n not in RETIRED]
     for number in {number for number, letter in NUMBERED if letter}:
         letters = sorted(letter for other, letter in NUMBERED if letter and other == number)
         assert letters == list("abcdefghijklmnop"[: len(letters)]), number

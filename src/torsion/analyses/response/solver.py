@@ -165,8 +165,9 @@ def swept(
             result = looped_response(tree, links, w, sources.force, **acting)
         else:
             result = tree_response(tree, w, sources.force, **acting)
-        torque = span_torques(system, result.torque, chords, result.chord_torque)
-    with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
+        with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
+            torque = span_torques(system, result.torque, chords, result.chord_torque)
+    with np.errstate(invalid="ignore"):
         angle = result.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, result.residual, status(result.amplification, result.residual))
 
