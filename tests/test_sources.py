@@ -12,7 +12,7 @@ from torsion.cli import app
 from torsion.findings import UsedSource
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters import chapters
-from torsion.output.results_json import bounded_text
+from torsion.output.results_json import text
 from torsion.sources import SOURCES, collected, note, source
 
 ROOT = Path(__file__).parents[1]
@@ -63,7 +63,7 @@ def test_an_example_lists_the_source_of_its_formula(name: str, key: str) -> None
 
 def test_results_have_the_sources_under_a_key() -> None:
     findings = torsion.run(torsion.read(ROOT / "shafting_specs" / "usv.yaml"))
-    rows = json.loads(bounded_text(findings))["sources"]
+    rows = json.loads(text(findings))["sources"]
     assert {"key", "words", "where", "compared"} == set(rows[0])
     assert [row["key"] for row in rows] == [record.key for record in findings.plan.sources]
 

@@ -259,9 +259,9 @@ def _loop_torques(
     open_twist = _rows(chords.twist) + sign @ wound[0]
     if twist is not None:
         open_twist = open_twist - sign @ _rows(twist)
-    matrix = np.stack(
-        [-(sign @ row).T for row in wound[1:]], axis=-1
-    )  # (frequencies, chords, chords)
+    # (frequencies, chords, chords), complex where the chords alone have losses too
+    matrix = np.stack([-(sign @ row).T for row in wound[1:]], axis=-1)
+    matrix = matrix.astype(np.result_type(matrix, compliance), copy=False)
     terms = sum(np.abs(sign) @ np.abs(row) for row in wound[1:]) + np.abs(compliance)
     chord, identity = np.arange(len(sign)), np.eye(len(sign))
     matrix[:, chord, chord] += compliance.T
