@@ -21,7 +21,7 @@ from benchmarks.papers.zhu_wang_theory import (
     undamped,
 )
 from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, Model, growth
-from torsion.analyses.lateral.tilt_stability import Zone, zones
+from torsion.analyses.lateral.tilt_stability import TiltRange, zones
 
 NAME = "zhu_wang"
 SPEEDS = (25.9, 26.2)  # rad/s of the paper's curves
@@ -117,7 +117,7 @@ def _models() -> dict[str, tuple[MisalignedShaft, Model]]:
 
 
 @cache
-def zone(name: str) -> Zone:
+def zone(name: str) -> TiltRange:
     """The sum zone by one of the models."""
     one, model = _models()[name]
     (found,) = zones(one, 25.0, 26.6, model, 60)
@@ -125,7 +125,7 @@ def zone(name: str) -> Zone:
 
 
 @cache
-def every_zone() -> tuple[Zone, ...]:
+def every_zone() -> tuple[TiltRange, ...]:
     """All unstable ranges of the corrected (7) with damping."""
     return zones(SHAFT, *RANGE)
 
@@ -133,7 +133,7 @@ def every_zone() -> tuple[Zone, ...]:
 def _boundaries() -> Iterator[tuple[str, ...]]:
     for name in _models():
         one = zone(name)
-        yield stated(f"sum zone, {name}", f"{one.lower:.9f} .. {one.upper:.9f}", "rad/s", "–")
+        yield stated(f"sum zone, {name}", f"{one.first:.9f} .. {one.last:.9f}", "rad/s", "–")
     first = paper.averaged(SHAFT)
     width, wrong = paper.half_width_right(SHAFT), paper.half_width_printed(SHAFT)
     yield stated("sum zone, first order, C = 0, (20)", _around(first.middle, width), "rad/s", "–")
@@ -143,9 +143,9 @@ def _boundaries() -> Iterator[tuple[str, ...]]:
     for one in every_zone():
         if not one.kind.startswith("sum"):
             said = "never unstable" if one.kind.startswith("difference") else "not mentioned"
-            words = f"{one.lower:.9f} .. {one.upper:.9f}"
+            words = f"{one.first:.9f} .. {one.last:.9f}"
             yield stated(
-                f"{one.kind}, (7) corrected, largest growth {one.rate:.8f} 1/s",
+                f"{one.kind}, (7) corrected, largest growth {one.growth:.8f} 1/s",
                 words,
                 "rad/s",
                 said,
@@ -239,7 +239,7 @@ def _growth_over_speed() -> Picture:
         ("(7) corrected", growth(SHAFT, at).rate),
         ("(8) without E2", growth(SHAFT, at, NO_CIRCULATION).rate),
     ]
-    marks = [(one.worst, one.rate, one.kind) for one in every_zone()]
+    marks = [(one.at, one.growth, one.kind) for one in every_zone()]
     svg = curves(
         "zhu_wang_growth", at, "speed, rad/s", [Panel("growth, 1/s", lines, marks)], height=2.6
     )

@@ -17,7 +17,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     monodromies,
     small_angle_part,
 )
-from torsion.analyses.lateral.tilt_stability import Zone, zones
+from torsion.analyses.lateral.tilt_stability import TiltRange, zones
 
 TURN = np.linspace(0.0, np.pi, 91)
 SPEEDS = np.array([25.9, 26.2])
@@ -115,14 +115,14 @@ def _criteria() -> tuple[Misprint, ...]:
     )
     (width, wrong) = (half(SHAFT) for half in (paper.half_width_right, paper.half_width_printed))
     middle = paper.averaged(SHAFT).middle
-    ratio = (longer.upper - longer.lower) / (own.upper - own.lower)
+    ratio = (longer.last - longer.first) / (own.last - own.first)
     return (
         Misprint(
             "(21), (22)",
             "the root of (20) is dropped: T0/(4 l² √(Kx Ky)), a pure number",
             "half width in speed `T0/(8 l √J0 (Kx Ky)^¼)` rad/s; the detuning is twice that",
             "dimensions; without E2, damping and gyroscopic term the zone's half width is "
-            f"{(own.upper - own.lower) / 2:.6f}, right form {width:.6f}, printed {wrong:.6f} rad/s; by that "
+            f"{(own.last - own.first) / 2:.6f}, right form {width:.6f}, printed {wrong:.6f} rad/s; by that "
             f"{middle - wrong:.4f} .. {middle + wrong:.4f}, and 25.9 would be stable",
         ),
         Misprint(
@@ -141,7 +141,7 @@ def _criteria() -> tuple[Misprint, ...]:
     )
 
 
-def _sum_zone(one: MisalignedShaft) -> Zone:
+def _sum_zone(one: MisalignedShaft) -> TiltRange:
     """The sum zone as the first order sees it."""
     middle = paper.averaged(one).middle
     (found,) = zones(one, 0.98 * middle, 1.02 * middle, Model(paper.without_circulation), 40)

@@ -183,13 +183,13 @@ def test_ranges_in_which_the_tilt_grows_are_marked_in_table_verdict_and_figure(
     assert [row[-1] for row in found.rows] == ["UNSTABLE"] * 3
     assert set(found.marks) == {"fail"}
     first = shaft.tilting.zones[0]
-    assert float(found.rows[0][1]) == pytest.approx(first.lower * 30.0 / np.pi, rel=1e-8)
+    assert float(found.rows[0][1]) == pytest.approx(first.first * 30.0 / np.pi, rel=1e-8)
     assert tilting.failed
     drawn = svg(figure(tilting, "tilting"))
     assert "principal of 2" in drawn
     assert "unstable" in drawn
     shown = results(tilting)["lateral"]["shafts"][0]["tilting"]["unstable"]
-    assert shown[0]["from_rad_per_s"] == pytest.approx(first.lower, rel=1e-12)
+    assert shown[0]["from_rad_per_s"] == pytest.approx(first.first, rel=1e-12)
 
 
 def test_tilt_that_was_examined_at_a_part_of_the_speeds_alone_fails_without_a_word_of_growth(

@@ -132,14 +132,14 @@ def test_boundaries_without_circulation_and_damping_are_where_multipliers_collid
         trace, second = np.trace(one), (np.trace(one) ** 2 - np.trace(one @ one)) / 2.0
         return float(trace**2 - 4.0 * (second - 2.0))
 
-    for bound, way in ((zone.lower, -1.0), (zone.upper, 1.0)):
+    for bound, way in ((zone.first, -1.0), (zone.last, 1.0)):
         assert discriminant(bound + way * 1e-8) > 0.0 > discriminant(bound - way * 1e-8)
 
 
 def test_a_zone_that_leaves_the_range_is_told_as_open() -> None:
     (zone,) = zones(SHAFT, 25.9, 28.0, points=30)
     assert zone.is_open == (True, False)
-    assert zone.lower == 25.9
+    assert zone.first == 25.9
 
 
 def test_response_in_an_unstable_range_is_marked(paper) -> None:

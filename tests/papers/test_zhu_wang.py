@@ -77,7 +77,7 @@ def test_growth_at_the_two_speeds(
 def test_boundaries_of_the_sum_zone(name: str, lower: float, upper: float, paper) -> None:
     found = paper["zhu_wang"].zone(name)
     assert found.kind == "sum of 1 and 2"
-    np.testing.assert_allclose([found.lower, found.upper], [lower, upper], rtol=0.0, atol=2e-10)
+    np.testing.assert_allclose([found.first, found.last], [lower, upper], rtol=0.0, atol=2e-10)
 
 
 def test_every_unstable_range_of_the_damped_shaft(paper) -> None:
@@ -95,7 +95,7 @@ def test_every_unstable_range_of_the_damped_shaft(paper) -> None:
         (32.4240786602, 32.9273342758),
     ]
     np.testing.assert_allclose(
-        [(one.lower, one.upper) for one in found], expected, rtol=0.0, atol=2e-10
+        [(one.first, one.last) for one in found], expected, rtol=0.0, atol=2e-10
     )
     rate = growth(paper["zhu_wang_motion"].SHAFT, np.array([6.908795])).rate
     assert rate[0] == pytest.approx(0.00713234, abs=6e-9)
