@@ -39,12 +39,8 @@ THEORY = "\n".join(
     page.read_text(encoding="utf-8")
     for page in sorted((ROOT / "docs/explanation/theory").glob("*.md"))
 )
-RETIRED = (
-    67,
-    68,
-    69,
-    70,
-)  # equations of a method that is gone; the source cites the others by their numbers
+# Equations of a method that is gone; the source cites the others by their numbers.
+RETIRED = (67, 68, 69, 70)
 EQUATION = re.compile(r"\((T\d+[a-z]?)\)")
 NUMBERED = re.findall(
     r"^    .*\S +\(T(\d+)([a-z]?)\)$", THEORY, re.MULTILINE

@@ -76,14 +76,26 @@ def private_words(text: str) -> list[tuple[int, str, str]]:
     return sorted(found)
 
 
+def is_groups(node: ast.AST) -> bool:
+    """Whether it declares the groups of the keys of a component: names of keys, parted by blanks."""
+    return (
+        isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and node.targets[0].id == "groups"
+    )
+
+
 def prose_of(source: str) -> Iterator[tuple[int, str]]:
-    """Line and text of the comments of a module and of its strings; a string of one word is a key, not prose."""
+    """Line and text of the comments of a module and of its strings; strings of one word and groups of keys are no prose."""
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
             yield token.start[0], token.string
-    for node in ast.walk(ast.parse(source)):
+    tree = ast.parse(source)
+    keys = {id(node) for node in ast.walk(tree) if is_groups(node) for node in ast.walk(node)}
+    for node in ast.walk(tree):
         if (
-            isinstance(node, ast.Constant)
+            id(node) not in keys
+            and isinstance(node, ast.Constant)
             and isinstance(node.value, str)
             and re.search(r"\w\s+\w", node.value)
         ):

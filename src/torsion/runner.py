@@ -154,7 +154,7 @@ def merge_barred_ranges(ranges: Iterable[BarredRange]) -> tuple[BarredRange, ...
             merged.append(barred)
             continue
 
-        # The misfire of each cylinder bars its own range; the tachometer is marked once, from end to end.
+        # The misfire of each cylinder has its own barred range; the tachometer is marked once, from end to end.
         merged[-1] = replace(
             previous,
             lower=min(previous.lower, barred.lower),

@@ -1,6 +1,6 @@
 """A report on the terminal: its blocks that have a short form, narrow enough for 80 columns.
 
-Names may be folded, numbers never.
+Names may be wrapped, numbers never.
 """
 
 from collections.abc import Iterator
@@ -129,7 +129,7 @@ def _grid(
 ) -> tuple[Grid, int]:
     """Return the first rows of a table, and how many lines they have; marks colour the last cell of their row.
 
-    Numbers stay whole. Names are folded to the width, short ones last; if `most_lines` are given, names are cut after
+    Numbers stay whole. Names are wrapped to the width, short ones last; if `most_lines` are given, names are cut after
     two lines, and rows that do not fit are left out.
     """
     kept = [k for k, column in enumerate(table.columns) if column.short]

@@ -335,7 +335,7 @@ def _conditions(
     radius = None if slot is None or slot.end_radius is None else slot.end_radius / slot.width
     number = None if slot is None else slot.number
     below, above = 1 - ROUNDING, 1 + ROUNDING
-    conditions = (  # value, whether it keeps the condition, what is asked, what is broken
+    conditions = (  # value, whether it keeps the condition, what is required, what is broken
         (
             bore,
             bore < MOST_SLOT_BORE * below,

@@ -30,7 +30,7 @@ FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that 
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
 MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
-analyses_read = needed  # as an analysis asks its rules
+analyses_read = needed  # the name under which an analysis calls it
 NO_SPANS = np.empty(0, dtype=np.int64)
 
 

@@ -95,7 +95,7 @@ def half_range_of(
 
 
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
-    """Return the turns after which all orders repeat, and each order in cycles of that; 0 turns where that is too long."""
+    """Return the revolutions after which all orders repeat (0 if too many), and each order in cycles per such period."""
     if not orders:
         return Fraction(0), np.empty(0, dtype=np.int64)
     numerator = math.gcd(*(order.numerator for order in orders))

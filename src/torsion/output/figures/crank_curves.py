@@ -74,7 +74,7 @@ def misfires(
 def pressures(
     name: str, caption: str, curves: Sequence[tuple[str, FloatArray, FloatArray]]
 ) -> Figure:
-    """Return the pressures of cylinder ends, each a name, angles (deg) and pressures (bar)."""
+    """Return the pressures of cylinder ends, each a name, angles [deg] and pressures [bar]."""
     angles = np.concatenate([angle for _, angle, _ in curves])
     x = span(Axis("crank angle from the dead centre of the head end", "deg"), angles)
     lines = tuple(

@@ -29,7 +29,7 @@ TEN, TRIED = 10, 5  # best that are reported, and that are solved separately at 
 APART = 0.02  # of a range, within which two candidates are one
 MISSED = 0.01, 1e-6  # by which the ordinary solution may differ: of a margin, of a frequency
 MOST_FAULTS = 10
-Proof = tuple[str, float, str]  # kept, not kept or disagrees; the margin; the verdict
+Confirmation = tuple[str, float, str]  # kept, not kept or disagrees; the margin; the verdict
 
 
 def run(work: Work) -> None:
@@ -65,9 +65,9 @@ def run(work: Work) -> None:
         step.method = method
         step.size = f"{len(candidates.tried)} choices of {len(variation.figures)} figures"
     with work.log.step("design, solved by itself", "the search only finds it") as step:
-        proofs = list(_proofs(candidates, best))
-        step.size = f"{len(proofs)} files"
-    work.put(design=_result(candidates, nominal, best, proofs, method))
+        confirmations = list(_confirmations(candidates, best))
+        step.size = f"{len(confirmations)} files"
+    work.put(design=_result(candidates, nominal, best, confirmations, method))
 
 
 def _cases(work: Work, variation: Variation, sweep: Variation | None) -> Iterator[tuple[str, Case]]:
@@ -144,16 +144,16 @@ def _best(candidates: Candidates) -> list[Tried]:
     return best
 
 
-def _proofs(candidates: Candidates, best: Sequence[Tried]) -> Iterator[Proof]:
+def _confirmations(candidates: Candidates, best: Sequence[Tried]) -> Iterator[Confirmation]:
     """Solve the best until one is as the search has it."""
     for candidate in best[:TRIED]:
-        proof = _solved(candidates, candidate)
-        yield proof
-        if proof[0] != "disagrees":
+        confirmation = _solved(candidates, candidate)
+        yield confirmation
+        if confirmation[0] != "disagrees":
             return
 
 
-def _solved(candidates: Candidates, candidate: Tried) -> Proof:
+def _solved(candidates: Candidates, candidate: Tried) -> Confirmation:
     """Solve a candidate as a file of its own, with every case of it that is judged."""
     if candidates.work.solve is None:
         raise LookupError("nothing solves")
@@ -190,11 +190,11 @@ def _result(
     candidates: Candidates,
     nominal: Tried | None,
     best: Sequence[Tried],
-    proofs: Sequence[Proof],
+    confirmations: Sequence[Confirmation],
     method: str,
 ) -> Design:
     settings, figures = candidates.settings, candidates.variation.figures
-    chosen = next((k for k, (word, *_) in enumerate(proofs) if word != "disagrees"), None)
+    chosen = next((k for k, (word, *_) in enumerate(confirmations) if word != "disagrees"), None)
     picked = () if chosen is None else best[chosen].values
     tried, target = list(candidates.tried.values()), settings.target
     amounts = np.array([getattr(candidate, settings.against or "", np.nan) for candidate in tried])
@@ -215,8 +215,8 @@ def _result(
         )
         for figure, value in zip(figures, picked or [0.0] * len(figures), strict=True)
     )
-    unproven: Proof = ("", math.nan, "")
-    each_proof = [*proofs, *[unproven] * (len(best) - len(proofs))]
+    unconfirmed: Confirmation = ("", math.nan, "")
+    each_confirmation = [*confirmations, *[unconfirmed] * (len(best) - len(confirmations))]
     aimed = "" if target is None else f"{target[0].name} at {target[1]:.6g} Hz"
     return Design(
         aimed or "the greatest smallest margin",
@@ -229,9 +229,11 @@ def _result(
         tuple(chosen_figures),
         _finite(nominal.aim) if nominal is not None and target is None else None,
         _finite(nominal.frequency) if nominal is not None else None,
-        tuple(_candidate(candidates, *pair) for pair in zip(best, each_proof, strict=False)),
+        tuple(_candidate(candidates, *pair) for pair in zip(best, each_confirmation, strict=False)),
         None if chosen is None else chosen + 1,
-        "; ".join(proof[2] for proof in proofs) if chosen is None else proofs[chosen][2],
+        "; ".join(confirmation[2] for confirmation in confirmations)
+        if chosen is None
+        else confirmations[chosen][2],
         tuple(dict.fromkeys(uncounted)),
         settings.against or "",
         amounts[front],
@@ -248,7 +250,7 @@ def _result(
     )
 
 
-def _candidate(candidates: Candidates, tried: Tried, proof: Proof) -> Candidate:
+def _candidate(candidates: Candidates, tried: Tried, confirmation: Confirmation) -> Candidate:
     rule, clause, where, what = tried.decides or ("", "", "", "")
     varied = () if candidates.sweep is None else candidates.sweep.figures
     sample = zip(varied, candidates.samples[tried.worst], strict=True)
@@ -256,7 +258,7 @@ def _candidate(candidates: Candidates, tried: Tried, proof: Proof) -> Candidate:
     if not tried.worst:
         worst = "as in the file" if varied else ""
     values = zip(candidates.variation.figures, tried.values, strict=True)
-    word, margin, _ = proof
+    word, margin, _ = confirmation
     return Candidate(
         tuple(figure.words(value) for figure, value in values),
         _finite(tried.aim) if candidates.judged else None,
