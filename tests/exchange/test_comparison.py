@@ -149,3 +149,25 @@ def test_another_format_is_named(tmp_path: Path) -> None:
     file.write_text(json.dumps(results(DISCS) | {"format": 2}))
     with pytest.raises(torsion.InputError, match="format 2"):
         read_results(file)
+
+
+def test_a_rule_more_is_a_change_of_the_input_and_no_number_is_cut(tmp_path: Path) -> None:
+    text = """
+name: a train with a name that does not fit into a cell of a narrow terminal, drawing %s
+operation: {speeds: {from: 300 rpm, to: 600 rpm}, rated: {speed: 600 rpm, power: 5 kW}}
+train:
+- motor: {name: motor, inertia: 1, ripple: [{order: 1, torque: 5 %%}]}
+- coupling: {name: coupling, stiffness: %s, psi: 0.5, rated_torque: 200 N*m}
+- pump: {name: pump, inertia: 2}
+rules: [%s]
+"""
+    for values in (("a", 20000, "coupling-maker"), ("b", 25000, "coupling-maker, api-684")):
+        path = tmp_path / f"{values[0]}.yaml"
+        path.write_text(text % values)
+        CliRunner().invoke(app, ["solve", str(path), "-o", str(tmp_path / values[0])])
+    folders = [str(tmp_path / name) for name in "ab"]
+    done = CliRunner().invoke(app, ["compare", *folders], env={"COLUMNS": "80", "TERM": "dumb"})
+    assert done.exit_code == 1
+    rows = [line.split() for line in done.output.splitlines()]
+    assert ["coupling", "stiffness", "20000", "25000", "N", "m/rad", "25.0"] in rows
+    assert ["\N{EN DASH}", "rules", "coupling-maker", "coupling-maker,", "\N{EN DASH}"] in rows

@@ -54,7 +54,7 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
         yield Paragraph("No change.", brief=True)
         return
     if case.inputs:
-        titles = "< Component -> | < Input -> | A -> | B -> | < Unit -> | Change [%]:3 -> %"
+        titles = "< Component -> | < Input -> | < A -> | < B -> | < Unit -> | Change [%]:3 -> %"
         yield _table(titles, map(_input_row, case.inputs), "Input that differs")
     if any(pair.is_changed for pair in case.modes):
         titles = (
@@ -96,7 +96,7 @@ def _input_row(change: InputChange) -> tuple[Any, ...]:
 def _value(value: Any) -> Any:
     """Return a value of the input for a cell: a number, or the words of anything else."""
     if isinstance(value, list):
-        return ", ".join(map(number, value)) or NONE
+        return ", ".join(number(x) if isinstance(x, int | float) else str(x) for x in value) or NONE
     return float(value) if isinstance(value, int | float) else value
 
 
