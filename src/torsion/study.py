@@ -117,7 +117,7 @@ class FiniteElements(Declared):
     degree: Annotated[int, Field(ge=1, le=10)] | None = given(
         "degree of the elements (default: 4, or what the number of elements needs)"
     )
-    elements: Annotated[int, Field(ge=1, le=20_000)] | None = given(
+    elements: Annotated[int, Field(ge=1, le=19_999)] | None = given(
         "elements of every shaft (default: as many as needed)"
     )
 

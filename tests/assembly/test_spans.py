@@ -69,7 +69,9 @@ def test_a_uniform_shaft_and_a_cone_of_more_pieces_than_a_block_keep_flexibility
 
 
 def test_more_stations_than_are_computed_are_refused_in_words():
-    line = [Disc(inertia=1.0), Shaft(name="s", length=1.0, diameter=(0.3,), segments=20_000)]
+    line = [Disc(inertia=1.0), Shaft(name="s", length=1.0, diameter=(0.3,), segments=19_999)]
+    assert len(assemble(train([*line, Disc(inertia=1.0)])).stations) == 20_000
+    line.append(Shaft(name="t", length=1.0, diameter=(0.3,), segments=1))
     with pytest.raises(InputError, match="the train has 20001 stations; at most 20000") as raised:
         assemble(train([*line, Disc(inertia=1.0)]))
     assert "fewer segments" in str(raised.value)

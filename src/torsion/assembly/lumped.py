@@ -14,7 +14,7 @@ from torsion.train import Train
 
 SHARE_OF_ERROR = 1e-3  # a frequency of a lumped shaft is right to this share
 LARGEST_PHASE = math.sqrt(24.0 * SHARE_OF_ERROR)  # rad along a segment of a uniform shaft
-FEWEST, MOST = 1, 20_000
+FEWEST, MOST = 1, 19_999  # with both ends the stations that a train may have
 
 
 def segments_for(bar: Bar, frequency: float) -> int:

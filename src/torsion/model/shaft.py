@@ -97,7 +97,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
     )
     material: str = given("name of one of `materials`", "steel")
-    segments: Annotated[int, Field(ge=1, le=20_000)] | None = given(
+    segments: Annotated[int, Field(ge=1, le=19_999)] | None = given(
         "lumped segments (default: as many as needed)"
     )
     loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")

@@ -344,9 +344,15 @@ class Gas(Declared):
             if key not in suitable and key in self.model_fields_set:
                 hint = f"with it go {', '.join(suitable)}"
                 raise refuse(f"`{key}` does not go with `{kinds[0]}`", hint, key)
-        for key in needed:
-            if not self.keys_given(key):
-                raise refuse(f"`{key}` is missing", type(self).model_fields[key].description or "")
+        # Keys of which any will do stand in one text: the exhaust of four strokes, or of two.
+        missing = [keys for keys in needed if not self.keys_given(*keys.split())]
+        if missing:
+            names = [" or ".join(f"`{key}`" for key in keys.split()) for keys in missing]
+            fields_missing = (type(self).model_fields[key] for key in " ".join(missing).split())
+            meanings = "; ".join(field.description or "" for field in fields_missing)
+            verb = "is" if len(names) == 1 else "are"
+            words = ", ".join(names)
+            raise refuse(f"{words} {verb} missing", meanings)
         loads = len(self.imep) if self.cycle else 1
         for key in ("charge", "exhaust", "imep", "p_max"):
             if (count := len(getattr(self, key))) not in (0, 1, loads):
@@ -387,6 +393,6 @@ OF_EACH: dict[
     "diagram": (("tdc", "absolute", "imep", "crankcase"), ("tdc", "absolute")),
     "cycle": (
         (*OF_CYCLE, "exhaust", "gamma", "shape", "exhaust_opens", "scavenge_opens", "crankcase"),
-        OF_CYCLE,
+        (*OF_CYCLE, "exhaust exhaust_opens"),
     ),
 }

@@ -251,8 +251,6 @@ def _of_cycle(gas: Gas, frame: Frame) -> Law:
             raise GasFault(
                 f"an engine of {strokes} strokes has no `{key}`", f"give `{needed}`", key
             )
-    if not getattr(gas, needed):
-        raise GasFault(f"`{needed}` is missing", Gas.model_fields[needed].description or "")
     if not 0 < ports[0] <= ports[1] <= math.pi:
         message = "the exhaust opens before the scavenge ports and bottom dead centre"
         raise GasFault(message, "below 180 deg", "exhaust_opens")
