@@ -3,12 +3,26 @@
 import errno
 import os
 import stat
+from contextvars import ContextVar
 from pathlib import Path
 
 LARGEST_SCENE = 10_000_000  # bytes; a train of 20,000 stations has about 3 MB
 LARGEST_TABLE = 20_000_000  # bytes; 200 a row of the longest table
 LARGEST_SIGNAL = 100_000_000  # bytes; 50 a row of the longest signal
 LARGEST_RESULTS = 500_000_000  # bytes
+# Of a file: when it was written, its size, which one it is; None of a missing one.
+Stamp = tuple[int, int, int] | None
+# The files that are opened, also in vain, as they were before: what the live page follows.
+OPENED: ContextVar[dict[str, Stamp] | None] = ContextVar("OPENED", default=None)
+
+
+def stamp(file: str | Path) -> Stamp:
+    """Return the stamp of a file as it is now."""
+    try:
+        status = os.stat(file)
+    except (OSError, ValueError):
+        return None
+    return status.st_mtime_ns, status.st_size, status.st_ino
 
 
 def read_file(file: str | Path, largest: int) -> bytes:
@@ -26,10 +40,8 @@ def read_file(file: str | Path, largest: int) -> bytes:
 
 def check_file(file: str | Path, largest: int) -> None:
     """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
-    if not os.path.exists(file):
-        open(
-            file, "rb"
-        ).close()  # raises OSError; the live page hears which file was opened in vain
+    if (opened := OPENED.get()) is not None:
+        opened.setdefault(os.path.abspath(file), stamp(file))
     found = os.stat(file)
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))

@@ -67,25 +67,3 @@ def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     assert first.startswith(f"{file} is shown at http://127.0.0.1:")
     assert (second, rest, errors, process.returncode) == ("Ctrl-C ends it\n", "", "", 0)
     assert [path.name for path in tmp_path.iterdir()] == ["pair.yaml"]
-
-
-BEGUN = """
-import os
-from multiprocessing import forkserver
-from torsion.live.session import warm_context
-warm_context()
-forkserver.ensure_running()
-near, far = os.pipe()
-status, data = forkserver.connect_to_new_process([near])
-os.close(data)
-os.read(status, 8)
-while os.read(status, 8):
-    pass
-"""
-
-
-def test_a_process_whose_command_ends_while_it_begins_says_nothing() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", BEGUN], capture_output=True, text=True, timeout=60, check=True
-    )
-    assert done.stderr == ""

@@ -1,9 +1,6 @@
 """What a page shows: the file as it is saved, its sliders, its faults; a solver that takes too long is stopped."""
 
-import os
 import re
-import signal
-import sys
 from collections.abc import Iterator
 from math import pi, sqrt
 from pathlib import Path
@@ -11,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from torsion.findings import Progress
 from torsion.live import session as sessions
 from torsion.live.session import Session
-from torsion.live.worker import Reads, stamp
 from torsion.output.numbers import number
 
 SCENE = """
@@ -68,14 +65,6 @@ class Follower:
                 return text
         raise AssertionError(f"{words} are not shown")
 
-    @property
-    def solver(self) -> int:
-        """Number of the process that solves."""
-        process = self.session._process
-        assert process is not None
-        assert process.pid is not None
-        return process.pid
-
     def move(self, **positions: float) -> int:
         return self.session.move({key.replace("_", "."): value for key, value in positions.items()})
 
@@ -111,33 +100,19 @@ def test_a_saved_table_that_the_file_names_is_shown(page: Follower) -> None:
     page.until(shown(12e3, 2, 3.5))
 
 
-def test_a_table_that_was_saved_while_it_was_read_is_read_again(page: Follower) -> None:
-    late, turn = page.file.with_name("late.csv"), page.session._turn
-    late.write_text("first", encoding="utf-8")
-    before = stamp(str(late))
-    late.write_text("second", encoding="utf-8")
-    page.session._heard(turn, {"files": {**page.session._files, str(late): before}})
-    page.until("solving", key="state")
-    page.until("solved", key="state")
-    assert page.session._turn == turn + 1
-
-
-@pytest.mark.parametrize(
-    ("name", "is_followed"),
-    [
-        (f"{sys.prefix}/lib/x.csv", False),
-        (f"{sys.prefix}_scenes/x.csv", True),
-        ("/proc/x.csv", False),
-        ("/process/x.csv", True),
-    ],
-)
-def test_a_table_beside_the_installation_is_followed(
-    monkeypatch: pytest.MonkeyPatch, name: str, is_followed: bool
+def test_a_table_that_was_saved_while_it_was_read_is_read_again(
+    page: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys, "addaudithook", lambda hook: None)  # which would stay for good
-    reads = Reads()
-    reads._heard("open", (name, "r", 0))
-    assert list(reads.stamps) == [name] * is_followed
+    def read_early(*_: Any, **__: Any) -> Any:
+        monkeypatch.undo()
+        made = reread(*_, **__)
+        page.table.write_text(ends(4.5), encoding="utf-8")
+        return made
+
+    reread = sessions.reread
+    monkeypatch.setattr(sessions, "reread", read_early)
+    page.save(2.25)
+    page.until(shown(12e3, 2.25, 4.5))
 
 
 def test_a_file_that_another_takes_the_place_of_is_shown(page: Follower) -> None:
@@ -218,21 +193,39 @@ def test_a_solver_past_its_time_is_stopped_and_the_next_one_solves(
     page.until("'text': ''", key="faults")
 
 
-def test_an_overtaken_solver_is_stopped_and_the_later_request_solved(
+def test_an_overtaken_picture_is_given_up_for_the_later_request(
     page: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sessions, "PATIENCE", 0.05)
-    before = page.solver
-    os.kill(before, signal.SIGSTOP)
+    whole_of, ended = sessions.pictures.whole_of, list[str]()
+
+    def waiting(study: Any, moved: Any, progress: Progress) -> Any:
+        if dict(moved) != {"link.stiffness": 1.05}:
+            return whole_of(study, moved, progress)
+        page.session.move({"link.stiffness": 1.08})
+        try:
+            return whole_of(study, moved, progress)
+        except sessions.OvertakenError:
+            ended.append("overtaken")
+            raise
+
+    monkeypatch.setattr(sessions.pictures, "whole_of", waiting)
     page.move(link_stiffness=1.05)
-    page.move(link_stiffness=1.08)
     page.until(shown(1.08 * 12e3, 2, 3))
-    assert page.solver != before
+    page.until("solved", key="state")
+    assert ended == ["overtaken"]
     assert "'text': ''" in page.until(key="faults")
 
 
-def test_a_solver_that_ends_is_a_fault_and_the_next_one_solves(page: Follower) -> None:
-    os.kill(page.solver, signal.SIGKILL)
-    page.until("the process that solves has ended", key="faults")
-    page.save(9)
-    page.until(shown(12e3, 9, 3))
+def test_a_fault_of_the_program_is_said_and_the_next_picture_is_made(
+    page: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any) -> Any:
+        raise ZeroDivisionError("no number")
+
+    with monkeypatch.context() as faulty:
+        faulty.setattr(sessions.pictures, "whole_of", fail)
+        page.save(9)
+        page.until("torsion has failed: ZeroDivisionError: no number", key="faults")
+    page.save(9.5)
+    page.until(shown(12e3, 9.5, 3))
+    page.until("'text': ''", key="faults")

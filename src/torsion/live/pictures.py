@@ -6,7 +6,7 @@ from dataclasses import replace
 from torsion.analyses import ANALYSES
 from torsion.analyses.undamped_modes import Modes
 from torsion.errors import InputError, SolveError
-from torsion.findings import Findings, Progress
+from torsion.findings import Findings, Progress, silent
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
 from torsion.output.chapters import (
     critical_speeds,
@@ -57,10 +57,10 @@ def _is_wanted(study: Study, name: str) -> bool:
     return name in study.analyses or (name in ANALYSES and ANALYSES[name].wanted(study))
 
 
-def modes_of(study: Study) -> Fragment:
+def modes_of(study: Study, progress: Progress = silent) -> Fragment:
     """Return the natural frequencies and the Campbell diagram of a study, solved alone; or why there are none."""
     try:
-        return _modes(run(replace(study, cases={}), only=("critical",)))
+        return _modes(run(replace(study, cases={}), only=("critical",), progress=progress))
     except (InputError, SolveError):  # where the whole has no answer either, that is reported
         return fragment([*numbered([Paragraph("No natural frequencies.", "note")])])
 
