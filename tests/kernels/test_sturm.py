@@ -129,7 +129,7 @@ def test_a_held_station_inside_a_train_cuts_it(chain):
 
 
 def _chain_rerooted(stations: int, root: int) -> Tree:
-    """Equal discs and springs of 1, from `root` both ways, numbered layer by layer."""
+    """Equal discs and springs of 1, from `root` both ways."""
     order = sorted(range(stations), key=lambda i: (abs(i - root), i))
     place = {station: number for number, station in enumerate(order)}
     parent = [place[i + (i < root) - (i > root)] if i != root else -1 for i in order]
@@ -137,7 +137,7 @@ def _chain_rerooted(stations: int, root: int) -> Tree:
 
 
 @pytest.mark.parametrize(
-    ("stations", "root"), [(256, 0), (256, 128), (16, 8)], ids=["chain", "layers", "stations"]
+    ("stations", "root"), [(256, 0), (256, 128), (16, 8)], ids=["chain", "two arms", "few stations"]
 )
 def test_a_bound_never_errs_next_to_a_frequency(stations: int, root: int) -> None:
     """The exact ones are 2 sin(j pi/2n); a low mode of many stations feels the stiffness passed on the most."""

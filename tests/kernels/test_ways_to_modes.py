@@ -7,8 +7,8 @@ from torsion.kernels.factors import start_frequencies
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity
-from torsion.kernels.sturm import enclose, expected_width
-from torsion.kernels.tree import Tree, by_layers
+from torsion.kernels.sturm import count_bounds, enclose, expected_width
+from torsion.kernels.tree import Tree
 
 
 @pytest.mark.parametrize("shape", ["branched", "bushy"])
@@ -63,7 +63,7 @@ def test_a_chain_has_the_modes_of_the_same_train_hung_from_its_middle(random_tre
 def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, shape):
     tree = random_tree(29, size=60, shape=shape)
     modes = tree_modes(tree)
-    passed = shapes_at(by_layers(tree).tree, modes.frequency).passed
+    passed = shapes_at(tree, modes.frequency).passed
     width = expected_width(tree, modes.frequency, passed)
     lower, upper, proven = enclose(tree, modes.frequency, 1, passed)
     assert proven.all()
@@ -94,3 +94,30 @@ def test_the_few_lowest_modes_of_a_large_tree_are_the_first_of_all(random_tree):
     np.testing.assert_allclose(few.frequency, every.frequency[:5], rtol=1e-15)
     np.testing.assert_allclose(few.angle, every.angle[:, :5], rtol=1e-9)
     assert few.certified
+
+
+@pytest.mark.parametrize(
+    ("shape", "held"), [("branched", "none"), ("branched", "root"), ("bushy", "leaves")]
+)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_trees_have_every_angle_and_torque_right_componentwise(
+    random_tree, exact_modes, shape, held, seed
+):
+    tree = random_tree(seed, size=10, shape=shape, held=held)
+    modes, exact = tree_modes(tree), exact_modes(tree)
+    np.testing.assert_allclose(modes.frequency, np.array(exact.frequency, dtype=float), rtol=1e-15)
+    angle, torque = (np.array(rows, dtype=float).T for rows in (exact.angle, exact.torque))
+    sign = np.sign(np.sum(angle * modes.angle, axis=0))
+    np.testing.assert_allclose(modes.angle, sign * angle, rtol=1e-11, atol=1e-90)  # of 120 digits
+    np.testing.assert_allclose(modes.torque, sign * torque, rtol=1e-11, atol=1e-90)
+
+
+@pytest.mark.parametrize("shape", ["branched", "bushy"])
+def test_large_families_are_bounded_by_counts(random_tree, exact_count, shape):
+    tree = random_tree(33, size=60, shape=shape)
+    tree.parent[40:] = 3
+    w = np.sort(tree_modes(tree).frequency)
+    at_most, at_least = count_bounds(tree, w * (1 - 1e-13), w * (1 + 1e-13))
+    np.testing.assert_array_equal(at_most, np.arange(1, 60))
+    np.testing.assert_array_equal(at_least, np.arange(2, 61))
+    assert exact_count(tree, w[30] * (1 - 1e-13)) == 31

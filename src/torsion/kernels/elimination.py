@@ -1,20 +1,22 @@
-"""Elimination of a tree whose values may be complex: the stiffness that both sides of a span show, and what sources add.
+"""Elimination of a tree: the stiffness that both sides of a span show, free shapes that follow, and what sources add.
 
-Beside `two_sides`: z/(1 + hc z) in place of 1/(h + 1/z), because quotients of complex zeros and infinities are not
+Values may be complex: z/(1 + hc z) in place of 1/(h + 1/z), because quotients of complex zeros and infinities are not
 numbers. Only sums of terms, products and quotients: rigid spans and massless stations need no special case, and every
 value is accurate relative to the data of the springs, however unequal (Demmel and Gragg 1993). What a fixed station
 shows is infinite; the values of its spans are divided by it. Columns are frequencies or roots; floating point exceptions
 are ignored: a massless branch and a node are meant.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import FloatArray
-from torsion.kernels.layers import share
+from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.tree import Tree
 
 Values = NDArray[Any]  # real or complex
@@ -73,13 +75,47 @@ class SpanSides:
     with the twist: all three over the infinite stiffness. A fixed leaf has z = 1, f = 0, D = d for the same reason.
     """
 
+    plan: Layout
     compliance: Rows  # hc, rad/(N m)
     branch: Rows  # z, N m/rad: the station and all beyond it
     through: Rows  # z/(1 + hc z): the same felt by the parent through the span
     transfer: Rows  # 1/(1 + hc z): angle of the station over that of its parent, without sources
     rest: Rows  # zd, N m/rad: all but the branch, at the parent; 0 at a root
     divisor: Rows  # d = 1 + hc zd; 1 at a root
-    meeting: Rows  # 1/D
+
+    @cached_property
+    def meeting(self) -> Rows:
+        """1/D of every station."""
+        meeting: Rows = []
+        with np.errstate(all="ignore"):
+            for station, divisor in enumerate(self.divisor):
+                if self.plan.held[station] and self.plan.parent[station] >= 0:
+                    meeting.append(1.0 / divisor)
+                else:
+                    meeting.append(1.0 / (self.branch[station] * divisor + self.rest[station]))
+        return meeting
+
+    @cached_property
+    def whole(self) -> Values:
+        """Dynamic stiffness (stations, columns) N m/rad of the whole train at each station; infinite where prescribed."""
+        whole = np.full((self.plan.size, len(self.divisor[0])), np.inf, self.divisor[0].dtype)
+        with np.errstate(all="ignore"):
+            for station in np.flatnonzero(~np.array(self.plan.prescribed)).tolist():
+                through = self.rest[station] / self.divisor[station]
+                np.add(self.branch[station], through, out=whole[station])
+        return whole
+
+
+def share(children: Sequence[int], through: Rows, remainders: Rows, remainder: Values) -> None:
+    """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
+    remainders[children[0]] = remainder
+    for previous, child in pairwise(children):
+        remainder = remainder + through[previous]
+        remainders[child] = remainder
+    after = through[children[-1]]
+    for child in reversed(children[:-1]):
+        remainders[child] = remainders[child] + after
+        after = after + through[child]
 
 
 @np.errstate(all="ignore")
@@ -102,7 +138,7 @@ def eliminate(
     size, kind = plan.size, np.result_type(station_stiffness, compliance)
     hc, z = list(compliance), [row.astype(kind) for row in station_stiffness]
     ones_row = np.ones(station_stiffness.shape[1], dtype=kind)
-    through, transfer, divisor, meeting = ([ones_row] * size for _ in range(4))
+    through, transfer, divisor = ([ones_row] * size for _ in range(3))
     rest = [np.zeros_like(ones_row)] * size
     for station in range(size - 1, -1, -1):
         if (parent := plan.parent[station]) >= 0:
@@ -127,40 +163,69 @@ def eliminate(
             for child in children:
                 divisor[child] = one_plus(hc[child] * rest[child])
         if plan.held[station] and plan.parent[station] >= 0:
-            z[station], meeting[station] = ones_row, 1.0 / divisor[station]
-        else:
-            total = z[station] * divisor[station]
-            total += rest[station]
-            meeting[station] = np.reciprocal(total, out=total)
-    return SpanSides(hc, z, through, transfer, rest, divisor, meeting)
+            z[station] = ones_row
+    return SpanSides(plan, hc, z, through, transfer, rest, divisor)
 
 
-def eliminate_undamped(tree: Tree, w: FloatArray) -> tuple[Layout, SpanSides]:
-    """Return the layout and both sides of every span of an undamped tree at `w` (m,) rad/s, shafts included."""
+def eliminate_undamped(tree: Tree, w: FloatArray) -> SpanSides:
+    """Return both sides of every span of an undamped tree at `w` (m,) rad/s, shafts included."""
     square, flexibility, inertia = w * w, tree.flexibility_columns, tree.inertia_columns
     if tree.shafts is not None:
         flexibility, inertia = tree.at(square)
         inertia[tree.held] = 0.0
-    plan = layout(tree, flexibility)
-    return plan, eliminate(plan, inertia * -square, flexibility)
+    return eliminate(layout(tree, flexibility), inertia * -square, flexibility)
 
 
 @np.errstate(all="ignore")
-def forced(
-    plan: Layout, sides: SpanSides, force: Values, twist: Values | None = None
-) -> tuple[Values, Values]:
+def spread(sides: SpanSides, start: IntArray) -> tuple[Values, Values]:
+    """Return angles and torques, both (stations, columns), of the free motion in which station `start` (columns,) turns by 1.
+
+    On the way from the start to the root the torque is that of the rest of the train, elsewhere that of the branch.
+    """
+    plan, columns = sides.plan, len(start)
+    angle, torque = np.zeros((2, plan.size, columns), dtype=sides.divisor[0].dtype)
+    angle[start, np.arange(columns)] = 1.0
+
+    # Toward the root the rest of the train turns each parent, toward the leaves each parent its branch.
+    for station in range(plan.size - 1, -1, -1):
+        if (parent := plan.parent[station]) >= 0 and not plan.prescribed[station]:
+            turned = angle[station] / sides.divisor[station]
+            np.multiply(-sides.rest[station], turned, out=torque[station])
+            if not plan.prescribed[parent]:
+                angle[parent] += turned
+    is_aside = angle == 0.0
+    for station, parent in enumerate(plan.parent):
+        if parent < 0 or plan.prescribed[parent]:
+            continue
+        if plan.held[station]:
+            np.multiply(angle[parent], sides.through[station], out=torque[station])
+            continue
+        turned = angle[parent] * sides.transfer[station]
+        np.copyto(angle[station], turned, where=is_aside[station])
+        np.copyto(torque[station], sides.branch[station] * turned, where=is_aside[station])
+
+    # A rigid span to a fixed station carries what the spans beyond it carry.
+    for station in range(plan.size - 1, -1, -1):
+        if plan.prescribed[station] and plan.parent[station] >= 0 and not plan.held[station]:
+            torque[station] = sum(torque[child] for child in plan.children[station])
+    return angle, torque
+
+
+@np.errstate(all="ignore")
+def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tuple[Values, Values]:
     """Return angles (rad) and torques of the spans on their stations (N m), both (stations, columns).
 
     Of a distributed shaft the torque is that in its flexibility. force: N m on every station, (stations, 1) or
     (stations, columns), 0 on fixed ones. twist: rad, the same of the
     spans; none: 0.
     """
+    plan = sides.plan
     shape = plan.size, len(sides.meeting[0])
     z, zd, divisor = sides.branch, sides.rest, sides.divisor
     acting = [force] if twist is None else [force, twist]
     kind = np.result_type(z[0], *acting)
     f = [np.broadcast_to(row, shape[1:]).astype(kind) for row in force]
-    passed = _add_sources_of_branches(plan, sides, f, twist)
+    passed = _add_sources_of_branches(sides, f, twist)
     still = np.zeros(shape[1])
     e: Rows = [still] * plan.size
     angle, torque = np.zeros((2, *shape), dtype=kind)
@@ -186,10 +251,9 @@ def forced(
     return angle, torque
 
 
-def _add_sources_of_branches(
-    plan: Layout, sides: SpanSides, source: Rows, twist: Values | None
-) -> Rows:
+def _add_sources_of_branches(sides: SpanSides, source: Rows, twist: Values | None) -> Rows:
     """Add to the `source` of every station those of its branch, in place; return what each span passes on."""
+    plan = sides.plan
     passed: Rows = [np.zeros(len(source[0]))] * plan.size
     for station in range(plan.size - 1, -1, -1):
         parent = plan.parent[station]

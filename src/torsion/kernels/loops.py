@@ -22,7 +22,7 @@ from torsion.kernels.reduction import (
 )
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.spanning_forest import closing_no_loop, walk
-from torsion.kernels.tree import Rerooted, Tree
+from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import TreeResponse, amplification_of, pose, residual_of
 from torsion.sources import source
 
@@ -39,21 +39,24 @@ _STEPS = 3  # of inverse iteration; the Jacobi shapes it starts from are right t
 
 
 @dataclass(frozen=True)
-class LoopedTrain(Rerooted):
+class LoopedTrain:
     """A train with loops, renumbered as a tree; its spans are those of the given tree, then the given chords."""
 
+    tree: Tree
+    station: IntArray  # (stations,) where each station of the given tree is now
+    span: IntArray  # (spans,) where each given span is now
+    sign: FloatArray  # (spans, 1) -1 where a given span now runs the other way
     first: IntArray  # (chords,) new stations at both ends of each chord
     second: IntArray
     flexibility: FloatArray  # (chords,) rad/(N m)
 
     def given(self, modes: TreeModes) -> TreeModes:
         """Modes with torques in stations and chords, at the given stations, spans and chords."""
-        torque, size = self.torques(modes.torque), len(self.station)
-        angle, rigid_angle = self.angles(modes.angle), self.angles(modes.rigid_angle)
+        torque, size = modes.torque[self.span] * self.sign, len(self.station)
         return replace(
             modes,
-            angle=angle,
-            rigid_angle=rigid_angle,
+            angle=modes.angle[self.station],
+            rigid_angle=modes.rigid_angle[self.station],
             torque=torque[:size],
             loop_torque=torque[size:],
         )
@@ -166,16 +169,16 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
     The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
     """
-    (plan, sides), ends = eliminate_undamped(tree, w), (train.first, train.second)
+    sides, ends = eliminate_undamped(tree, w), (train.first, train.second)
     acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
-    units = [forced(plan, sides, row[:, None]) for row in acting]
+    units = [forced(sides, row[:, None]) for row in acting]
     twist = around(tree, *ends) * tree.flexibility
     system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(
         train.flexibility
     )
 
     def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        angle, torque = forced(plan, sides, load)
+        angle, torque = forced(sides, load)
         torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
         for row, unit in zip(torn, units, strict=True):
             angle, torque = angle + row * unit[0], torque + row * unit[1]
@@ -214,18 +217,18 @@ def looped_response(
     sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
     given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance}
     problem = pose(tree, w, force, twist=twist, **given)
-    equations, plan = problem.equations(slice(None)), problem.plan
+    equations = problem.equations(slice(None))
     hc = _rows(tree.flexibility if compliance is None else compliance)
     with np.errstate(all="ignore"):
         # The open train under the sources, then under a pair of unit torques in place of each chord.
-        sides = eliminate(plan, equations.own, equations.compliance, guard=True)
-        angles, torques = forced(plan, sides, equations.force, equations.twist)
+        sides = eliminate(problem.plan, equations.own, equations.compliance, guard=True)
+        angles, torques = forced(sides, equations.force, equations.twist)
         acting = np.where(tree.held, 0.0, pair)[:, :, None]
-        units = [forced(plan, sides, row) for row in acting]
+        units = [forced(sides, row) for row in acting]
         torque, loss = _loop_torques(
             chords, sign, [hc * row for row in (torques, *(unit[1] for unit in units))], twist
         )
-        loss *= amplification_of(plan, equations.own, sides)
+        loss *= amplification_of(equations.own, sides)
         for unit, row in zip(units, torque, strict=True):
             angles, torques = angles + unit[0] * row, torques + unit[1] * row
         loss[

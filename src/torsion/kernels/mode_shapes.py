@@ -1,4 +1,4 @@
-"""Shapes of the modes next to given frequencies, by the `two_sides` of every span.
+"""Shapes of the modes next to given frequencies, by the stiffness that both sides of every span show.
 
 For s = w^2 and angles x that solve D(s) x = 0, -x' (dD/ds) x is the generalised inertia, distributed inertia included:
 a shaft has t^2 dh/ds + a^2 d(s Ji)/ds + b^2 d(s Jo)/ds of it, with its end angles a and b and the torque t = (a - b)/h
@@ -11,8 +11,8 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Slopes
+from torsion.kernels.elimination import eliminate_undamped, spread
 from torsion.kernels.tree import Tree
-from torsion.kernels.two_sides import sides_of, spread
 from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
@@ -112,7 +112,7 @@ def shapes_at(tree: Tree, frequency: FloatArray) -> Shapes:
     """The shapes at `frequency` (m,) rad/s; one that is not finite, a node on a station exactly, is found beside.
 
     A column comes out not finite where the frequency is a repeated one to the last digit: its shape is not determined
-    by one station. Stations must be numbered layer by layer, or be swept one by one.
+    by one station.
     """
     shapes = _in_blocks(tree, frequency)
     for nudge in _NUDGES:
@@ -139,39 +139,28 @@ def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
 @source("ParlettDhillon1997")
 def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
-    if not tree.is_ready:
-        raise ValueError("shapes_at takes a tree whose stations are numbered layer by layer")
     with np.errstate(all="ignore"):
-        sides = sides_of(tree, w)
-        start, column = _least_residual(tree, sides.total), np.arange(len(w))
-        angle, torque, product = spread(tree, sides, start)
-        passed = np.add.reduce(np.abs(product, product), axis=0)
-        mass = _weighted(tree.moving_inertia, np.multiply(angle, angle, product[: tree.size]))
+        sides = eliminate_undamped(tree, w)
+        start, column = _least_residual(tree, sides.whole), np.arange(len(w))
+        angle, torque = spread(sides, start)
+        passed = np.abs(torque * angle[tree.parent]).sum(axis=0)
+        mass = (tree.inertia_columns * (angle * angle)).sum(axis=0)
         inner, outer = end_torques(tree, w * w, angle, torque)
         if tree.shafts is not None:
             mass = mass + shaft_inertia(tree, tree.shafts.slopes(w * w), angle, torque).sum(axis=0)
-        correction = sides.total[start, column] / mass
+        correction = sides.whole[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)
         shapes = Shapes(angle, torque, inner, outer, correction, passed)
         shapes.scale(1.0 / np.sqrt(mass))
     return shapes
 
 
-def _weighted(inertia: FloatArray, square: FloatArray) -> FloatArray:
-    """Sum (m,) of an inertia (stations,) or (stations, m) times squared angles (stations, m)."""
-    if inertia.ndim == 1:
-        return np.asarray(inertia @ square)
-    return np.asarray(np.add.reduce(np.multiply(square, inertia, out=square), axis=0))
-
-
 def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
     """Station (m,) with inertia at which |Z| / J is least."""
-    residual = np.abs(total)
-    residual *= 1.0 / tree.static.inertia_columns  # infinite without inertia, or not a number
-    if not tree.is_plain:
-        undetermined = np.isnan(residual)
-        if undetermined.any():
-            residual[undetermined] = np.inf
+    residual = (
+        np.abs(total) / tree.static.inertia_columns
+    )  # infinite, or not a number, without inertia
+    residual[np.isnan(residual)] = np.inf
     station: IntArray = residual.argmin(axis=0)
     return station
 

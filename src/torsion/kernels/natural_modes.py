@@ -27,7 +27,7 @@ from torsion.kernels.reduction import (
 )
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.sturm import bisect, brackets, enclose
-from torsion.kernels.tree import Tree, by_layers
+from torsion.kernels.tree import Tree
 from torsion.sources import source
 
 _SETTLED = (
@@ -63,20 +63,14 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
 
     # Rigid spans between fixed stations carry reactions only: they are put back at the end.
     solved = cut(tree, bodies)
-    numbered = by_layers(solved)
-    swept = numbered.tree
     if wanted == 0:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
     else:
-        frequency, shapes = _polish(swept, *_start(tree, swept, bodies, wanted))
-        frequency, lower, upper, wrong = _enclosed(swept, frequency, rigid, shapes.passed)
+        frequency, shapes = _polish(solved, *_start(tree, solved, bodies, wanted))
+        frequency, lower, upper, wrong = _enclosed(solved, frequency, rigid, shapes.passed)
         if wrong.any():  # what bisection has corrected has another shape
-            shapes = shapes_at(swept, frequency)
-        if swept is not solved:
-            shapes = replace(
-                shapes, angle=numbered.angles(shapes.angle), torque=numbered.torques(shapes.torque)
-            )
+            shapes = shapes_at(solved, frequency)
         _complete(solved, frequency, shapes)
     torque, of_shafts = _with_shafts(solved, frequency, shapes)
     if solved is not tree:
@@ -88,21 +82,21 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
 
 
 def _start(
-    tree: Tree, swept: Tree, bodies: Rigidity, wanted: int
+    tree: Tree, solved: Tree, bodies: Rigidity, wanted: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.
 
-    `swept` is the same train numbered for sweeps.
+    `solved` is the same train without rigid spans between fixed stations.
     """
     modes = len(bodies.free_roots) + np.arange(wanted)
     if tree.shafts is not None:
-        low, high = brackets(swept, modes)
+        low, high = brackets(solved, modes)
         room = _BEYOND * (high - low)
         return low + 0.5 * (high - low), low - room, high + room
     is_few = tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * bodies.elastic
     start = None if is_few else start_frequencies(reduce_tree(tree, bodies), bodies.elastic)
     if start is None or not np.all(start > 0.0):
-        start = bisect(swept, modes, tolerance=_START_BISECTION)
+        start = bisect(solved, modes, tolerance=_START_BISECTION)
     start = start[:wanted].copy()
     return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
 

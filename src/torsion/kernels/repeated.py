@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.elimination import Layout, SpanSides, eliminate_undamped, forced
+from torsion.kernels.elimination import SpanSides, eliminate_undamped, forced
 from torsion.kernels.mode_shapes import Shapes, end_torques
 from torsion.kernels.tree import Tree
 
@@ -116,11 +116,9 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     return _with_ends(tree, square, shapes)
 
 
-def _response(
-    tree: Tree, sides: tuple[Layout, SpanSides], square: FloatArray, load: FloatArray
-) -> FloatArray:
+def _response(tree: Tree, sides: SpanSides, square: FloatArray, load: FloatArray) -> FloatArray:
     """Angles and torques (2 stations, m) under `load` (stations, m) N m, and the twists (shafts, m) of shafts."""
-    angle, torque = forced(*sides, load)
+    angle, torque = forced(sides, load)
     if tree.shafts is None:
         return np.concatenate((angle, torque))
     return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))

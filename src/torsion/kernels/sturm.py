@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.layers import sweep_to_roots
-from torsion.kernels.tree import Tree, by_layers
+from torsion.kernels.tree import Tree
 
 SHARE_OF_LIMIT = (
     0.95  # of the frequency from which counts of distributed shafts would need a correction
@@ -49,8 +48,6 @@ _ARGUMENT = (
     16 * _UNIT_ROUNDOFF
 )  # relative, of s in the laws: w^2, the travel time of a shaft, the modes of an element
 _LARGEST_SWEEP = 2**21  # stations times frequencies kept at once; 16 MB an array
-_MOST_IN_BYTE = 255
-_ONE = np.ones(())
 _LEAST_BLOCK = 64  # frequencies in one sweep, however many stations
 
 
@@ -81,7 +78,7 @@ def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArra
 
 def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, float]:
     """Relative margins of a bound: of s = w^2 (m,) with inertias, of s in the laws of shafts, of what spans pass on."""
-    siblings = 2 if tree.is_chain else tree.most_children
+    siblings = tree.most_children
     of_square: FloatArray | float = _ROUNDINGS_OF_INERTIA + siblings + _ROUNDINGS_OF_FLEXIBILITY
     of_square, of_laws = of_square * _UNIT_ROUNDOFF, 0.0
     if tree.shafts is not None:
@@ -95,7 +92,6 @@ def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
 
     `lean` (m,) is the direction in which every rounding is outweighed.
     """
-    tree = by_layers(tree).tree
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
     parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
@@ -112,105 +108,26 @@ def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
         of_square, of_argument, of_stiffness = margins(tree, square)
         of_laws, margin = square * (1.0 + lean * of_argument), lean * of_stiffness
         square = square * (1.0 + lean * of_square)
-    station, size = tree.own_stiffness(square), tree.size
-    if margin is not None and tree.is_chain and tree.shafts is None:
-        return _bound_in_chain(station, tree.flexibility_columns, margin)
-    passed = np.empty((size + 1, len(square)))
-    passed[:size] = tree.flexibility_columns
-    passed[size] = 0.0
+    station = 0.0 - tree.inertia_columns * square  # a difference, so that a zero is positive
+    station[tree.held] = np.inf
+    passed = np.empty_like(station)
+    passed[:] = tree.flexibility_columns
     if tree.shafts is not None:
-        flexibility, inner, outer = tree.shafts.at(of_laws)
+        passed[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
         tree.add_ends(station, inner * -square, outer * -square)
-        passed[tree.shafts.node] = flexibility
-        if margin is not None and tree.is_chain:
-            return _bound_in_chain(station, passed[:size], margin)
-    if tree.is_swept_by_stations or tree.layers is None:
-        _by_stations(tree, station, passed, margin)
-    else:
-        passed[: tree.parents.count(-1)] = 0.0
-        lessen = None if margin is None else lambda through, room: _lessen(through, margin, room)
-        sweep_to_roots(tree.layers, station, passed, np.empty_like(station), lessen)
-    is_counted = station < 0.0
-    is_counted &= ~np.signbit(passed[:size])
-    return _sum_of_rows(is_counted)
 
-
-def _by_stations(
-    tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None
-) -> None:
-    """Fill `station` and `passed` from the leaves to the roots, one station after another."""
-    seen, through, add = list(station), list(passed), np.add
+    # A span of flexibility h passes on 1/(h + 1/z) of what the station shows, a little less to outweigh roundings.
+    stiffness, through = list(station), list(passed)
     for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
-        if parent >= 0:
-            _pass_on(seen[i], through[i], margin)
-            add(seen[parent], through[i], seen[parent])
-        else:
+        if parent < 0:
             through[i].fill(0.0)
-
-
-def _bound_in_chain(
-    station_stiffness: FloatArray, flexibility: FloatArray, margin: FloatArray
-) -> IntArray:
-    """Like `_negative`, from both ends of a chain to its middle, side by side: half as many operations.
-
-    Not for a plain count: its zero pivots, where a frequency is met exactly, would depend on where the sweep ends.
-    own: (stations, m); flexibility: (stations, 1) or (stations, m).
-    """
-    stations, columns = station_stiffness.shape
-    arm, first = (stations - 1) // 2, (stations - 1) % 2
-    single = flexibility[first] + np.zeros(columns)
-    if first:  # the near arm is longer by one station
-        _pass_on(station_stiffness[0], single, margin)
-        station_stiffness[1] += single
-    station, span = np.empty((2, arm, 2, columns))
-    station[:, 0], station[:, 1] = (
-        station_stiffness[first : first + arm],
-        station_stiffness[: stations - 1 - arm : -1],
-    )
-    span[:, 0] = flexibility[first + 1 : first + 1 + arm]
-    span[:, 1] = flexibility[: stations - 1 - arm : -1]
-    both, passed = np.concatenate((margin, margin)), np.zeros(2 * columns)
-    for z, through in zip(
-        station.reshape(arm, 2 * columns), span.reshape(arm, 2 * columns), strict=True
-    ):
-        np.add(z, passed, z)
-        _pass_on(z, through, both)
-        passed = through
-    station_stiffness[first + arm] += passed[:columns] + passed[columns:]
-    number = _sum_of_rows(
-        np.greater(station.reshape(-1, columns) < 0.0, np.signbit(span.reshape(-1, columns)))
-    )
-    if first:
-        number += (station_stiffness[0] < 0.0) & ~np.signbit(single)
-    number += station_stiffness[first + arm] < 0.0
-    return number
-
-
-def _pass_on(stiffness: FloatArray, through: FloatArray, margin: FloatArray | None) -> None:
-    """Turn `through` (m,), a flexibility h, into what its span passes on of a `stiffness` z (m,): 1/(h + 1/z)."""
-    inverse = np.reciprocal(stiffness)
-    np.add(through, inverse, through)
-    np.reciprocal(through, through)
-    if margin is not None:
-        _lessen(through, margin, inverse)
-
-
-def _lessen(through: FloatArray, margin: FloatArray, factor: FloatArray) -> None:
-    """Make `through` (stations, m) less by the relative `margin` (m,); `factor` (stations, m) is room to work in."""
-    np.sign(through, factor)
-    np.multiply(factor, margin, factor)
-    np.subtract(_ONE, factor, factor)
-    np.multiply(through, factor, through)
-
-
-def _sum_of_rows(rows: BoolArray) -> IntArray:
-    """Number of rows (m,) that are true, by sums of bytes, which do not overflow."""
-    number = np.zeros(rows.shape[1], dtype=np.int64)
-    for begin in range(0, len(rows), _MOST_IN_BYTE):
-        number += np.add.reduce(
-            rows[begin : begin + _MOST_IN_BYTE].view(np.uint8), axis=0, dtype=np.uint8
-        )
-    return number
+            continue
+        through[i] += np.reciprocal(stiffness[i])
+        np.reciprocal(through[i], through[i])
+        if margin is not None:
+            through[i] *= 1.0 - np.sign(through[i]) * margin
+        stiffness[parent] += through[i]
+    return np.asarray(((station < 0.0) & ~np.signbit(passed)).sum(axis=0))
 
 
 def enclose(

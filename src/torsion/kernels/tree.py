@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.layers import Layer, layers_of
-
-_STATIONS_WITHOUT_LAYERS = 16  # (measured)
 
 
 @dataclass(frozen=True)
@@ -54,21 +51,6 @@ class Tree:
         return [station for station, parent in enumerate(self.parents) if parent < 0]
 
     @cached_property
-    def layers(self) -> tuple[Layer, ...] | None:
-        """Stations of equal distance from their root; None where they are not numbered layer by layer."""
-        return layers_of(self.parent)
-
-    @cached_property
-    def is_swept_by_stations(self) -> bool:
-        """A chain, or so small that a sweep by layers is not worth finding them."""
-        return self.size <= _STATIONS_WITHOUT_LAYERS or self.is_chain
-
-    @property
-    def is_ready(self) -> bool:
-        """Sweeps can take the stations as they are numbered."""
-        return self.is_swept_by_stations or self.shafts is not None or self.layers is not None
-
-    @cached_property
     def most_children(self) -> int:
         """The largest number of spans from one station toward the leaves."""
         return int(np.bincount(self.parent + 1)[1:].max(initial=0))
@@ -92,17 +74,6 @@ class Tree:
     def holds(self) -> bool:
         """Whether any station is fixed."""
         return bool(self.held.any())
-
-    def own_stiffness(self, square: FloatArray) -> FloatArray:
-        """Dynamic stiffness (stations, m) N m/rad of each station by itself at `square` (m,) of the angular frequency.
-
-        Infinite where fixed; written as a difference, so that a zero is positive.
-        """
-        stiffness: FloatArray = self.inertia_columns * square
-        np.subtract(0.0, stiffness, out=stiffness)
-        if self.holds:
-            stiffness[self.held] = np.inf
-        return stiffness
 
     @cached_property
     def is_chain(self) -> bool:
@@ -176,53 +147,3 @@ class Tree:
             total[self.shafts.node] += outer
             for parent, row in zip(self.shaft_parent.tolist(), inner, strict=True):
                 total[parent] += row  # several shafts may begin at one station
-
-
-@dataclass(frozen=True)
-class Rerooted:
-    """A tree with another root and numbering."""
-
-    tree: Tree  # its stations are numbered layer by layer
-    station: IntArray  # (stations,) where each station of the given tree is now
-    span: IntArray  # (stations,) where each span of the given tree is now
-    sign: FloatArray  # (stations, 1) -1 where a span of the given tree now runs the other way
-
-    def angles(self, angle: FloatArray) -> FloatArray:
-        """Angles (stations, m) in the numbering of the given tree."""
-        return angle.take(self.station, 0)
-
-    def torques(self, torque: FloatArray) -> FloatArray:
-        """Span torques (stations, m) in the numbering and with the signs of the given tree."""
-        given = torque.take(self.span, 0)
-        given *= self.sign
-        return given
-
-
-def by_layers(tree: Tree) -> Rerooted:
-    """Return the same train numbered layer by layer; as it is where sweeps take it so."""
-    sign = np.ones((tree.size, 1))
-    if tree.is_ready:
-        station = np.arange(tree.size)
-        return Rerooted(tree, station, station, sign)
-    order = _by_layers(tree.parents)
-    station = _inverse(order)
-    parent = np.append(station, -1)[tree.parent[order]]  # the last one is what -1 finds
-    numbered = Tree(parent, tree.flexibility[order], tree.inertia[order], tree.held[order])
-    return Rerooted(numbered, station, station, sign)
-
-
-def _by_layers(parents: list[int]) -> IntArray:
-    """Stations in the order of their distance from a root, siblings side by side."""
-    children: list[list[int]] = [[] for _ in parents]
-    order: list[int] = []
-    for station, parent in enumerate(parents):
-        (children[parent] if parent >= 0 else order).append(station)
-    for station in order:
-        order += children[station]
-    return np.array(order, dtype=np.int64)
-
-
-def _inverse(order: IntArray) -> IntArray:
-    position = np.empty(len(order), dtype=np.int64)
-    position[order] = np.arange(len(order))
-    return position

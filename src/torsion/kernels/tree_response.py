@@ -262,13 +262,13 @@ def solve_part(problem: Problem, part: Part, *, check: bool, guard: bool = False
     given, plan = problem.equations(part), problem.plan
     with np.errstate(all="ignore"):
         sides = eliminate(plan, given.own, given.compliance, guard=guard)
-        angle, torque = forced(plan, sides, given.force, given.twist)
+        angle, torque = forced(sides, given.force, given.twist)
         columns = angle.shape[1]
         residual, amplification = np.full((2, columns), np.nan)
         lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0))
         if check:
             residual = equilibrium_residual(plan, given, angle, torque)
-            amplification = amplification_of(plan, given.own, sides)
+            amplification = amplification_of(given.own, sides)
             lost |= ~np.isfinite(amplification)
         amplification[lost] = np.inf
         outer = torque
@@ -290,14 +290,14 @@ def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
         return equilibrium_residual(problem.plan, given, response.angle, torque)
 
 
-def amplification_of(plan: Layout, station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:
+def amplification_of(station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:
     """Return the growth (columns,) of relative errors of the data: 1 + 2 sum |own receptance| over the free stations.
 
     Twice the relative change of the determinant of the dynamic stiffness under relative changes of every inertia and
     damper to ground. In a mode the springs hold as much energy as the inertias, hence twice; |z| is taken as
     |real| + |imaginary|.
     """
-    total = np.zeros(station_stiffness.shape[1])
+    plan, total = sides.plan, np.zeros(station_stiffness.shape[1])
     for station in range(plan.size):
         if not plan.prescribed[station]:
             loss = station_stiffness[station] * sides.divisor[station]

@@ -16,7 +16,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.mode_shapes import free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
-from torsion.kernels.tree import Rerooted, Tree, by_layers
+from torsion.kernels.tree import Tree
 
 Selection = IntArray | BoolArray | slice
 
@@ -63,7 +63,7 @@ def variant_modes(
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
-    numbered, square = by_layers(middle), middle_modes.frequency**2
+    square = middle_modes.frequency**2
     by_flexibility = -0.5 * middle.flexibility[:, None] * middle_modes.torque**2 / square
     by_inertia = -0.5 * middle.moving_inertia[:, None] * middle_modes.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
@@ -72,7 +72,7 @@ def variant_modes(
         start = np.log(middle_modes.frequency)[:, None]
         start = start + by_flexibility.T @ changes(h, middle.flexibility)
         start += by_inertia.T @ changes(j, middle.moving_inertia)
-        trains = _side_by_side(numbered, h, j)
+        trains = replace(tree, flexibility=h, inertia=j)
         settled = [_settled(trains, mode_start) for mode_start in np.exp(start)]
         bounds[:, :, part], proven = _proven(trains, settled, middle_modes.rigid)
         if not proven.all() and trains.is_plain:
@@ -107,12 +107,6 @@ def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
 def parts(size: int, trains: int) -> Iterator[slice]:
     width = max(1, min(_COLUMNS, _LARGEST // size))
     return (slice(begin, min(begin + width, trains)) for begin in range(0, trains, width))
-
-
-def _side_by_side(numbered: Rerooted, flexibility: FloatArray, inertia: FloatArray) -> Tree:
-    """The trains in the numbering of the sweeps."""
-    order, span = np.argsort(numbered.station), np.argsort(numbered.span)
-    return replace(numbered.tree, flexibility=flexibility[span], inertia=inertia[order])
 
 
 def _columns(trains: Tree, chosen: Selection) -> Tree:

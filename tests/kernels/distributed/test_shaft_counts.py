@@ -14,7 +14,7 @@ STEP = 2.0**-52
 
 def test_bounds_of_a_count_lean_by_both_margins_to_their_own_side():
     """A heavy and a light disc on a shaft that weighs next to nothing: its one frequency goes with sqrt(stiffness)."""
-    tree = Tree(np.array([-1, 0]), np.zeros(2), np.array([1e6, 1.0]), np.zeros(2, dtype=bool))
+    tree = Tree(np.array([-1, 0]), np.zeros(2), np.array([1.0, 1e6]), np.zeros(2, dtype=bool))
     tree = replace(
         tree, shafts=Shafts(np.array([1]), (uniform_shafts(np.array([1.0]), 1.0, 1e-12),))
     )

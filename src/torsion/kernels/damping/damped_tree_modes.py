@@ -17,7 +17,7 @@ from torsion.kernels.damping.damped_roots import (
     number_of_roots,
     polish_together,
 )
-from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate
+from torsion.kernels.elimination import EPS, SpanSides, eliminate, spread
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.tree import Tree
 
@@ -45,15 +45,6 @@ class DampedTreeModes:
     real_root: FloatArray  # (roots,) 1/s, by modulus: overdamped motions, without the loss factors
     angle: ComplexArray  # (stations, modes) rad
     torque: ComplexArray  # (stations, modes) N m, of span i on station i, damper's share included
-
-
-@dataclass(frozen=True)
-class BothSides:
-    """Dynamic stiffness of the train at each root, (stations, roots)."""
-
-    compliance: ComplexArray  # hc, rad/(N m)
-    sides: SpanSides
-    whole: ComplexArray  # Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
 def damped_modes(
@@ -167,7 +158,7 @@ def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> Dam
 
 def _polished(
     train: DampedTree, root: ComplexArray
-) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
+) -> tuple[SpanSides, ComplexArray, ComplexArray, ComplexArray]:
     """Dynamic stiffness, roots, angles and torques after a few Newton steps, each of which must stay where it is."""
     distance = np.abs(root[:, None] - root)
     np.fill_diagonal(distance, np.inf)
@@ -176,7 +167,7 @@ def _polished(
     for _ in range(NEWTON_STEPS):
         seen = both_sides(train, root)
         pushed = most_active(train.tree, seen.whole)
-        angle, torque = shapes_from(train.plan, seen, pushed)
+        angle, torque = spread(seen, pushed)
         step = newton_step(train, seen, root, pushed, angle, torque)
         size = np.abs(step)
         root = np.where(
@@ -196,60 +187,16 @@ def _polished(
     return seen, root, angle, torque
 
 
-def both_sides(train: DampedTree, root: ComplexArray) -> BothSides:
+def both_sides(train: DampedTree, root: ComplexArray) -> SpanSides:
     """Dynamic stiffness l^2 J + l C + K(1 + i eta) of the train as every station sees it."""
-    plan, size, soft = train.plan, train.plan.size, train.tree.flexibility > 0
+    soft = train.tree.flexibility > 0
     station_stiffness = train.ground[:, None] * root + train.tree.inertia[:, None] * root * root
-    hc = np.zeros((size, len(root)), dtype=np.complex128)
+    hc = np.zeros((train.tree.size, len(root)), dtype=np.complex128)
     stiffness = (1 + 1j * train.loss_factor[soft]) / train.tree.flexibility[soft]
     hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
     for station, law in train.laws.items():
         hc[station] = 1 / law.at_root(root)[0]
-    sides = eliminate(plan, station_stiffness, hc, guard=True)
-    total = np.full((size, len(root)), np.inf, dtype=np.complex128)
-    for station in range(size):
-        if not plan.prescribed[station]:
-            through = sides.rest[station] / sides.divisor[station]
-            total[station] = sides.branch[station] + through
-    return BothSides(hc, sides, total)
-
-
-def shapes_from(
-    plan: Layout, seen: BothSides, pushed: IntArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """Angles and torques, both (stations, roots), when station `pushed` (roots,) turns by 1."""
-    size, count, sides = plan.size, len(pushed), seen.sides
-    angle, torque = np.zeros((2, size, count), dtype=np.complex128)
-    reached = np.zeros((size, count), dtype=bool)
-    angle[pushed, np.arange(count)] = 1
-    reached[pushed, np.arange(count)] = True
-
-    # Toward the root the rest of the train turns each parent, toward the leaves each parent its branch.
-    for i in range(size - 1, -1, -1):
-        parent, is_reached = plan.parent[i], reached[i]
-        if parent < 0 or plan.prescribed[i] or not is_reached.any():
-            continue
-        turned = angle[i, is_reached] / sides.divisor[i][is_reached]
-        torque[i, is_reached] = -sides.rest[i][is_reached] * turned
-        if not plan.prescribed[parent]:
-            angle[parent, is_reached] = turned
-            reached[parent] |= is_reached
-    for i in range(size):
-        parent = plan.parent[i]
-        if parent < 0 or plan.prescribed[parent]:
-            continue
-        if plan.held[i]:
-            torque[i] = angle[parent] / seen.compliance[i]
-            continue
-        turned = angle[parent] * sides.transfer[i]
-        angle[i] = np.where(reached[i], angle[i], turned)
-        torque[i] = np.where(reached[i], torque[i], sides.branch[i] * turned)
-    for i in range(
-        size - 1, -1, -1
-    ):  # a rigid span to a fixed station carries what the spans beyond it carry
-        if plan.prescribed[i] and plan.parent[i] >= 0 and not plan.held[i]:
-            torque[i] = sum((torque[child] for child in plan.children[i]), np.zeros(count))
-    return angle, torque
+    return eliminate(train.plan, station_stiffness, hc, guard=True)
 
 
 def most_active(tree: Tree, total: ComplexArray) -> IntArray:
@@ -264,7 +211,7 @@ def most_active(tree: Tree, total: ComplexArray) -> IntArray:
 
 def newton_step(
     train: DampedTree,
-    seen: BothSides,
+    seen: SpanSides,
     root: ComplexArray,
     pushed: IntArray,
     shape: ComplexArray,
@@ -279,13 +226,13 @@ def newton_step(
 
 def slope_at(
     train: DampedTree,
-    seen: BothSides,
+    seen: SpanSides,
     root: ComplexArray,
     shape: ComplexArray,
     torque: ComplexArray,
 ) -> ComplexArray:
     """x' (dT/dl) x at each root (roots,), N m s/rad."""
-    wound = seen.compliance * torque
+    wound = np.array(seen.compliance) * torque
     slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(
         axis=0
     )
@@ -306,7 +253,7 @@ def independent_shapes(
 
     tree, size = train.tree, train.plan.size
     seen = both_sides(train, np.full(size, root))
-    angle, torque = shapes_from(train.plan, seen, np.arange(size))
+    angle, torque = spread(seen, np.arange(size))
     weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
     receptance = np.diag(seen.whole)
     floor = EPS * np.abs(root * root) * tree.inertia
@@ -327,7 +274,7 @@ def independent_shapes(
 
 def decay(
     train: DampedTree,
-    seen: BothSides,
+    seen: SpanSides,
     root: ComplexArray,
     shape: ComplexArray,
     torque: ComplexArray,
@@ -336,7 +283,7 @@ def decay(
 
     l^2 m + l c + k(1 + i eta) = 0 with m, c, k sums of positive terms gives Re l = -(c + sum k eta |.|^2/Im l)/(2m).
     """
-    wound = np.abs(seen.compliance * torque) ** 2
+    wound = np.abs(np.array(seen.compliance) * torque) ** 2
     inertia = (train.tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
     lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (
         train.viscous[:, None] * wound
