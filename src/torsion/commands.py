@@ -303,7 +303,7 @@ def write_matrices(findings: Findings, file: Path) -> str:
     from torsion.analyses.steady import steady_if_known
     from torsion.assembly.matrices import matrices
 
-    study, system, speed = findings.study, findings.system.whole, findings.study.operation.speed
+    study, system, speed = findings.study, findings.system, findings.study.operation.speed
     following = [damper for damper in system.dampers if damper.needs_torque or damper.speed_factor]
     with _writing(study, "the matrices", file):
         if following and not speed:

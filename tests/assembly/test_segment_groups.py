@@ -1,13 +1,13 @@
-"""A system with segment groups in place of the segments of long shafts gives the answers of the whole one."""
+"""Long shafts in many segments: their response, and the groups in which they are reported."""
 
 import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
 import torsion
-from torsion.analyses.response.over_speed import response, response_at
+from torsion.analyses.response.over_speed import response
 from torsion.assembly import assemble
-from torsion.assembly.system import System, condensed
+from torsion.assembly.system import System, segment_groups
 from torsion.study import Study
 
 SEGMENTS, GROUPS = 600, 50
@@ -57,54 +57,26 @@ def _dense(system: System, line: int, w: float) -> tuple[np.ndarray, np.ndarray]
 
 @pytest.mark.parametrize("shaft", [UNIFORM, CONICAL], ids=["uniform", "conical"])
 @pytest.mark.parametrize("is_first", [True, False])
-def test_the_response_of_a_condensed_train_is_that_of_all_its_segments(shaft, is_first):
+def test_the_response_of_a_long_shaft_is_that_of_its_banded_equations(shaft, is_first):
     study = _study(*((shaft, COUPLING) if is_first else (COUPLING, shaft)))
     whole = assemble(study.train)
-    small = condensed(whole, GROUPS)
-    assert small.whole is whole
-    assert (len(whole.rows), small.rows[0].number) == (1, GROUPS + 1)
-    found = response(study, small)
-    groups = small.groups
-    assert groups is not None
+    found = response(study, whole)
     for point in range(0, len(found.speed), 7):
         for line, order in enumerate((1, 3)):
             angle, torque = _dense(whole, line, order * float(found.speed[point]))
-            there = torque[groups.spans[-GROUPS - 1 :] - 1]
-            here = found.torque[point, line, -GROUPS - 1 :]
-            np.testing.assert_allclose(here, there, atol=3e-9 * np.abs(torque).max())
-            there = angle[groups.stations]
-            np.testing.assert_allclose(
-                found.angle[point, line], there, atol=3e-9 * np.abs(angle).max()
-            )
+            here = found.torque[point, line, -SEGMENTS:]
+            np.testing.assert_allclose(here, torque, atol=3e-9 * np.abs(torque).max())
+            here = found.angle[point, line]
+            np.testing.assert_allclose(here, angle, atol=3e-9 * np.abs(angle).max())
 
 
 def test_groups_keep_the_names_and_sums_of_their_segments():
     whole = assemble(_study(UNIFORM, COUPLING).train)
-    small = condensed(whole, GROUPS)
-    row = [span.name for span in small.spans if span.name.startswith("shaft")]
+    groups = segment_groups(whole, GROUPS)
+    row = [name for name in groups.names() if name.startswith("shaft")]
     assert (row[0], row[-2], row[-1]) == ("shaft [1..12]", "shaft [589..599]", "shaft [600]")
-    assert small.stations[3].name == "shaft 12/600"
-    assert small.inertia.sum() == pytest.approx(whole.inertia.sum(), rel=1e-14)
-    assert small.flexibility.sum() == pytest.approx(whole.flexibility.sum(), rel=1e-14)
-
-
-def test_a_train_without_long_shafts_stays_as_it_is():
-    whole = assemble(_study(UNIFORM, COUPLING).train)
-    assert condensed(whole, SEGMENTS) is whole
-    assert whole.whole is whole
-
-
-def test_a_cone_that_is_swept_against_its_drive_is_condensed_from_its_other_end():
-    scene = SCENE.format(first=CONICAL, second=COUPLING).replace(
-        "name: c, inertia: 2.0", "name: c, held: true"
-    )
-    study = torsion.parse(scene.replace(", {at: c, torque: 30, order: 3, phase: 20 deg}", ""))
-    whole = assemble(study.train)
-    small = condensed(whole, GROUPS)
-    groups = small.groups
-    assert groups is not None
-    assert (small.condensed.sign[groups.last_span > groups.spans] < 0).all()
-    found = response(study, small)
-    there = response_at(study, whole, found, found.speed).angle[..., groups.stations]
-    size = np.abs(there).max(axis=(1, 2), keepdims=True)
-    np.testing.assert_allclose(found.angle / size, there / size, atol=1e-9)
+    assert whole.stations[groups.stations[3]].name == "shaft 12/600"
+    inertia = groups.over_stations(whole.inertia)
+    assert inertia.sum() == pytest.approx(whole.inertia.sum(), rel=1e-14)
+    flexibility = groups.over_spans(whole.flexibility)
+    assert flexibility.sum() == pytest.approx(whole.flexibility.sum(), rel=1e-14)

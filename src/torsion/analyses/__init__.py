@@ -155,17 +155,10 @@ ANALYSES: dict[str, Analysis] = {
         wanted=lambda study: study.train.follows_speed,
         place=("train",),
     ),
-    "segment groups": Analysis(
-        "segment groups",
-        "torsion.analyses.discretisation",
-        "run_groups",
-        needs=("damped",),
-        wanted=always,
-    ),
     "steady": Analysis(
         "mean torque",
         "torsion.analyses.steady",
-        needs=("segment groups",),
+        needs=("damped",),
         results={"mean": "Steady", "machines": "PowerBalance"},
         wanted=always,
         chapters=("mean_torques",),

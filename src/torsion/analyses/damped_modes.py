@@ -1,7 +1,6 @@
 """Damped natural frequencies and damping ratios."""
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -15,7 +14,6 @@ from torsion.analyses.undamped_modes import (
     span_torques,
 )
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
@@ -41,10 +39,6 @@ class DampedModes:
     torque: ComplexArray  # (spans, modes) N m
     overdamped: FloatArray = result("1/s", ("root",), "real roots, which are not frequencies")
     speed: float = result("rad/s", "reference speed at which damping was taken")
-
-    def condensed(self, groups: SegmentGroups) -> "DampedModes":
-        """Return the modes at the stations and spans that stand for segment groups."""
-        return replace(self, shape=self.shape[groups.stations], torque=self.torque[groups.spans])
 
 
 def damped(

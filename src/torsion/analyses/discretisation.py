@@ -4,19 +4,16 @@ import math
 
 import numpy as np
 
-from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.undamped_modes import (
-    Modes,
     Ruled,
     chord_spans,
-    condensed_modes,
     modes,
     modes_settings,
 )
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
-from torsion.assembly.system import MOST_GROUPS, System, condensed
+from torsion.assembly.system import System
 from torsion.findings import Work
 from torsion.results import listed
 from torsion.study import Study
@@ -175,22 +172,6 @@ def run_modes(work: Work) -> None:
             )
         step.size = f"{result.frequency.size} of {_size(system)}; {discretisation_words(system)}"
     work.put(system=system, modes=result)
-
-
-def run_groups(work: Work) -> None:
-    """Put segment groups in place of the segments of very long shafts, for all that follows."""
-    system = condensed(work.system)
-    if system.groups is None:
-        return
-    work.log.without(
-        "torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments"
-    )
-    modes, damped = work.get(Modes), work.get(DampedModes)
-    work.put(system=system)
-    if modes is not None:
-        work.put(modes=condensed_modes(modes, system))
-    if damped is not None:
-        work.put(damped_modes=damped.condensed(system.groups))
 
 
 def _size(system: System) -> str:

@@ -268,8 +268,6 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
 
         result: Modes = tabled_modes(system, count, modes_as_discretised)
         return result
-    if system.groups is not None:
-        return condensed_modes(modes_as_discretised(system.whole, count), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import referred_modes
@@ -304,21 +302,6 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
         system,
         referred.shafts,
     )
-
-
-def condensed_modes(full: Modes, system: System) -> Modes:
-    """Return modes of a whole system at the stations and spans of it condensed; shares are sums over groups."""
-    groups = system.groups
-    if groups is None:
-        return full
-    shape, torque = full.shape[groups.stations], full.torque[groups.spans]
-    result = replace(full, shape=shape, torque=torque, system=system)
-    vars(result).update(
-        kinetic=groups.over_stations(full.kinetic),
-        elastic=groups.over_spans(full.elastic),
-        nodes=full.nodes,
-    )
-    return result
 
 
 def undamped_tree(system: System) -> Tree:

@@ -81,19 +81,12 @@ class SegmentGroups:
     stations: IntArray  # (stations kept,) their positions in the system
     spans: IntArray  # (spans kept,) likewise
     kept: tuple[Span, ...]  # (spans kept,) every span or group, between positions in `stations`
-    rows: tuple[Row, ...]  # shafts in segments, in groups
-    segments: int  # spans of the system
     longest: int  # segments in a group
 
     @property
     def first_station(self) -> IntArray:
         """(stations kept,) position of the first of each group."""
         return np.append(0, self.stations[:-1] + 1)
-
-    @property
-    def last_span(self) -> IntArray:
-        """(spans kept,) position of the last of each group."""
-        return np.append(self.spans, self.segments)[1:] - 1
 
     @property
     def ends(self) -> IntArray:

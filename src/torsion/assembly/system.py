@@ -6,7 +6,7 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,6 @@ from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans
-    from torsion.kernels.distributed.segment_chains import SegmentChains
     from torsion.kernels.distributed.span_laws import Shafts
     from torsion.kernels.stiffness_table import StiffnessTable
 
@@ -77,10 +76,6 @@ class System(Displayed):
     resolved_to: float = (
         math.inf
     )  # Hz, up to which the shafts keep the error of their model; see `assemble`
-    groups: SegmentGroups | None = (
-        None  # of a condensed system: the segments that its spans stand for
-    )
-    uncondensed: "System | None" = None  # of a condensed system: that of all segments
     in_tree: BoolArray | None = (
         None  # (spans,) those of the tree; None: the stiffest that close no loop
     )
@@ -90,11 +85,6 @@ class System(Displayed):
 
     def __repr__(self) -> str:
         return f"System: {self.model}, {len(self.stations)} stations, {len(self.spans)} spans"
-
-    @property
-    def whole(self) -> "System":
-        """The system of all segments, of which this one is condensed; itself where it is not."""
-        return self.uncondensed or self
 
     @property
     def own_spans(self) -> tuple[Span, ...]:
@@ -153,38 +143,16 @@ class System(Displayed):
     @cached_property
     def lumped_inertia(self) -> FloatArray:
         """(stations,) kg m2 at own speed, without that of spans with distributed inertia; infinite where fixed."""
-        if self.groups is not None:
-            return self.whole.inertia[self.groups.stations]
         return self.inertia if self.bars is None else self.bars.lumped
 
     @cached_property
     def condensed_shafts(self) -> "Shafts | None":
-        """The spans with distributed inertia and the segment groups, on the tree; None where there are none."""
-        groups, bars, condensed = self.groups, self.bars, self.condensed
-        if groups is not None:
-            from torsion.kernels.distributed.span_laws import Shafts
-
-            span = np.flatnonzero(groups.last_span > groups.spans)
-            return Shafts(
-                condensed.span[span], (self._chains(groups, span).turned(condensed.sign[span] < 0),)
-            )
+        """The spans with distributed inertia, on the tree; None where there are none."""
+        bars, condensed = self.bars, self.condensed
         if bars is None:
             return None
         return bars.laws(
             condensed.span[bars.span], self.span_ratio[bars.span], condensed.sign[bars.span] < 0
-        )
-
-    def _chains(self, groups: SegmentGroups, span: IntArray) -> "SegmentChains":
-        """The segments of the groups that some spans stand for, referred."""
-        from torsion.kernels.distributed.segment_chains import SegmentChains
-
-        ratio2, last = self.span_ratio[span, None] ** 2, groups.last_span[span, None]
-        segment = groups.spans[span, None] + np.arange(groups.longest)
-        flexibility = self.whole.flexibility[np.minimum(segment, last)] / ratio2
-        inside = self.whole.lumped_inertia[self.whole.driven[np.minimum(segment, last)]] * ratio2
-        none = np.zeros(len(span), dtype=bool)
-        return SegmentChains(
-            np.where(segment <= last, flexibility, 0.0), np.where(segment < last, inside, 0.0), none
         )
 
     @cached_property
@@ -406,7 +374,7 @@ def _layout(
     )
 
 
-MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups
+MOST_GROUPS = 2000  # of a shaft: more segments than that are reported in about so many groups
 
 
 def segment_groups(system: System, most: int) -> SegmentGroups:
@@ -415,49 +383,14 @@ def segment_groups(system: System, most: int) -> SegmentGroups:
     station = len(system.stations) - sum(row.number - 1 for row in system.rows)
     span = len(system.own_spans)
     inside, longest = station, 1
-    stations, spans, rows = [np.arange(station)], [np.arange(span)], list[Row]()
-    kept = list(system.own_spans)
+    stations, spans, kept = [np.arange(station)], [np.arange(span)], list(system.own_spans)
     for row in system.rows:
         step = 1 if row.number <= most else -(-(row.number - 1) // most)
         starts = np.append(np.arange(0, row.number - 1, step), row.number - 1)
         stations.append(station - 1 + starts[1:])
         spans.append(span + starts)
         edges = (*starts.tolist(), row.number)
-        row_edges = tuple(row.edges[edge] for edge in edges) if row.edges else edges
-        rows.append(Row(row.bar, len(starts), inside, row.begin, row_edges))
-        kept += rows[-1].spans
+        kept += Row(row.bar, len(starts), inside, row.begin, edges).spans
         station, span = station + row.number - 1, span + row.number
         inside, longest = inside + len(starts) - 1, max(longest, step)
-    return SegmentGroups(
-        np.concatenate(stations),
-        np.concatenate(spans),
-        tuple(kept),
-        tuple(rows),
-        len(system.spans),
-        longest,
-    )
-
-
-def condensed(system: System, most: int = MOST_GROUPS) -> System:
-    """Return the system with groups in place of the segments of its long shafts.
-
-    The system itself where it has no long shafts, or closed loops. Inertia and flexibility of a group are reported as
-    sums. The whole system stays at hand as `uncondensed`.
-    """
-    groups = segment_groups(system, most)
-    if groups.is_whole or system.bars is not None or system.condensed.extra.size:
-        return system
-    first = len(system.stations) - sum(row.number - 1 for row in system.rows)
-    inner = (station for row in groups.rows for station in row.inner_stations)
-    return replace(
-        system,
-        groups=groups,
-        uncondensed=system,
-        rows=groups.rows,
-        stations=(*system.stations[:first], *inner),
-        spans=groups.kept,
-        inertia=groups.over_stations(system.inertia),
-        flexibility=groups.over_spans(system.flexibility),
-        viscous=system.viscous[groups.spans],
-        loss_factor=system.loss_factor[groups.spans],
-    )
+    return SegmentGroups(np.concatenate(stations), np.concatenate(spans), tuple(kept), longest)

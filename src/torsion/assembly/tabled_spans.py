@@ -82,8 +82,6 @@ def with_springs(
     changed = replace(
         system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables
     )
-    if system.uncondensed is not None:
-        vars(changed)["uncondensed"] = with_springs(system.uncondensed, values, tables)
     before, node, ratio2 = (
         system.condensed,
         system.condensed.span[spans],

@@ -208,13 +208,12 @@ class _Chains:
 
     def __init__(self, system: System, square: float) -> None:
         """Refer all spans of a system at a squared circular frequency (rad2/s2)."""
-        full = system.whole
         self.system, self.square = system, square
-        self.inertia = full.lumped_inertia * full.speed_ratio**2  # (stations,) kg m2
-        self.pi = np.zeros((3, len(full.flexibility)))  # flexibility, inertia at both ends
-        self.pi[0] = full.flexibility / full.span_ratio**2
-        if (bars := full.bars) is not None:
-            number, ratio = np.arange(len(bars.span)), full.span_ratio[bars.span]
+        self.inertia = system.lumped_inertia * system.speed_ratio**2  # (stations,) kg m2
+        self.pi = np.zeros((3, len(system.flexibility)))  # flexibility, inertia at both ends
+        self.pi[0] = system.flexibility / system.span_ratio**2
+        if (bars := system.bars) is not None:
+            number, ratio = np.arange(len(bars.span)), system.span_ratio[bars.span]
             laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
             self.pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
 
@@ -224,12 +223,10 @@ class _Chains:
         None where no inertia lies between the ends. Without inertia at the driven end the last span reports the torque
         there.
         """
-        groups, (first, last) = self.system.groups, link.spans
-        if groups is not None:
-            first, last = int(groups.spans[first]), int(groups.last_span[last])
+        first, last = link.spans
         h, driving, driven = self.pi[:, first : last + 1]
         has_driven_end = not self.pi[1:, last].any()
-        inside = np.append(self.inertia[self.system.whole.driven[first:last]], 0.0)
+        inside = np.append(self.inertia[self.system.driven[first:last]], 0.0)
         if not (driving.any() or driven.any() or inside.any()):
             return None, has_driven_end
         w2 = self.square

@@ -92,9 +92,6 @@ def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     rigid, joined = system.flexibility == 0, np.ones(len(system.spans), dtype=bool)
     rigid[spans], joined[spans] = False, False
     body = connected(number, system.driving[rigid], system.driven[rigid])
-    if system.groups is not None:
-        message = "the transient analysis does not support joints together with shafts of so many segments"
-        raise _refusal(system, int(spans[0]), message, "give them fewer `segments`")
     part = connected(number, system.driving[joined], system.driven[joined])
     if len(np.unique(part)) < len(spans) + 1:
         message = "joints close a loop, and their transient response is not supported yet"

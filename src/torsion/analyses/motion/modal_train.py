@@ -148,9 +148,6 @@ def kept_modes(
     A train with finite elements has no last mode: where all are requested, BAND of them are kept. Raises SolveError for
     a train too large for all.
     """
-    if system.groups is not None:
-        message = "a shaft has too many segments for a transient response"
-        raise SolveError(message, "give it fewer `segments`", path)
     size = system.condensed.tree.size
     if count == "all" and system.bars is None:
         if size > MOST_MODES:

@@ -10,12 +10,7 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
 from torsion.analyses.speed_tables import SAME_SPEED
-from torsion.analyses.undamped_modes import (
-    Modes,
-    condensed_modes,
-    modes_as_discretised,
-    undamped_tree,
-)
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
@@ -92,8 +87,6 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
         return modes
     if tables := system.tables_over("frequency"):
         return _modes_by_table(system, tables, highest)
-    if system.groups is not None:
-        return condensed_modes(_modes_up_to(system.whole, highest, None), system)
     condensed = system.condensed
     if system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import reach

@@ -69,11 +69,7 @@ def _basis(system: System) -> tuple[Modes, FloatArray]:
     """Return all modes and the rigid motions of a system; computed once."""
     basis: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
     if basis is None:
-        if (
-            system.bars is not None
-            or system.groups is not None
-            or system.condensed.tree.size > MOST_STATIONS
-        ):
+        if system.bars is not None or system.condensed.tree.size > MOST_STATIONS:
             message = f"damping by mode is for lumped trains of at most {MOST_STATIONS} stations"
             raise SolveError(message, "model: lumped, with fewer `segments`", PATH)
         vars(system)["modal_basis"] = basis = (

@@ -20,7 +20,6 @@ from torsion.analyses.stability.equations_of_motion import (
 from torsion.analyses.stability.mechanism_loads import Operating, Scene, operating, rigid_deviation
 from torsion.analyses.stability.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (
@@ -114,16 +113,6 @@ class PeriodicResponse:
         "further motions at the highest peaks, in the same orders; null for none",
         default=None,
     )
-
-    def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
-        """Return the same at the stations and spans that stand for segment groups."""
-        return replace(
-            self,
-            angle=self.angle[..., groups.stations],
-            torque=self.torque[..., groups.spans],
-            mean=self.mean[..., groups.spans],
-            others=self.others and self.others.condensed(groups),
-        )
 
     @derived(
         "",

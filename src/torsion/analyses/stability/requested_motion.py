@@ -166,7 +166,7 @@ def _reasons(work: Work) -> tuple[str, str]:
     if not refused and not requested:
         from torsion.analyses.stability.periodic_speeds import too_long
 
-        refused = too_long(work.study, system.whole)
+        refused = too_long(work.study, system)
     return reason, refused
 
 
@@ -176,9 +176,7 @@ def _solve_periodic(work: Work, reason: str) -> None:
 
     log, first_order = work.log, work.need(Response)
     with log.step(PERIODIC, reason) as step:
-        response = periodic_over_speed(
-            work.study, work.system.whole, first_order, progress=work.progress
-        )
+        response = periodic_over_speed(work.study, work.system, first_order, progress=work.progress)
         step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
         harmonics = int(response.harmonics.max(initial=0))
         kept = f"up to {harmonics} harmonics of the common period"
@@ -201,8 +199,7 @@ def _solve_periodic(work: Work, reason: str) -> None:
         log.without(
             f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
         )
-    groups = work.system.groups
-    work.put(periodic=response if groups is None else response.condensed(groups))
+    work.put(periodic=response)
 
 
 def exciting_joints(system: System) -> list[JointRecord]:
@@ -215,7 +212,7 @@ def run_stability(work: Work) -> None:
     """Stability over speed, where it is requested."""
     from torsion.analyses.stability.stability_over_speed import stability
 
-    study, system, log = work.study, work.system.whole, work.log
+    study, system, log = work.study, work.system, work.log
     settings = work.settings("stability", StabilitySettings)
     speeds = settings.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
@@ -261,7 +258,7 @@ def run_map(work: Work) -> None:
     with work.log.step("stability map", "requested") as step:
         result = stability_map(
             work.study,
-            work.system.whole,
+            work.system,
             speeds.values(),
             settings.over,
             settings.values(),

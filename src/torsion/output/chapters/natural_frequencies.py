@@ -261,8 +261,7 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
     ]
     caption = "angle and torque, referred to the reference speed and relative to their maximum"
     if not drawn.is_whole:
-        longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
-        caption += f"; long shafts are drawn with every {longest}th segment"
+        caption += f"; long shafts are drawn with every {drawn.longest}th segment"
     for mode in chosen:
         angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
         torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]

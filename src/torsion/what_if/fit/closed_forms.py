@@ -124,7 +124,6 @@ def closed_forms(
     if (
         system.tables
         or system.bars is not None
-        or system.groups is not None
         or train.modal_damping
         or train.has_nonlinear_couplings
         or train.has_tables_over("vibratory torque")

@@ -44,7 +44,7 @@ def run(work: Work) -> None:
         measured = curves(work.study, settings.measured)
         modes = work.get(Modes)
         count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
-        system = work.system.whole if modes is None else modes.system.whole
+        system = work.system if modes is None else modes.system
         train = Train(variation, resolved_for(system, measured), measured, count)
         problem = Problem(train, settings, work.progress)
         best = problem.fitted()

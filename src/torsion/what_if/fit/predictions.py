@@ -137,4 +137,4 @@ class Train:
 def resolved_for(system: System, curves: Sequence[Curve]) -> System:
     """Return the system divided finely enough for every order that was measured."""
     tops = (float(curve.order) * curve.speed.max() / (2.0 * math.pi) for curve in curves)
-    return resolving(system.whole, max(tops, default=0.0))
+    return resolving(system, max(tops, default=0.0))

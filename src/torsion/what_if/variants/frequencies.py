@@ -87,7 +87,7 @@ def certified(
     """
     if system.tables:
         raise NotInColumns("a stiffness follows a table")
-    base = modes(system, count).system.whole
+    base = modes(system, count).system
     if base.bars is not None:
         return _as_divided(base, train, variants, count)
     hertz_found = np.full((count, variants), np.nan)
