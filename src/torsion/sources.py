@@ -59,7 +59,6 @@ DenHartog1956; Den Hartog; 1956; Mechanical Vibrations, McGraw-Hill; viscous dam
 Ehrlich1967; Ehrlich; 1967; Comm. ACM 10, 107; damped roots
 Aberth1973; Aberth; 1973; Math. Comp. 27, 339; damped roots
 Foeppl1905; Föppl; 1905; shafts of varying diameter; steps and hubs (M)
-FoxKapoor1968; Fox, Kapoor; 1968; AIAA J. 6, 2426; second derivatives of frequencies
 Frahm; Frahm; -; damping a Q/omega of propellers; propeller damping (M)
 Genta2005; Genta; 2005; Dynamics of Rotating Systems, Springer; whirl, rotating damping
 HairerWanner1996; Hairer, Wanner; 1996; Solving Ordinary Differential Equations II, Springer; Radau IIA

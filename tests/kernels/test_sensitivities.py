@@ -8,9 +8,7 @@ from torsion.kernels.loops import Chords, graph_modes, looped_response
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sensitivities import (
     compliance_slopes,
-    frequency_curvature,
     frequency_sensitivity,
-    of_amplitude,
     response_sensitivity,
 )
 from torsion.kernels.tree import Tree
@@ -141,52 +139,6 @@ def _moved(spans, h, inertia, w, figure, other=None):
     return float(sum(corners) / (4 * step**2))
 
 
-def test_second_derivatives_of_a_frequency_are_right_to_rounding_of_the_largest() -> None:
-    """Against second differences of the roots of the determinant in 60 digits."""
-    parent, rng = np.array([-1, 0, 1, 1]), np.random.default_rng(7)
-    tree = Tree(
-        parent, np.append(0.0, 10 ** -rng.uniform(3, 6, 3)), 10 ** rng.uniform(-1, 1, 4), HELD
-    )
-    modes, pairs = (
-        tree_modes(tree),
-        [(0, 0), (0, 1), (0, 4), (1, 5), (2, 2), (3, 3), (4, 6), (6, 2), (5, 5)],
-    )
-    for mode, w in enumerate(modes.frequency):
-        found = frequency_curvature(tree, modes, mode)[1:, 1:]
-        with mp.workdps(60):
-            h, j = (
-                [mp.mpf(float(v)) for v in values]
-                for values in (tree.flexibility[1:], tree.inertia)
-            )
-            exact = [_moved([(0, 1), (1, 2), (1, 3)], h, j, w, *pair) for pair in pairs]
-        assert (
-            np.abs([found[pair] for pair in pairs] - np.array(exact)).max()
-            < 2e-14 * np.abs(found).max()
-        )
-
-
-def test_second_derivatives_add_up_as_a_frequency_is_homogeneous(random_tree) -> None:
-    """Scaling every stiffness scales all frequencies alike: the rows by stiffness add up to nothing."""
-    for seed, held in enumerate(["none", "root", "leaves"]):
-        tree = random_tree(seed, size=6, held=held)
-        modes = tree_modes(tree)
-        for mode in range(len(modes.frequency)):
-            found = frequency_curvature(tree, modes, mode)
-            for part in (slice(0, 6), slice(6, 12)):
-                assert np.abs(found[:, part].sum(axis=1)).max() < 1e-13 * max(
-                    1.0, np.abs(found).max()
-                )
-
-
-def test_second_derivatives_are_refused_without_all_modes_or_with_massless_stations(chain) -> None:
-    tree = chain(*FOUR)
-    with pytest.raises(ValueError, match="2 elastic modes; expected all"):
-        frequency_curvature(tree, tree_modes(tree, 2), 0)
-    light = chain((1.0, 0.0, 1.0), (1e4, 1e4))
-    with pytest.raises(ValueError, match="inertia at every station"):
-        frequency_curvature(light, tree_modes(light), 0)
-
-
 @pytest.mark.parametrize(
     "target", [{"span": 1}, {"span": 4}, {"station": 3}, {"span": 3, "is_looped": True}]
 )
@@ -294,6 +246,5 @@ def test_the_amplitude_at_a_peak_follows_a_stiffness_by_its_partial_derivative()
     response = tree_response(one, w, np.array([0.0, 1.0]), compliance=hc)
     by_compliance = response_sensitivity(one, w, response, span=1, compliance=hc).compliance[1]
     slope = compliance_slopes(np.array([1e4]), np.zeros(1), np.array([0.1]), 1j * w)[0][0]
-    assert of_amplitude(response.torque[1], by_compliance * slope) == pytest.approx(
-        [0.0], abs=1e-13
-    )
+    change = (by_compliance * slope / response.torque[1]).real
+    assert change == pytest.approx([0.0], abs=1e-13)

@@ -2,15 +2,13 @@
 
 With shapes of generalised inertia 1, the share of a span in the elastic energy is h t^2/w^2, that of a station in the
 kinetic one J x^2, and a frequency follows ln k by half the first, ln J by minus half the second (Rayleigh 1877, 1,
-art. 90). The second derivatives are sums over all modes (Fox and Kapoor 1968). Of a forced response one more right
-side, the adjoint, gives the derivatives by all figures at once.
+art. 90). Of a forced response one more right side, the adjoint, gives the derivatives by all figures at once.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.loops import Chords, looped_response
@@ -63,43 +61,6 @@ def _elastic(flexibility: FloatArray, torque: FloatArray, modes: TreeModes) -> F
         return np.empty((0, len(modes.frequency)))
     used = np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
     return np.asarray(0.5 * used * (torque / modes.frequency) ** 2)
-
-
-@source("FoxKapoor1968")
-def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
-    """d2 ln f/(d ln p d ln q) of one mode (from 0), by the stiffnesses and behind them the inertias of the stations.
-
-    (2 stations, 2 stations), from all modes of a tree of springs: modes of close frequencies change fast, and a
-    repeated one has no second derivative (Fox and Kapoor 1968). Raises ValueError unless all modes are given and every
-    station that moves has inertia.
-
-    >>> two = Tree(np.array([-1, 0]), np.array([0.0, 5e-5]), np.array([1.2, 0.8]), np.zeros(2, dtype=bool))
-    >>> from torsion.kernels.natural_modes import tree_modes
-    >>> frequency_curvature(two, tree_modes(two), 0)[2:, 2:].round(12)  # +- J1 J2/(2 (J1 + J2)^2)
-    array([[ 0.12, -0.12],
-           [-0.12,  0.12]])
-    """
-    soft = tree.flexibility[tree.parent >= 0]
-    if (
-        tree.shafts is not None
-        or not (tree.inertia > 0.0).all()
-        or not ((soft > 0.0) & np.isfinite(soft)).all()
-    ):
-        raise ValueError("expected only springs, and inertia at every station")
-    if len(modes.frequency) + modes.rigid != np.count_nonzero(~tree.held):
-        raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
-    angle = np.hstack([modes.rigid_angle, modes.angle])
-    torque = np.hstack([np.zeros_like(modes.rigid_angle), modes.torque])
-    square, position = np.append(np.zeros(modes.rigid), modes.frequency**2), modes.rigid + mode
-    kinetic = tree.moving_inertia[:, None] * angle[:, [position]] * angle
-    flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)[:, None]
-    change = np.vstack([flexibility * torque[:, [position]] * torque / square[position], -kinetic])
-    mass = np.append(np.zeros(tree.size), kinetic[:, position])
-    first, remaining = change[:, position].copy(), np.delete(change, position, axis=1)
-    gap = np.delete(1.0 - square / square[position], position)
-    crossed = np.outer(first, mass)
-    second = np.diag(first) - crossed - crossed.T + 2.0 * (remaining / gap) @ remaining.T
-    return np.asarray(0.5 * (second - np.outer(first, first)))
 
 
 @dataclass(frozen=True)
@@ -180,15 +141,3 @@ def compliance_slopes(
     )
     square = -1.0 / (k * (1 + 1j * eta) + s * c) ** 2
     return square * k * (1 + 1j * eta), square * 1j * k, square * s
-
-
-def of_amplitude(value: NDArray[Any], derivative: NDArray[Any]) -> FloatArray:
-    """d ln|value|, of a complex value (frequencies,) and its derivatives (..., frequencies).
-
-    At a peak over the frequency it is that of the peak, whose frequency may be kept.
-
-    >>> of_amplitude(np.array([3.0 + 4.0j]), np.array([[0.3 + 0.4j], [0.4 - 0.3j]])).round(12)
-    array([[0.1],
-           [0. ]])
-    """
-    return np.asarray((derivative / value).real)
