@@ -12,7 +12,7 @@ from torsion.assembly.junction.axisymmetric import energy_matrix, functions_of, 
 from torsion.assembly.junction.profile import Corner, Length, Profile
 from torsion.assembly.junction.profile_mesh import Meridian
 from torsion.assembly.junction.stepped_shafts import with_steps
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.model.shaft import Shaft
 from torsion.model.shaft_details import Step
 from torsion.train import train

@@ -26,8 +26,6 @@ from torsion.rules import needed, not_judged
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Case, Study
-from torsion.what_if.sweep.sweep_points import Points
-from torsion.what_if.sweep.sweep_settings import SweepSettings
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.timing import Timings
@@ -384,6 +382,9 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         )
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
+        from torsion.what_if.sweep.sweep_points import Points
+        from torsion.what_if.sweep.sweep_settings import SweepSettings
+
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.from_settings(study, settings, variation.figures).words
     if "transient" in study.analyses:

@@ -365,6 +365,7 @@ def table_over(over: str, first: Quantity, second: Quantity, hint: str) -> Befor
 
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
+Mass = Annotated[float, Quantity("kg", at_least=0)]
 Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]
 GroundStiffness = Annotated[float, Quantity("N*m/rad", at_least=0)]
 Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0)]

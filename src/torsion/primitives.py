@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from torsion.errors import Path
 if TYPE_CHECKING:
     from torsion.kernels.engine.gas_law import CylinderOrder
     from torsion.kernels.stiffness_table import StiffnessTable
+
+STEP = ", step"  # behind the name of the shaft before it, the name of its spring
+StepForm = Literal["none", "sharp", "handbook"]  # of a step between shafts without a drawing
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from torsion import fields
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
-from torsion.model.load_law import Load
+from torsion.model.machine_torques import Load
 from torsion.results import RPM, Displayed, listed, one_line
 from torsion.study_actions import StudyActions
 from torsion.train import Train

@@ -8,11 +8,9 @@ from functools import cached_property
 from typing import Any
 
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.model.component import Component, lower_line
-from torsion.model.harmonic_torques import Excitation
-from torsion.model.lowering import Arrival, Lowering, Part, ShaftRecord
-from torsion.model.material import STEEL, Material
-from torsion.model.shaft_details import StepForm
+from torsion.model.component import STEEL, Arrival, Component, Lowering, Material, lower_line
+from torsion.model.machine_torques import Excitation
+from torsion.model.parts import Part, ShaftRecord
 from torsion.primitives import (
     Bar,
     Constraint,
@@ -21,6 +19,7 @@ from torsion.primitives import (
     SectionMesh,
     Spring,
     Station,
+    StepForm,
     Torque,
 )
 from torsion.results import Displayed, by_name, listed, one_line
@@ -380,7 +379,7 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
         )
         build.primitives[position] = replace(primitive, **moved)
     del build.stations[made]
-    build.record(stations=(driving, driven))
+    build.place(stations=(driving, driven))
     build.arrival = main
 
 

@@ -12,7 +12,7 @@ from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import modes
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.harmonic_torques import Excitation
+from torsion.model.machine_torques import Excitation
 from torsion.study import Operation
 
 LINES = (

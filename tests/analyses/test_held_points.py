@@ -18,8 +18,8 @@ from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
-from torsion.model.harmonic_torques import Excitation
 from torsion.model.joint import Joint
+from torsion.model.machine_torques import Excitation
 from torsion.runner import run
 from torsion.schema.scene_reader import parse
 from torsion.train import fixed_point_faults, train

@@ -18,7 +18,7 @@ from torsion.analyses.response.component_loads import heat
 from torsion.analyses.response.pendulums import Pendulums, deflections, effective_inertia
 from torsion.assembly import assemble
 from torsion.errors import InputError
-from torsion.model.lowering import PendulumRecord
+from torsion.model.parts import PendulumRecord
 from torsion.study import Study
 
 RPM = math.pi / 30.0

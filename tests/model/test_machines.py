@@ -7,7 +7,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.errors import InputError
 from torsion.model import component
-from torsion.model.load_law import LoadLaw, read_load
+from torsion.model.machine_torques import LoadLaw, read_load
 
 ABSORB = ("generator", "pump", "fan", "machine", "propeller")
 DRIVE = ("motor", "turbine")

@@ -8,8 +8,13 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.model import KINDS
-from torsion.model.lowering import CouplingRatings, JointRecord, PendulumRecord
-from torsion.model.machine_records import PropellerRecord
+from torsion.model.parts import (
+    CouplingRatings,
+    GearRating,
+    JointRecord,
+    PendulumRecord,
+    PropellerRecord,
+)
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -68,7 +73,10 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     assert part("pendulum-1").pendulum == PendulumRecord(2.0, None, pytest.approx(0.06), 5.0)
     assert part("coupling-1").damping == ("psi", 0.8)
     assert part("coupling-3").damping == ("viscous", 7.0)
-    assert (part("gear-1").application_factor, part("gear-1").is_point) == (1.3, False)
+    assert (part("gear-1").get(GearRating), part("gear-1").is_point) == (
+        GearRating(1.3, None),
+        False,
+    )
     assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, None, None)
     assert (
         part("propeller-1").machine.damping_model,

@@ -18,7 +18,7 @@ from torsion.assembly import assemble
 from torsion.fields import Declared
 from torsion.findings import Results
 from torsion.model import component
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules import needed
 from torsion.study import Operation, Study
 from torsion.train import train

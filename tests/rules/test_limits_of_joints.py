@@ -8,7 +8,7 @@ from torsion.analyses.joints.joint_analysis import joints
 from torsion.analyses.lateral.shaft_bending import lateral
 from torsion.assembly import assemble
 from torsion.findings import Results
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules.universal_joints import (
     PUBLISHED,
     JointRuleSettings,

@@ -8,7 +8,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.harmonic_components import Line
-from torsion.model.coupling_limits import OF_POWER, OF_TORQUE, OverFrequency
+from torsion.model.elastic_element import OF_POWER, OF_TORQUE, OverFrequency
 from torsion.rules import not_judged
 from torsion.rules.coupling_maker import CouplingMaker, CouplingSettings
 from torsion.rules.verdict_line import Checks

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules import lacking, m53_factors, settings, verdicts
 from torsion.rules.m53_factors import Throw
 

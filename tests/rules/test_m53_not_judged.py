@@ -8,7 +8,7 @@ import pytest
 
 import torsion
 from torsion.errors import InputError
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules import lacking, settings, verdicts
 from torsion.rules.m53 import M53Settings
 from torsion.rules.verdict_line import Check, Checks

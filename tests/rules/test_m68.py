@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from torsion.model.material import STEEL, Material
+from torsion.model.component import STEEL, Material
 from torsion.rules import m68
 from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
 from torsion.rules.shaft_limits import barred_range

@@ -1,6 +1,6 @@
 """What a file lacks for `iacs-m68`, stated where it stands."""
 
-from torsion.model.material import STEEL, Material
+from torsion.model.component import STEEL, Material
 from torsion.rules import m68
 from torsion.rules.m68_shafts import classed_shafts
 

@@ -8,7 +8,7 @@ import pytest
 from tests.rules.conftest import STEEL_600
 
 from torsion.assembly import assemble
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules import m68_shafts as m68
 from torsion.rules.shaft_limits import stress_modulus
 

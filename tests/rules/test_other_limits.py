@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import half_range
-from torsion.model.lowering import ShaftRecord
+from torsion.model.parts import ShaftRecord
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
 from torsion.rules.shaft_limits import nominal_stress, with_role
 
@@ -121,7 +121,7 @@ def test_a_crank_span_without_a_bar_is_judged_by_its_journal(study, evidence) ->
     scene = study([EXCITES, ("coupling", {"name": "span", "stiffness": 1e6}), LOAD])
     record = ShaftRecord("steel", "crank", (), (), journal=(0.12, 0.03))
     parts = tuple(
-        replace(part, shaft=record) if part.name == "span" else part for part in scene.train.parts
+        part.with_records(record) if part.name == "span" else part for part in scene.train.parts
     )
     scene = replace(scene, train=replace(scene.train, parts=parts))
     assert [part.name for _, part, _ in with_role(scene.train, "crank")] == ["span"]

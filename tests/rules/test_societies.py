@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.for_all import for_all
 
-from torsion.model.material import Material
+from torsion.model.component import Material
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
 from torsion.rules.m68_shafts import tau_c
 from torsion.rules.reached_speeds import demanded_study

@@ -9,8 +9,8 @@ from torsion.analyses.joints.joint_analysis import joints
 from torsion.analyses.lateral.shaft_bending import lateral
 from torsion.assembly import assemble
 from torsion.findings import Results
+from torsion.model.component import Material
 from torsion.model.joint import Joint
-from torsion.model.material import Material
 from torsion.rules.universal_joints import JointRuleSettings, UniversalJoints, critical_speed, tubes
 
 RPM = math.pi / 30.0

@@ -20,7 +20,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.model.material import STEEL
+from torsion.model.component import STEEL
 from torsion.rules.verdict_line import Checks
 from torsion.units import to_si
 

@@ -525,8 +525,8 @@ def test_any_digit_of_any_array_is_an_effect_of_a_case() -> None:
     assert record.gas is not None
     firing = record.gas.firing.copy()
     firing[0, firing.shape[1] // 2] *= 1.0 + 1e-12
-    parts[place] = replace(
-        parts[place], engine=replace(record, gas=replace(record.gas, firing=firing))
+    parts[place] = parts[place].with_records(
+        replace(record, gas=replace(record.gas, firing=firing))
     )
     assert _effect(replace(study, train=replace(study.train, parts=tuple(parts)))) != _effect(study)
     assert _effect(

@@ -9,10 +9,10 @@ from tests.for_all import for_all
 
 from torsion.errors import InputError
 from torsion.model import KINDS, component
+from torsion.model.component import Material
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.harmonic_torques import Excitation
-from torsion.model.material import Material
+from torsion.model.machine_torques import Excitation
 from torsion.model.planetary import Planetary
 from torsion.model.propeller import Propeller
 from torsion.model.shaft import Shaft

@@ -10,8 +10,8 @@ from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import interpolated, uncovered
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
-from torsion.model.drive_law import DriveLaw
-from torsion.model.lowering import Part
+from torsion.model.machine_torques import DriveLaw
+from torsion.model.parts import Part
 from torsion.study import Operation, Study
 from torsion.train import Train
 

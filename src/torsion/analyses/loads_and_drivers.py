@@ -12,8 +12,8 @@ import numpy as np
 from torsion.analyses.speed_tables import interpolated, uncovered
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
-from torsion.model.load_law import LoadLaw
-from torsion.model.lowering import Part
+from torsion.model.machine_torques import LoadLaw
+from torsion.model.parts import Part
 
 Shares = list[Fraction]
 Shared = list[tuple[int, Fraction]]  # stations with their shares of a torque

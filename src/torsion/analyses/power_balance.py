@@ -8,9 +8,8 @@ import numpy as np
 
 from torsion.analyses.loads_and_drivers import OF_OPERATION, Balance, Driver, Load, Shared
 from torsion.errors import Fault, InputError
-from torsion.model.load_law import LoadLaw
-from torsion.model.lowering import Part
-from torsion.model.machine_records import MachineRecord
+from torsion.model.machine_torques import LoadLaw
+from torsion.model.parts import MachineRecord, Part
 from torsion.study import Operation, Study
 from torsion.train import Train
 

@@ -18,7 +18,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train

@@ -6,9 +6,9 @@ from torsion.model.component import Component
 
 KINDS = {
     "disc": "torsion.model.disc:Disc",
-    "motor": "torsion.model.motor:Motor",
-    "turbine": "torsion.model.motor:Turbine",
-    "generator": "torsion.model.motor:Generator",
+    "motor": "torsion.model.machine:Motor",
+    "turbine": "torsion.model.machine:Turbine",
+    "generator": "torsion.model.machine:Generator",
     "pump": "torsion.model.propeller:Pump",
     "fan": "torsion.model.propeller:Fan",
     "machine": "torsion.model.machine:GeneralMachine",

@@ -1,8 +1,7 @@
 """A branch: a train that the point before it carries."""
 
 from torsion.fields import required
-from torsion.model.component import Component, Line, lower_branch
-from torsion.model.lowering import Lowering
+from torsion.model.component import Component, Line, Lowering, lower_branch
 
 
 class Branch(Component, keyword="branch", sort="none"):

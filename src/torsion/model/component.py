@@ -1,14 +1,209 @@
-"""What every component is: a frozen declaration of its fields, and how it lowers to primitives."""
+"""What every component is: a frozen declaration of its fields, and how it lowers to primitives.
 
-from collections.abc import Sequence
-from dataclasses import replace
+Also here: where the train has arrived while its components are lowered, and the material of shafts.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import InstanceOf, WithJsonSchema
 
-from torsion.errors import Path
-from torsion.fields import Sized, given
-from torsion.model.lowering import Arrival, Lowering, Part
+from torsion import fields
+from torsion.errors import Fault, Path, nearest
+from torsion.fields import Quantity, Sized, given, refuse, required
+from torsion.model.parts import Part
+from torsion.primitives import Inertia, Primitive, Spring, Station
+
+Strength = Annotated[float, Quantity("Pa", above=0, usual="strength")]
+
+
+class Material(Sized):
+    """An isotropic elastic material."""
+
+    shear_modulus: fields.Modulus = required("G")
+    youngs_modulus: fields.Modulus | None = given("E; needed for bending only")
+    density: Annotated[float, Quantity("kg/m**3", at_least=0, usual="density")] = required(
+        "rho; 0 makes a massless shaft"
+    )
+    tensile_strength: Strength | None = given("sigma_B, needed by the class rules")
+    yield_strength: Strength | None = given(
+        "R_eH or R_p0.2, needed by the rule `ice`; `kr` and `nk` use it"
+    )
+    loss_factor: fields.LossFactor = given(
+        "energy lost in a cycle / (2 pi peak elastic energy)", 0.0
+    )
+
+    def refuse_clashes(self) -> None:
+        if (self.yield_strength or 0.0) > (self.tensile_strength or math.inf):
+            message = "the yield strength is above the tensile strength"
+            raise refuse(message, "are they interchanged?", "yield_strength")
+
+
+STEEL = Material(shear_modulus=79.3e9, youngs_modulus=206e9, density=7850.0)
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """The state of the walk; a branch starts from a copy of it."""
+
+    station: int | None = None  # the last one
+    is_open: bool = False  # no point has taken that station yet
+    ratio: Fraction = Fraction(1)
+    sense: int = 1
+    referred_to: Fraction | None = (
+        None  # the ratio of the speed at which figures that follow are given; None: own
+    )
+    yoke: float | None = (
+        None  # rad from its plane of the last joint's driven yoke at angle zero; None behind a gear
+    )
+    joint: int | None = None  # part of that joint
+    depth: int = 0
+
+    @property
+    def scale(self) -> float:
+        """(Own speed / speed at which figures are given)^2, by which those of the component are to be divided."""
+        return 1.0 if self.referred_to is None else float((self.ratio / self.referred_to) ** 2)
+
+
+@dataclass
+class Lowering:
+    """Collects parts, stations and primitives. Components call `point` or `link`, then `add`."""
+
+    materials: Mapping[str, Material]
+    parts: list[Part] = field(default_factory=list)
+    stations: list[Station] = field(default_factory=list)
+    primitives: list[Primitive] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    arrival: Arrival = field(default_factory=Arrival)
+    number: Counter[str] = field(default_factory=Counter)  # of components of a kind that were met
+    folder: str = "."  # from which paths of files count
+
+    @property
+    def part(self) -> int:
+        """Position of the component that is being lowered."""
+        return len(self.parts) - 1
+
+    @property
+    def name(self) -> str:
+        """Name of the component that is being lowered."""
+        return self.parts[-1].name
+
+    def member(self, owner: Part, name: str, kind: str, *, is_point: bool) -> None:
+        """Begin a piece of a component that is itself a point or a link, as every other component is."""
+        self.parts.append(
+            replace(
+                owner,
+                name=f"{owner.name} {name}",
+                kind=kind,
+                is_point=is_point,
+                stations=(),
+                is_named=False,
+                note=None,
+                ratio=self.arrival.ratio,
+            )
+        )
+
+    def material(self, name: str, *keys: str | int) -> Material | None:
+        """The material of that name; None, with a fault at `material` behind these keys, where there is none."""
+        material = self.materials.get(name)
+        if material is None:
+            near = nearest(name, self.materials)
+            example = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"
+            hint = f"declare it with its figures, as `materials: {{{name}: {example}}}`; there is {', '.join(self.materials)}"
+            hint = f"did you mean '{near}'?" if near else hint
+            self.fault(f"no material is called '{name}'", hint, *keys, "material")
+        return material
+
+    def record(self, *records: object) -> None:
+        """Leave records on the part of the component that is being lowered; None is no record."""
+        given_records = (record for record in records if record is not None)
+        self.parts[-1] = self.parts[-1].with_records(*given_records)
+
+    def place(self, **facts: Any) -> None:
+        """State where the component that is being lowered stands, by the fields of `Part`."""
+        self.parts[-1] = replace(self.parts[-1], **facts)
+
+    def station(self, name: str, *, is_ground: bool = False, part: int | None = None) -> int:
+        """A new station at the speed of where the train has arrived."""
+        owner = self.part if part is None else part
+        self.stations.append(
+            Station(name, owner, self.arrival.ratio, self.arrival.sense, is_ground)
+        )
+        return len(self.stations) - 1
+
+    def point(self) -> int:
+        """The station of a point: the open end of the link before it, or a new one rigidly joined to the last point."""
+        before = self.arrival.station
+        if before is not None and self.arrival.is_open:
+            point = before
+            self.stations[point] = replace(self.stations[point], name=self.name, part=self.part)
+        else:
+            point = self.station(self.name)
+            if before is not None:
+                self.add(Spring(f"{self.name} rigid", self.part, before, point, 0.0))
+        self.arrival = replace(self.arrival, station=point, is_open=False)
+        self.place(stations=(point,))
+        return point
+
+    def link(
+        self,
+        ratio: Fraction = Fraction(1),
+        sense: int = 1,
+        halves: tuple[float, float] | None = None,
+        half: str = "half",
+        **behind: Any,
+    ) -> tuple[int, int]:
+        """The driving and the driven station of a link with the inertias of its `halves`; a point may take the driven.
+
+        behind: what changes of the arrival, beside speed and sense.
+        """
+        driving = (
+            self.arrival.station
+            if self.arrival.station is not None
+            else self.station(f"{self.name} start")
+        )
+        at_driving, at_driven = halves or (0.0, 0.0)
+        self.inertia(driving, at_driving, f"driving {half}")
+        self.arrival = replace(
+            self.arrival,
+            ratio=self.arrival.ratio * ratio,
+            sense=self.arrival.sense * sense,
+            **behind,
+        )
+        driven = self.station(f"{self.name} end")
+        self.inertia(driven, at_driven, f"driven {half}")
+        self.arrival = replace(self.arrival, station=driven, is_open=True)
+        self.place(stations=(driving, driven))
+        return driving, driven
+
+    def add(self, *primitives: Primitive) -> None:
+        """Collect primitives in the order in which components add them."""
+        self.primitives.extend(primitives)
+
+    def inertia(self, station: int, given: float, what: str = "", part: int | None = None) -> None:
+        """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
+        if given:
+            self.add(
+                Inertia(
+                    station,
+                    self.to_own_speed(given),
+                    self.part if part is None else part,
+                    what,
+                    given,
+                )
+            )
+
+    def to_own_speed(self, value: float) -> float:
+        """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""
+        return value / self.arrival.scale
+
+    def fault(self, message: str, hint: str = "", *keys: str | int) -> None:
+        """Note that the component being lowered cannot stand where or as it stands."""
+        self.faults.append(Fault((*self.parts[-1].path, *keys), message, hint))
 
 
 def section_name(shaft: str, number: int) -> str:

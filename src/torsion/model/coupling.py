@@ -18,29 +18,27 @@ from torsion.fields import (
     refuse,
     required,
 )
-from torsion.model.component import Component
-from torsion.model.coupling_limits import (
-    MISFIRE,
-    MisfireLimit,
-    PowerLimit,
-    VibratoryLimit,
-    heat_ratings,
-)
+from torsion.model.component import Component, Lowering
 from torsion.model.elastic_element import (
     DAMPINGS,
     HYSTERESES,
     MAGNIFIER,
+    MISFIRE,
     PSI,
     CouplingTable,
     CouplingWarming,
     FractionalSpring,
     Magnifier,
+    MisfireLimit,
+    PowerLimit,
     PronySpring,
     Psi,
+    VibratoryLimit,
     given_damping,
+    heat_ratings,
     loss_factor,
 )
-from torsion.model.lowering import CouplingRatings, Lowering, NonlinearRecord
+from torsion.model.parts import CouplingRatings, NonlinearRecord
 from torsion.primitives import Spring, tabled_spring
 
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
@@ -244,8 +242,9 @@ class Coupling(Component, keyword="coupling", sort="link"):
             warming, factor, eta_now = temperature.lowered()
             if eta_now is not None:
                 damping, eta = ("loss_factor", eta_now), eta_now
-            build.record(warming=warming)
-        build.record(ratings=ratings, damping=damping)
+            build.record(warming)
+        build.record(ratings)
+        build.place(damping=damping)
         driving, driven = build.link(halves=self.inertia)
 
         scale = build.arrival.scale
@@ -264,7 +263,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
         viscous = build.to_own_speed(self.viscous or 0.0)
         nonlinear = _nonlinear_record(self, 1.0 / flexibility if flexibility else math.inf, scale)
         if nonlinear is not None:
-            build.record(nonlinear=nonlinear)
+            build.record(nonlinear)
             viscous = nonlinear.viscous if nonlinear.play else viscous
         build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, eta))
 

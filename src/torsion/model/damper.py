@@ -4,19 +4,22 @@ import math
 
 from torsion import fields
 from torsion.fields import excludes, given, refuse, required
-from torsion.model.component import Component
-from torsion.model.coupling_limits import MISFIRE, MisfireLimit, PowerLimit, heat_ratings
+from torsion.model.component import Component, Lowering
 from torsion.model.elastic_element import (
     HYSTERESES,
     MAGNIFIER,
+    MISFIRE,
     PSI,
     CouplingTable,
     Magnifier,
+    MisfireLimit,
+    PowerLimit,
     Psi,
     given_damping,
+    heat_ratings,
     loss_factor,
 )
-from torsion.model.lowering import CouplingRatings, Lowering
+from torsion.model.parts import CouplingRatings
 from torsion.model.silicone import Silicone
 from torsion.primitives import Spring, tabled_spring
 
@@ -81,9 +84,10 @@ class RingDamper(Component, keyword="damper", sort="point"):
 
     def lower(self, build: Lowering) -> None:
         lost = given_damping(self, HYSTERESES)
-        viscous = ("damping", self.damping) if self.damping is not None else None
+        viscous = None if self.damping is None else ("damping", self.damping)
         ratings = CouplingRatings(**heat_ratings(self.heat_limit, self.heat_limit_misfire))
-        build.record(damping=lost or viscous, ratings=ratings)
+        build.record(ratings)
+        build.place(damping=lost or viscous)
         name, law = f"{build.name} ring", self.silicone or self.table
         housing, ring = build.point(), build.station(name)
         build.inertia(housing, self.housing, "housing")

@@ -2,15 +2,15 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field
 
 from torsion import fields
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, given, refuse, required
-from torsion.model.component import Line, lower_branch
-from torsion.model.lowering import Lowering, Part
+from torsion.model.component import Line, Lowering, lower_branch
+from torsion.model.parts import CouplingRatings, GearRating, ImpellerRecord, MachineRecord, Part
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Primitive, Section, Spring, Torque
 
 Teeth = Annotated[int, Field(ge=1, le=1000)]
@@ -57,7 +57,7 @@ class Differential(Declared):
         begin = len(build.parts), len(build.stations), len(build.primitives)
         build.member(gear, "side gears", "disc", is_point=True)
         free = build.station(build.name)
-        build.record(stations=(free,), depth=gear.depth + 1)
+        build.place(stations=(free,), depth=gear.depth + 1)
         spin = 0.0 if self.teeth is None else self.teeth[0] / self.teeth[1]
         build.inertia(free, 2.0 * self.side_gear, "both")
         build.inertia(free, self.planets * self.planet_inertia * spin**2, f"{self.planets} planets")
@@ -74,12 +74,13 @@ class Differential(Declared):
         )
         for k, part in enumerate(build.parts[parts:], parts):
             _refuse(build, part, _unsupported(part))
-            build.parts[k] = replace(
-                part,
-                ratings=None if part.ratings is None else part.ratings.times(2.0),
-                max_torque=None if part.max_torque is None else 2.0 * part.max_torque,
-                remark=part.remark or TOGETHER.format(gear.name),
+            ratings = (
+                record.times(2.0)
+                for record in part.records
+                if isinstance(record, CouplingRatings | GearRating)
             )
+            remark = part.remark or TOGETHER.format(gear.name)
+            build.parts[k] = replace(part.with_records(*ratings), remark=remark)
         for k, primitive in enumerate(build.primitives[first:], first):
             doubled = _doubled(primitive)
             if isinstance(doubled, str):
@@ -163,16 +164,14 @@ def _doubled_bar(bar: Bar) -> Bar | str:
 def _oppose(build: Lowering, begin: tuple[int, int, int], gear: str) -> None:
     """Name what was lowered since then, and take away what does not act on halves that move against each other."""
     parts, stations, first = begin
-    nothing: dict[str, Any] = {"ratings": None, "max_torque": None, "application_factor": None}
-    nothing |= {"machine": None, "impeller": None, "propeller": None}
+    nothing = (CouplingRatings, GearRating, MachineRecord, ImpellerRecord)
     build.parts[parts:] = [
         replace(
-            part,
+            part.without(*nothing),
             name=part.name + OPPOSED,
             kind="disc" if part.machine is not None else part.kind,
             remark=AGAINST.format(gear),
             is_opposed=True,
-            **nothing,
         )
         for part in build.parts[parts:]
     ]

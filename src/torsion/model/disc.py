@@ -4,8 +4,7 @@ import math
 
 from torsion import fields
 from torsion.fields import given, refuse
-from torsion.model.component import Component
-from torsion.model.lowering import Lowering
+from torsion.model.component import Component, Lowering
 from torsion.primitives import Damper, Spring
 
 
@@ -29,7 +28,7 @@ class Rotor(Component, sort="point"):
     def lower_rotor(self, build: Lowering, what: str = "") -> int:
         """Add the station of this point with its inertia; `what` names the inertia where there is another one."""
         station = build.point()
-        build.record(inertia_tolerance=self.tolerance)
+        build.place(inertia_tolerance=self.tolerance)
         build.inertia(station, math.inf if self.held else self.inertia or 0.0, what)
         return station
 

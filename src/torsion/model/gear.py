@@ -17,10 +17,10 @@ from torsion.fields import (
     given,
     refuse,
 )
-from torsion.model.component import Component, Line, lower_branch
+from torsion.model.component import Arrival, Component, Line, Lowering, lower_branch
 from torsion.model.coupling import Pair
 from torsion.model.differential import Differential
-from torsion.model.lowering import Arrival, Lowering, Part
+from torsion.model.parts import GearRating, Part
 from torsion.model.planetary import Planetary
 from torsion.primitives import Constraint, Spring, Toothing
 
@@ -137,7 +137,7 @@ class Gear(Component, keyword="gear", sort="link"):
                 raise refuse(message, key="branches")
 
     def lower(self, build: Lowering) -> None:
-        build.record(application_factor=self.application_factor, max_torque=self.max_torque)
+        build.record(GearRating(self.application_factor, self.max_torque))
         before, part, gear, stage = build.arrival, build.part, build.parts[-1], self.planetary
         referred_to = before.referred_to
         if self.referred and referred_to is None:
@@ -245,7 +245,7 @@ def _with_planets(
     sense = before.sense if spin > 0 else -before.sense
     build.arrival = replace(build.arrival, ratio=before.ratio * abs(spin), sense=sense)
     planets, name = build.station(build.name), f"{gear.name} planets"
-    build.record(stations=(planets,), ratio=build.arrival.ratio, depth=gear.depth + 1)
+    build.place(stations=(planets,), ratio=build.arrival.ratio, depth=gear.depth + 1)
     build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
     flexibility = star.planets * to_centre
     build.add(Constraint(name, build.part, centre, planets, abs(spin) / speed, flexibility))

@@ -10,9 +10,9 @@ from torsion import fields
 from torsion.errors import SolveError
 from torsion.fields import Quantity, given, refuse, required
 from torsion.kernels.joints import cross, tripod
-from torsion.model.component import Component
+from torsion.model.component import Component, Lowering
 from torsion.model.coupling import Pair
-from torsion.model.lowering import JointRecord, Lowering
+from torsion.model.parts import JointRecord
 from torsion.primitives import Constraint
 
 
@@ -90,10 +90,11 @@ class Joint(Component, keyword="joint", sort="link"):
         after = None if before is None else build.arrival.joint
         plane, phase = self.plane or 0.0, self.phase or 0.0
         yoke = phase if before is None else before + phase - plane
-        joint = JointRecord(
-            self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm
+        build.record(
+            JointRecord(
+                self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm
+            )
         )
-        build.record(joint=joint)
         driving, driven = build.link(halves=self.inertia)
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.

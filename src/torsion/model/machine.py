@@ -7,12 +7,10 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.fields import Declared, Quantity, exclusive, given, refuse, required
+from torsion.model.component import Lowering
 from torsion.model.disc import Rotor
-from torsion.model.drive_law import DriveLaw
-from torsion.model.harmonic_torques import Harmonic, Ripple
-from torsion.model.load_law import EXPONENTS, Load, LoadLaw
-from torsion.model.lowering import Lowering
-from torsion.model.machine_records import MachineRecord
+from torsion.model.machine_torques import EXPONENTS, DriveLaw, Harmonic, Load, LoadLaw, Ripple
+from torsion.model.parts import MachineRecord
 from torsion.primitives import Damper, Spring
 from torsion.sources import note
 
@@ -149,7 +147,7 @@ class Machine(Rotor):
             ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
         )
         build.record(
-            machine=MachineRecord(
+            MachineRecord(
                 self.is_driver,
                 self.power,
                 self.torque,
@@ -230,3 +228,38 @@ class GeneralMachine(Machine, keyword="machine"):
     def is_driver(self) -> bool:
         """The machine delivers power to the train."""
         return self.drives
+
+
+class RippleMachine(Machine):
+    """A machine whose torque has a ripple by order or frequency."""
+
+    ripple: tuple[Ripple, ...] = given(
+        "torque ripple: list of {order or frequency, torque, phase}", ()
+    )
+
+    harmonics_key = "ripple"
+
+
+class Motor(RippleMachine, keyword="motor", drives_train=True):
+    """A motor drives the train, with ripple torques at orders of its shaft."""
+
+    title = "electric motor or other driver"
+    example = """\
+- motor: {inertia: 8.5}
+- motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}"""
+
+
+class Turbine(RippleMachine, keyword="turbine", drives_train=True):
+    """A turbine drives the train."""
+
+    title = "turbine"
+    example = "- turbine: {inertia: 1800 kg*m**2, source: drawing}"
+
+
+class Generator(RippleMachine, keyword="generator", usual_load="constant"):
+    """A generator absorbs power. By default its torque is constant over the speed."""
+
+    title = "generator, alternator or exciter"
+    example = """\
+- generator: {inertia: 95, power: 1200 kW}
+- generator: {inertia: 95, power: 1200 kW, load: constant-power, ripple: [{order: 2, torque: 1 %}]}"""

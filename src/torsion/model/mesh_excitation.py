@@ -4,7 +4,7 @@ import math
 
 from torsion.errors import Fault, Path
 from torsion.fields import Amount
-from torsion.model.harmonic_torques import Excitation
+from torsion.model.machine_torques import Excitation
 from torsion.primitives import Constraint, Torque
 
 

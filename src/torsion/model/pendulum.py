@@ -14,8 +14,8 @@ from pydantic import Field
 from torsion import fields
 from torsion.fields import Quantity, exclusive, given, required
 from torsion.kernels.power_law import power_law
-from torsion.model.component import Component
-from torsion.model.lowering import CouplingRatings, Lowering, PendulumRecord
+from torsion.model.component import Component, Lowering
+from torsion.model.parts import CouplingRatings, PendulumRecord
 from torsion.primitives import tabled_spring
 
 REACH = (1e-3, 1e6)  # rad/s of its shaft between which its stiffness follows the speed
@@ -58,8 +58,8 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
         bobs = self.number * self.mass * (self.arm + length) ** 2
         lever = (self.arm + length) / length
         build.record(
-            pendulum=PendulumRecord(math.sqrt(square), self.order, bobs, lever),
-            ratings=CouplingRatings(None, None, None, self.heat_limit, None),
+            PendulumRecord(math.sqrt(square), self.order, bobs, lever),
+            CouplingRatings(heat_limit=self.heat_limit),
         )
         ring = build.station(f"{build.name} bobs")
         build.inertia(carrier, self.inertia, "carrier")

@@ -7,9 +7,9 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.model.lowering import Lowering
+from torsion.model.component import Lowering
 from torsion.model.machine import INERTIA_FOR_HELD, Machine
-from torsion.model.machine_records import ImpellerRecord, PropellerRecord
+from torsion.model.parts import ImpellerRecord, PropellerRecord
 from torsion.primitives import Torque
 
 Ratio = Annotated[float, Quantity("1", above=0, usual="ratio of a propeller")]
@@ -66,7 +66,7 @@ class BladedMachine(Machine, usual_load="quadratic"):
         impeller = self.impeller
         station = self.lower_rotor(build, "dry" if impeller.water else "")
         if not self.held:
-            build.record(impeller=impeller)
+            build.record(impeller)
         build.inertia(station, impeller.water or 0.0, "entrained water")
         for number, harmonic in enumerate(self.excitation):
             order, amount = Fraction(harmonic.blade_order * (self.blades or 0)), harmonic.torque
@@ -124,20 +124,14 @@ class Propeller(BladedMachine, keyword="propeller"):
     ducted: bool = given("it turns in a duct; for the ice torque of a class", False)
     area_ratio: Ratio | None = given("expanded blade area / disc area")
 
-    def lower(self, build: Lowering) -> None:
-        super().lower(build)
-        if not self.held:
-            impeller = self.impeller
-            build.record(
-                propeller=PropellerRecord(
-                    impeller.inertia,
-                    impeller.water,
-                    self.blades,
-                    self.diameter,
-                    self.pitch_ratio,
-                    self.area_ratio,
-                    self.hub_ratio,
-                    self.ducted,
-                    self.pitch,
-                )
-            )
+    @property
+    def impeller(self) -> PropellerRecord:
+        """Its inertia in parts, its blades and its size."""
+        return PropellerRecord(
+            **vars(super().impeller),
+            pitch_ratio=self.pitch_ratio,
+            area_ratio=self.area_ratio,
+            hub_ratio=self.hub_ratio,
+            is_ducted=self.ducted,
+            pitch=self.pitch,
+        )

@@ -13,15 +13,16 @@ from pydantic import (
 
 from torsion import fields
 from torsion.fields import Declared, OneOrMany, Quantity, given, or_value, refuse, required
-from torsion.model.component import Component
-from torsion.model.lowering import Lowering, Role, ShaftRecord, Support
-from torsion.model.material import Material, Strength
+from torsion.model.component import Component, Lowering, Material, Strength
+from torsion.model.elastic_element import given_damping
+from torsion.model.parts import Role, ShaftRecord
 from torsion.model.shaft_details import (
     SOFTEST,
     STIFFEST,
     Hub,
     Notch,
     Step,
+    Support,
     both_ends,
     refuse_details,
 )
@@ -168,19 +169,18 @@ class Shaft(Component, keyword="shaft", sort="link"):
         self.refuse_unusual("length over diameter", slenderness, words, hint, "length")
 
     def lower(self, build: Lowering) -> None:
-        build.record(
-            shaft=ShaftRecord(
-                self.material,
-                self.role,
-                self.features,
-                self.support,
-                step=self.step,
-                endurance=self.endurance,
-                notches=self.notches,
-                hubs=self.hub,
-            ),
-            damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
+        record = ShaftRecord(
+            self.material,
+            self.role,
+            self.features,
+            self.support,
+            step=self.step,
+            endurance=self.endurance,
+            notches=self.notches,
+            hubs=self.hub,
         )
+        build.record(record)
+        build.place(damping=given_damping(self, ("loss_factor",)))
         ends, material = build.link(), build.material(self.material)
         if material is None:
             return

@@ -1,4 +1,4 @@
-"""Details of a shaft as its drawing has them: steps to the next, keyways, splines, oil holes, hubs on its ends."""
+"""Details of a shaft as its drawing has them: steps to the next, keyways, splines, oil holes, hubs, supports."""
 
 import math
 from itertools import product
@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from torsion.fields import Across, Declared, Quantity, given, refuse, required
+from torsion import fields
+from torsion.fields import Across, Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.primitives import StepForm
 
-STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 FORMS = ("keyway", "splines", "hole")  # of a notch
-StepForm = Literal["none", "sharp", "handbook"]
 Small = Annotated[float, Quantity("m", above=0, usual="detail of a shaft")]
 Long = Annotated[float, Quantity("m", above=0, usual="length of a detail")]
 LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
@@ -18,6 +18,11 @@ THINNEST = 0.05  # wall between a groove and the bore / radius
 SOFTEST = 0.1  # shear modulus of a hub / that of its shaft, from which on the elements take its face as fixed
 STIFFEST = 1e4  # the same, up to which rounding leaves the bounds in order; of a rim the inverse is the softest
 ROOM = 0.8  # of the angle of one of several grooves, that it may take well below its floor
+
+
+Distance = Annotated[float, Quantity("m", at_least=0)]
+LateralStiffness = Annotated[float, Quantity("N/m", at_least=0)]
+LateralDamping = Annotated[float, Quantity("N*s/m", at_least=0)]
 
 
 class Undercut(Declared):
@@ -194,6 +199,39 @@ class Hub(Declared):
         if self.fit == "key" and self.pressure is not None:
             message = "a hub with `fit: key` has no `pressure`"
             raise refuse(message, "a key carries the torque", "pressure")
+
+
+class Support(Declared):
+    """A bearing on springs: y lies along the normal of the joint's plane, z in the plane, square to the shaft."""
+
+    at: Distance = required("distance along this shaft from its end that faces the joint")
+    stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required(
+        "stiffness, one or [y, z]"
+    )
+    damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given(
+        "damping, one or [y, z]", (0.0,)
+    )
+    mass: fields.Mass = given("mass that moves with the shaft there", 0.0)
+    source: str | None = given("source of the data: manufacturer, drawing, estimate")
+
+    def refuse_clashes(self) -> None:
+        for key in ("stiffness", "damping"):
+            if len(getattr(self, key)) not in (1, 2):
+                hint = "y: along the normal of the joint's plane"
+                raise refuse(f"`{key}` is one value or [y, z]", hint, key)
+        if not any(self.stiffness):
+            message = "a support of no stiffness holds nothing"
+            raise refuse(message, "give a stiffness above 0", "stiffness")
+
+    @property
+    def stiffness_of_planes(self) -> tuple[float, float]:
+        """Stiffness (N/m) in y and in z."""
+        return self.stiffness[0], self.stiffness[-1]
+
+    @property
+    def damping_of_planes(self) -> tuple[float, float]:
+        """Damping (N s/m) in y and in z."""
+        return self.damping[0], self.damping[-1]
 
 
 def refuse_details(shaft: Any) -> None:

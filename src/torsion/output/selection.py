@@ -11,8 +11,8 @@ import numpy as np
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
-from torsion.model.shaft_details import STEP
 from torsion.output.numbers import Scale, scale
+from torsion.primitives import STEP
 from torsion.results import Quantity
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Path
-from torsion.model.lowering import Part
-from torsion.model.shaft_details import STEP
+from torsion.model.parts import Part
 from torsion.output.selection import by_part
+from torsion.primitives import STEP
 
 WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1
 RIGID = 0.5  # between two points that are rigidly joined

@@ -13,7 +13,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
-from torsion.model.lowering import CouplingRatings, Part
+from torsion.model.parts import CouplingRatings, Part
 from torsion.rules.demanded_states import MISFIRE, unjudged
 from torsion.rules.rule_over_speed import (
     MOSTLY,
@@ -30,7 +30,7 @@ from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.model.coupling_limits import OverFrequency
+    from torsion.model.elastic_element import OverFrequency
 
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 

@@ -8,7 +8,6 @@ from fractions import Fraction
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Standing
 from torsion.study import Study
-from torsion.what_if.sweep.sweep_settings import SweepSettings
 
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which UR M53 has the synthesis; by strokes
 MOST_ORDERS = 6  # stated one by one
@@ -115,7 +114,11 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
     if not study.rules:
         return
     sweep = study.analyses.get("sweep")
-    judged = sweep if isinstance(sweep, SweepSettings) and sweep.judges(study) else None
+    judged = None
+    if sweep is not None:
+        from torsion.what_if.sweep.sweep_settings import SweepSettings
+
+        judged = sweep if isinstance(sweep, SweepSettings) and sweep.judges(study) else None
     if sweep is not None and judged is None:
         words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
         first = study.rules[0][0]

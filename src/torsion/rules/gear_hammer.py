@@ -11,7 +11,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.model.lowering import Part
+from torsion.model.parts import GearRating, Part
 from torsion.rules import rule_over_speed
 from torsion.rules.reached_speeds import coverage
 from torsion.rules.rule_over_speed import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
@@ -128,6 +128,7 @@ def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standi
     """Return the permissible vibratory share of the rated torque, its origin and its standing."""
     if settings.limit is not None:
         return settings.limit, "setting `limit`", "setting"
-    if (factor := part.application_factor) is not None:
+    rating = part.get(GearRating)
+    if rating is not None and (factor := rating.application_factor) is not None:
         return factor - 1.0, f"K_A {factor:.4g}", TO_BE_VERIFIED
     return USUAL_SHARE, "usual K_A 1.35", TO_BE_VERIFIED

@@ -12,7 +12,7 @@ from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.rules.reached_speeds import restricted
 from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of

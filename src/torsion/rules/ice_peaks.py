@@ -18,7 +18,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.rules.demanded_states import unjudged
 from torsion.rules.reached_speeds import in_rpm
 from torsion.rules.rule_over_speed import RATED, spans_of

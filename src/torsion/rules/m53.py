@@ -15,7 +15,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.rules import m53_factors as factors
 from torsion.rules.demanded_states import lacking_orders, misfire_row, orders_words, unjudged
 from torsion.rules.m53_factors import RANGES

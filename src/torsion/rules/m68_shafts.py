@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.model.lowering import Part, ShaftRecord
+from torsion.model.parts import Part, ShaftRecord
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.shaft_limits import (
     MM,

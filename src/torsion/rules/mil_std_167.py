@@ -12,7 +12,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
-from torsion.model.lowering import ROLES
+from torsion.model.parts import ROLES
 from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes

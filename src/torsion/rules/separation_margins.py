@@ -21,7 +21,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.rules.demanded_states import unjudged
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.reached_speeds import distinct, in_rpm, with_reach

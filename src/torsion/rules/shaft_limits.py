@@ -14,8 +14,8 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault
 from torsion.kernels.round_sections import section_modulus
-from torsion.model.lowering import Part, ShaftRecord
-from torsion.model.material import STEEL, Material
+from torsion.model.component import STEEL, Material
+from torsion.model.parts import Part, ShaftRecord
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Rule

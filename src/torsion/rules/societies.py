@@ -18,7 +18,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
-from torsion.model.lowering import Part, ShaftRecord
+from torsion.model.parts import Part, ShaftRecord
 from torsion.results import listed
 from torsion.rules import rule_over_speed, society_limits
 from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears

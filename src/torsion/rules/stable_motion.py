@@ -17,7 +17,7 @@ from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Results
-from torsion.model.drive_law import DriveLaw
+from torsion.model.machine_torques import DriveLaw
 from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.reached_speeds import distinct, with_reach
 from torsion.rules.rule_over_speed import within

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from torsion.errors import Fault, InputError, Path, nearest, printable
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
-from torsion.model.lowering import Part
+from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
@@ -317,9 +317,9 @@ def _effect(study: Study) -> Any:
     """
     train = study.train
     plain = dict[str, Any](name="", note=None, source=None, is_named=False, path=())
-    if not study.rules and "transient" not in study.analyses:
-        plain |= {"ratings": None, "application_factor": None, "max_torque": None}
-    parts = [replace(part, **plain) for part in train.parts]
+    has_effect = study.rules or "transient" in study.analyses
+    ratings = () if has_effect else (CouplingRatings, GearRating)
+    parts = [replace(part.without(*ratings), **plain) for part in train.parts]
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
     links = train.stations, train.inertias, train.springs, train.bars, train.constraints
     analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}

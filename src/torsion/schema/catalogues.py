@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from torsion import units
 from torsion.errors import Fault
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.schema.fault_text import Source
 from torsion.schema.table_rows import CATALOGUE, LABEL, STATED, Reading, Rows
 from torsion.schema.varied_figure import Row

@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion import units
 from torsion.errors import Fault, Path
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.schema.cases import stiffness_paths
 from torsion.schema.catalogues import alternatives
 from torsion.schema.fault_text import Node, Source

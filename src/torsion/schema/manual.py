@@ -13,9 +13,8 @@ from torsion import units
 from torsion.analyses import ANALYSES, MODELS, UNBUILT, settings_classes
 from torsion.fields import Declared, Quantity
 from torsion.model import KINDS, component
-from torsion.model.component import Component
-from torsion.model.harmonic_torques import Excitation
-from torsion.model.material import STEEL, Material
+from torsion.model.component import STEEL, Component, Material
+from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of

@@ -10,7 +10,7 @@ from typing import Any
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.schema.aliases import canonical_steps
 from torsion.schema.declaration_reader import entries_of
 from torsion.schema.fault_text import Node, Source

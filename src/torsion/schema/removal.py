@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from torsion.errors import Fault, Path, printable
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.schema.fault_text import Node
 from torsion.schema.overlay import Overlay, in_words, node_at, of_list
 from torsion.study import Change

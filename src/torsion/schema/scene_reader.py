@@ -12,13 +12,11 @@ from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required, shown
 from torsion.model import KINDS
-from torsion.model.harmonic_torques import Excitation
-from torsion.model.material import STEEL, Material
-from torsion.model.shaft_details import StepForm
-from torsion.primitives import SectionMesh
+from torsion.model.component import STEEL, Material
+from torsion.model.machine_torques import Excitation
+from torsion.primitives import SectionMesh, StepForm
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.case_states import states_of_cases
 from torsion.schema.component_names import possible_names, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown_word
@@ -27,6 +25,7 @@ from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
+    CaseStates,
     FiniteElements,
     FrontMatter,
     ModalDamping,
@@ -195,6 +194,11 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     train = _train(data, materials, operation, faults, str(FilePath(source.name).parent))
     if train is None:
         return None
+    states: tuple[CaseStates, ...] = ()
+    if (cases := data.get("cases")) is not None:
+        from torsion.schema.case_states import states_of_cases
+
+        states = states_of_cases(cases)
     if damping is not None:
         train = replace(train, modal_damping=damping.modal)
     return Study(
@@ -210,7 +214,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         text=source.text,
         document=document,
         tables=tuple((name, table.text) for name, table in source.tables),
-        case_states=states_of_cases(data.get("cases")),
+        case_states=states,
     )
 
 

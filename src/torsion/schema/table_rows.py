@@ -67,11 +67,11 @@ _PAIR = ListKind(
     "`speed [rpm]`, `torque [N*m]`", figures=SPEED_AND_TORQUE, needed=("speed", "torque")
 )
 _RIPPLE, _BLADES = (
-    "torsion.model.harmonic_torques:Ripple",
+    "torsion.model.machine_torques:Ripple",
     "torsion.model.propeller:BladeTorque",
 )
 MAPPINGS = {  # lists of mappings
-    "excitations": ListKind(_TORQUES, ("torsion.model.harmonic_torques:Excitation",)),
+    "excitations": ListKind(_TORQUES, ("torsion.model.machine_torques:Excitation",)),
     "ripple": ListKind(_TORQUES, (_RIPPLE,)),
     "excitation": ListKind(_TORQUES, (_BLADES, _RIPPLE)),
     SECTIONS: ListKind("`length [mm]`, `diameter [mm]`, ...", (KINDS["shaft"],)),

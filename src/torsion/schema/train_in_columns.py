@@ -14,8 +14,8 @@ from torsion.columns import Column, NotInColumns, copied, field_names, joined
 from torsion.errors import Fault, Path
 from torsion.fields import Amount, Declared
 from torsion.model import KINDS
-from torsion.model.harmonic_torques import Excitation
-from torsion.model.material import Material
+from torsion.model.component import Material
+from torsion.model.machine_torques import Excitation
 from torsion.schema.component_reader import one_component
 from torsion.schema.declaration_reader import declared
 from torsion.schema.fault_text import Source

@@ -13,13 +13,13 @@ from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
 from torsion.errors import InputError
 from torsion.kernels.joints.couples import couple_harmonics
 from torsion.kernels.tree_response import Status
+from torsion.model.component import Material
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
 from torsion.model.joint import Joint
-from torsion.model.lowering import Support
-from torsion.model.material import Material
 from torsion.model.shaft import Shaft
+from torsion.model.shaft_details import Support
 from torsion.schema.scene_reader import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train

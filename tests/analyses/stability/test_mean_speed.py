@@ -20,8 +20,7 @@ from torsion.analyses.steady import steady
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.findings import Findings
-from torsion.model.drive_law import DriveLaw
-from torsion.model.load_law import LoadLaw
+from torsion.model.machine_torques import DriveLaw, LoadLaw
 from torsion.rules.verdict_line import Check, Checks
 
 ORACLES = json.loads(

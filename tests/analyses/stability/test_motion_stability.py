@@ -29,7 +29,7 @@ from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
 from torsion.model.joint import Joint
-from torsion.model.motor import Motor
+from torsion.model.machine import Motor
 from torsion.study import Operation, Study
 from torsion.train import train
 

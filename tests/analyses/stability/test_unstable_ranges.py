@@ -11,7 +11,7 @@ from torsion.assembly.system import System
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.joint import Joint
-from torsion.model.motor import Motor
+from torsion.model.machine import Motor
 from torsion.study import Operation, Study
 from torsion.train import train
 

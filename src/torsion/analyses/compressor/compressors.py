@@ -9,7 +9,7 @@ from torsion.analyses.engine.engine_results import VaryingInertia
 from torsion.arrays import FloatArray
 from torsion.findings import Work
 from torsion.model.compressor.record import CompressorRecord, ThrowRecord
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.results import derived, reported, result
 
 DRAWN = 361  # points of the effort over a revolution

@@ -26,7 +26,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.model.engine.record import EngineRecord
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.study import Study
 
 MOST_MODES = 3  # of the sums of phasors: the lowest

@@ -20,7 +20,7 @@ from torsion.kernels.joints.line import (
     resultant,
 )
 from torsion.kernels.joints.tripod import exact_motion
-from torsion.model.lowering import JointRecord
+from torsion.model.parts import JointRecord
 from torsion.train import Train
 
 _SAMPLES = 256  # of a third of a revolution; harmonics of a tripod that can turn fall below rounding long before the 128th

@@ -11,7 +11,7 @@ from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import Beam, Point
 from torsion.errors import Fault, Path
 from torsion.kernels.spanning_forest import connected
-from torsion.model.lowering import Support
+from torsion.model.shaft_details import Support
 from torsion.primitives import Bar
 from torsion.train import Train
 

@@ -21,7 +21,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
-from torsion.model.shaft_details import STEP
+from torsion.primitives import STEP
 
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first is 1 in its place
 

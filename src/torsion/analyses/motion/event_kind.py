@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from torsion.fields import Declared, Quantity, refuse
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.torque_history import Piece
-from torsion.model.machine_records import PropellerRecord
+from torsion.model.parts import PropellerRecord
 
 Time = Annotated[float, Quantity("s", at_least=0)]
 Length = Annotated[float, Quantity("s", above=0)]

@@ -16,7 +16,7 @@ from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.dry_friction import DryFriction
 from torsion.kernels.motion.torque_history import Piece
-from torsion.model.harmonic_torques import read_table
+from torsion.model.machine_torques import read_table
 from torsion.sources import note
 
 WORST = "worst"

@@ -20,7 +20,7 @@ from torsion.fields import Quantity, given, refuse
 from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.torque_history import Piece, history
-from torsion.model.machine_records import PropellerRecord
+from torsion.model.parts import PropellerRecord
 from torsion.results import reported, result
 
 CASES = {  # factor C_q, contact angle in deg by number of blades

@@ -21,7 +21,7 @@ from torsion.kernels.motion.piecewise_elements import (
     Friction,
 )
 from torsion.kernels.motion.torque_history import Piece
-from torsion.model.lowering import NonlinearRecord, Part
+from torsion.model.parts import NonlinearRecord, Part
 from torsion.train import Train
 
 

@@ -21,7 +21,7 @@ from torsion.errors import SolveError
 from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, Ratio, amplitudes
 from torsion.kernels.describing_functions import PiecewiseCoupling, Secant, Slider
 from torsion.kernels.tree_response import complex_compliance
-from torsion.model.lowering import NonlinearRecord
+from torsion.model.parts import NonlinearRecord
 
 Solved = Callable[[Mapping[int, Secant]], Sequence[Answer]]
 ROUNDS = 181  # over several couplings, whose amplitudes depend on each other, until they change by SETTLED

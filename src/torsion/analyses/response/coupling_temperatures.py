@@ -14,7 +14,7 @@ from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.kernels.warming import Warming, equilibria
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Study
 

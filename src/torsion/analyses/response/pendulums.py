@@ -11,7 +11,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.model.lowering import PendulumRecord
+from torsion.model.parts import PendulumRecord
 from torsion.results import reported, result
 
 MOST = math.pi / 2.0  # rad of deflection from which no torque of a linear pendulum is an answer

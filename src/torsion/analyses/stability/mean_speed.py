@@ -15,7 +15,7 @@ from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.bracketed_search import find_minimum, find_root
-from torsion.model.drive_law import DriveLaw
+from torsion.model.machine_torques import DriveLaw
 from torsion.results import reported, result
 
 SLOW = 1e-3  # 1/s: a slower drift is not reported

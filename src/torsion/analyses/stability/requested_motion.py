@@ -10,7 +10,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Work
-from torsion.model.lowering import JointRecord
+from torsion.model.parts import JointRecord
 from torsion.study import Range, SpeedRange, Study, mesh_faults
 
 PERIODIC = "exact periodic response"

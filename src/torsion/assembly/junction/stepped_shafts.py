@@ -19,8 +19,8 @@ from torsion.assembly.junction.profile import (
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.model.shaft_details import STEP, Step, StepForm
-from torsion.primitives import Bar, Inertia, Spring, Station
+from torsion.model.shaft_details import Step
+from torsion.primitives import STEP, Bar, Inertia, Spring, Station, StepForm
 from torsion.train import ENDS, Train
 
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.

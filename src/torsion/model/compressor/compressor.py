@@ -1,7 +1,6 @@
 """A reciprocating compressor or pump: crank throws, and the torque that the pressures in its cylinders absorb."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Annotated, Any
@@ -11,10 +10,11 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields, units
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.fields import Declared, Mass, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder
+from torsion.model.component import Lowering
 from torsion.model.compressor.ends import Pressures, end_of
 from torsion.model.compressor.record import CompressorRecord, End, EndRecord, ThrowRecord
 from torsion.model.engine.crankshaft import (
@@ -25,7 +25,6 @@ from torsion.model.engine.crankshaft import (
 )
 from torsion.model.engine.declarations import Crankcase, Length
 from torsion.model.engine.gas_laws import GasFault
-from torsion.model.lowering import Lowering, Mass
 from torsion.primitives import Torque
 
 SMALL = 1e-9  # of the largest harmonic: a mean torque that is rounding
@@ -139,7 +138,7 @@ class Compressor(Crankshaft, keyword="compressor"):
             for number, station in enumerate(stations)
         )
         record = CompressorRecord(owner, throws, self.mechanical_efficiency, tuple(self._words()))
-        build.parts[owner] = replace(build.parts[owner], compressor=record)
+        build.parts[owner] = build.parts[owner].with_records(record)
         if len(build.faults) == faults:
             self._refuse_driving(build, record)
             build.add(*self._torques(build, record, path))

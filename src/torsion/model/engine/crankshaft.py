@@ -6,8 +6,8 @@ from typing import Annotated
 
 from torsion import fields
 from torsion.fields import OneOrMany, Quantity, exclusive, given, refuse
-from torsion.model.component import Component
-from torsion.model.lowering import Lowering, ShaftRecord
+from torsion.model.component import Component, Lowering
+from torsion.model.parts import ShaftRecord
 from torsion.primitives import Damper, Spring
 
 ONE_INERTIA = exclusive(
@@ -84,10 +84,9 @@ class Crankshaft(Component, sort="line"):
                 build.add(
                     Spring(build.name, build.part, *ends, 1.0 / stiffness, 0.0, self.loss_factor)
                 )
-                if shaft is not None:
-                    build.record(shaft=shaft)
                 if self.loss_factor:
-                    build.record(damping=("loss_factor", self.loss_factor))
+                    build.place(damping=("loss_factor", self.loss_factor))
+                build.record(shaft)
             build.member(owner, names[throw], "throw", is_point=True)
             stations[throw] = station = build.point()
             if self.inertia:

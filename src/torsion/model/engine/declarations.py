@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from torsion import fields, units
 from torsion.fields import (
     Declared,
+    Mass,
     OneOrMany,
     Quantity,
     given,
@@ -21,7 +22,6 @@ from torsion.fields import (
 )
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.engine.crankshaft import check_rod
-from torsion.model.lowering import Mass
 
 Length = Annotated[float, Quantity("m", above=0, usual="size of an engine")]
 Pressure = Annotated[float, Quantity("Pa", above=0, usual="pressure of a gas")]

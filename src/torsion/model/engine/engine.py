@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path as FilePath
@@ -18,6 +17,7 @@ from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder, State
 from torsion.kernels.engine.gas_torque import Cylinder
+from torsion.model.component import STEEL, Lowering
 from torsion.model.engine.crankshaft import VARYING, Crankshaft, piston_area
 from torsion.model.engine.declarations import (
     MOST_ORDER,
@@ -36,9 +36,7 @@ from torsion.model.engine.declarations import (
 )
 from torsion.model.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.model.engine.record import CylinderRecord, EngineRecord
-from torsion.model.lowering import Lowering, ShaftRecord
-from torsion.model.machine_records import MachineRecord
-from torsion.model.material import STEEL
+from torsion.model.parts import MachineRecord, ShaftRecord
 from torsion.primitives import Torque
 
 TWICE = 1e-9  # rad: firing angles that differ by less are one
@@ -244,8 +242,8 @@ class Engine(Crankshaft, keyword="engine"):
             size = journal.diameter, journal.bore
             shaft = ShaftRecord(self.material, "crank", (), (), journal=size)
         record = self._record(owner, self.lower_throws(build, shaft), law)
-        build.parts[owner] = replace(
-            build.parts[owner], engine=record, machine=MachineRecord(True, self.power)
+        build.parts[owner] = build.parts[owner].with_records(
+            record, MachineRecord(True, self.power)
         )
         if law is not None or record.inertia.any():
             self._add_torques(build, owner, record)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from torsion.model.engine.record import EngineRecord
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.primitives import Torque
 
 Case = tuple[str, tuple[Part, ...], tuple[Torque, ...]]
@@ -18,7 +18,7 @@ def misfire_cases(parts: Sequence[Part], torques: Sequence[Torque]) -> Iterator[
                 if cylinder.state == "firing":
                     engine = _without(part.engine, cylinder.number)
                     changed = list(parts)
-                    changed[position] = replace(part, engine=engine)
+                    changed[position] = part.with_records(engine)
                     words = f"cylinder {cylinder.number} of {part.name} motored"
                     yield words, tuple(changed), tuple(_torques(torques, engine))
 

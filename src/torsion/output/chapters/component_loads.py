@@ -12,7 +12,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.model.lowering import CouplingRatings
+from torsion.model.parts import CouplingRatings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion

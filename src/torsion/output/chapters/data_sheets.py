@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
+from torsion.model.parts import GearRating
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.reported_values import mean_torque_at_rated, rated
 
@@ -130,7 +131,7 @@ def _gears(findings: Findings) -> Table | None:
             mesh.name,
             *(mesh.teeth or (None, None)),
             1 / mesh.ratio,
-            parts[mesh.part].application_factor,
+            getattr(parts[mesh.part].get(GearRating), "application_factor", None),
             torques.get(mesh.name),
             stiffness_or_rigid(mesh.flexibility),
         )

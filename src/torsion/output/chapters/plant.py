@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.model.lowering import Part
+from torsion.model.parts import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
 from torsion.output.numbers import below_right, degrees, given_rpm
