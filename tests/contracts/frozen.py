@@ -5,12 +5,13 @@ import hashlib
 import io
 import json
 from datetime import date
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.console import Console
+from tests.shared import shared
 
 import torsion
 from torsion.findings import Findings
@@ -32,23 +33,27 @@ TAKEN = {  # of the results of a scene
 Digits = list[Any]  # digest of every bit; how many numbers, their sum, the sum of their magnitudes
 
 
-@cache
+@lru_cache(maxsize=4)
 def solved(scene: str) -> Findings:
     """Findings of a scene read by a name that is the same in every clone: its length moves lines of the report.
 
-    Solved once for every law that is held against all scenes, as the two below are written once: nobody changes them.
+    Solved once for all tests of a run, which change nothing in it.
     """
-    with contextlib.chdir(ROOT):
-        return torsion.run(torsion.read(SCENES[scene].relative_to(ROOT)))
+
+    def solve() -> Findings:
+        with contextlib.chdir(ROOT):
+            return torsion.run(torsion.read(SCENES[scene].relative_to(ROOT)))
+
+    return shared(f"scene-{scene}", solve)
 
 
-@cache
+@lru_cache(maxsize=1)
 def written(scene: str) -> dict[str, Any]:
     """What results.json says of a scene."""
     return results(solved(scene))
 
 
-@cache
+@lru_cache(maxsize=1)
 def reported(scene: str) -> Document:
     """The report of a scene, of a day."""
     return document(solved(scene), date(2026, 11, 22))

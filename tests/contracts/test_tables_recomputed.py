@@ -5,13 +5,14 @@ the check is as tight as the digits allow.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import lru_cache
 
 import pytest
 from tests.contracts.frozen import SCENES
 from tests.contracts.printed import NOTHING, Interval, Row, printed, rows, value, with_cell
+from tests.for_all import for_all
 
 import torsion
 from torsion.output.blocks import Block, Table
@@ -22,10 +23,6 @@ from torsion.output.numbers import number
 
 MODELS = ("lumped", "fem", "exact")
 SHAFTED = ("usv", "haixun_06402", "tilting_tail")
-CASES = [
-    *((scene, "") for scene in SCENES),
-    *((scene, model) for scene in SHAFTED for model in MODELS),
-]
 
 
 @lru_cache(maxsize=2)
@@ -108,8 +105,7 @@ def link_faults(
         yield "twist"
 
 
-@pytest.mark.parametrize(("scene", "model"), CASES)
-def test_every_row_of_a_holzer_table_follows_from_the_row_before_it(scene: str, model: str) -> None:
+def every_row_of_a_holzer_table_follows_from_the_row_before_it(scene: str, model: str = "") -> None:
     made = blocks(scene, model)
     constants = {one.caption.split()[-1]: one for one in tables(made, "Constants of the shafts")}
     for table in tables(made, "Holzer table"):
@@ -142,8 +138,7 @@ def test_no_figure_of_a_holzer_table_could_be_another(scene: str) -> None:
         assert sum(not list(holzer_faults(one, shafts)) for one in changed) <= most * len(cells)
 
 
-@pytest.mark.parametrize(("scene", "model"), CASES)
-def test_inertias_sum_and_refer_as_printed(scene: str, model: str) -> None:
+def inertias_sum_and_refer_as_printed(scene: str, model: str = "") -> None:
     found = tables(blocks(scene, model), "Inertias as given")
     for table in found:
         whole, station, moving = NOTHING, NOTHING, rows(table)[:-1]
@@ -170,8 +165,7 @@ def test_inertias_sum_and_refer_as_printed(scene: str, model: str) -> None:
         assert printed(rows(table)[-1]["J referred"], SUMMED).meets(whole)
 
 
-@pytest.mark.parametrize(("scene", "model"), CASES)
-def test_stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: str) -> None:
+def stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: str = "") -> None:
     for table in tables(blocks(scene, model), "Elastic elements"):
         prefix = {"N m/rad": 1.0, "kN m/rad": 1e3, "MN m/rad": 1e6}
         unit = prefix[next(one.unit for one in table.columns if one.title == "k own")]
@@ -187,3 +181,19 @@ def test_stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: s
                 assert (own * ratio * ratio).meets(
                     printed(row["k given"], DIGITS) * times * times
                 ), row
+
+
+LAWS = (
+    every_row_of_a_holzer_table_follows_from_the_row_before_it,
+    inertias_sum_and_refer_as_printed,
+    stiffness_is_the_inverse_of_flexibility_as_printed,
+)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("scene", SHAFTED)
+@for_all("law", LAWS)
+def test_tables_of_every_model_of_a_shaft_follow_from_their_digits(
+    law: Callable[..., None], scene: str, model: str
+) -> None:
+    law(scene, model)
