@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -87,7 +88,7 @@ def test_matrices_of_a_train_without_speeds_tell_that_none_matters(tmp_path: Pat
     assert arrays["damping"].tolist() == [[1.0, -1.0], [-1.0, 1.0]]
 
 
-@pytest.mark.parametrize(
+@for_all(
     "words",
     [
         ("solve", "--pdf"),

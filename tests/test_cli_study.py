@@ -5,6 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 from torsion.analyses.compare import run_times as study_times
@@ -83,7 +84,7 @@ def test_a_train_without_shafts_compares_the_methods_of_the_response(scene: Path
     assert "nothing to divide" in stated["remarks"][0]
 
 
-@pytest.mark.parametrize("tolerance", ["0", "-1 %", "2", "1 mm", "good"])
+@for_all("tolerance", ["0", "-1 %", "2", "1 mm", "good"])
 def test_a_tolerance_that_makes_no_sense_is_refused(scene: Path, tolerance: str) -> None:
     done = call(str(scene), "--quick", f"--tolerance={tolerance}")
     assert done.exit_code == 2

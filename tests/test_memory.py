@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.amplitudes import BLOCK_VALUES, SMALL_BLOCK, blocks
@@ -66,7 +67,7 @@ def test_an_amount_of_memory_is_a_number_with_its_unit(text, number):
     assert bytes_of(text) == number
 
 
-@pytest.mark.parametrize("text", ["4", "GB", "4 Gb", "-1GB", "0GB", 0.0, float("nan")])
+@for_all("text", ["4", "GB", "4 Gb", "-1GB", "0GB", 0.0, float("nan")])
 def test_what_is_no_amount_of_memory_is_refused(text):
     with pytest.raises(torsion.InputError, match="not an amount of memory"):
         bytes_of(text)

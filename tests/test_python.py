@@ -128,7 +128,7 @@ def test_a_component_a_torque_and_a_shape_are_reached_by_name() -> None:
     assert shapes[1] / shapes[0] == pytest.approx(-0.8 / 0.2, rel=1e-12)  # no angular momentum
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("look", "message"),
     [
         (

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 from tests.test_pages import PAGES
 
 FOLDER = Path(__file__).parents[1] / "docs" / "recipes"
@@ -23,7 +24,7 @@ def test_the_index_lists_every_recipe_once() -> None:
     assert sorted(index.partition("{toctree}")[2].split()[1:-1]) == RECIPES
 
 
-@pytest.mark.parametrize("name", RECIPES)
+@for_all("name", RECIPES)
 def test_a_recipe_says_when_shows_its_file_its_output_a_check_and_traps(name: str) -> None:
     text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
     assert re.match(r"# .+\n\n\*\*When:\*\* ", text)
@@ -38,7 +39,7 @@ def test_a_recipe_says_when_shows_its_file_its_output_a_check_and_traps(name: st
     assert text.count("\n## Traps\n") == 1
 
 
-@pytest.mark.parametrize("name", RECIPES)
+@for_all("name", RECIPES)
 def test_the_check_of_a_recipe_repeats_a_number_of_its_result(name: str) -> None:
     """Three digits at least: by hand and by the program, on one line or on both sides of `## Check`."""
     text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")

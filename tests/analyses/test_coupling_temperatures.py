@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.coupling_temperatures import (
@@ -161,7 +162,7 @@ def test_table_over_frequency_warms_by_its_factor() -> None:
     assert first.lowest[[0, -1]] == pytest.approx(second.lowest[[0, -1]], rel=1e-10)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("good", "bad", "words"),
     [
         ("to: 130 degC", "to: 20 degC", "20 degC is not above the 30 degC of `now`"),

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.following_torques import _size
@@ -247,7 +248,7 @@ def test_a_share_of_the_mean_torque_is_one_of_the_machine_s_own() -> None:
     assert size.real == pytest.approx(expected, rel=DIGITS)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("more", "message", "hint", "place"),
     [
         (

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -147,7 +148,7 @@ def test_several_orders_of_a_train_with_loss_factors_are_refused() -> None:
         modelica(study, assembled(study), study.operation.speed)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("scene", "options", "words"),
     [
         ("usv", ["-o", "{}/a.mo"], "universal joint"),

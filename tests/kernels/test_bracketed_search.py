@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
+from tests.for_all import for_all
 
 from torsion.kernels.bracketed_search import find_minimum, find_root
 
@@ -28,8 +29,8 @@ def _visited(search, curve):
     return points
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-13])
-@pytest.mark.parametrize(("curve", "low", "high"), CURVES)
+@for_all("tolerance", [1e-3, 1e-13])
+@for_all(("curve", "low", "high"), CURVES)
 def test_a_root_is_sought_where_scipy_seeks_it(curve, low, high, tolerance):
     eps = 4.0 * np.finfo(float).eps
     peer = _visited(lambda f: brentq(f, low, high, xtol=tolerance, rtol=eps), curve)
@@ -37,8 +38,8 @@ def test_a_root_is_sought_where_scipy_seeks_it(curve, low, high, tolerance):
     np.testing.assert_allclose(own, peer, rtol=1e-14)
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-9])
-@pytest.mark.parametrize(("curve", "low", "high"), CURVES)
+@for_all("tolerance", [1e-2, 1e-9])
+@for_all(("curve", "low", "high"), CURVES)
 def test_a_minimum_is_sought_where_scipy_seeks_it(curve, low, high, tolerance):
     def squared(x):
         return curve(x) ** 2

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import (
@@ -197,7 +198,7 @@ def test_compliance_of_a_lossy_viscous_span_is_the_reciprocal_of_its_stiffness()
     np.testing.assert_allclose(hc[2], 1 / (7j * w), rtol=1e-15)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("train", "arrays", "fault"),
     [
         (tree([-1, 0], [0, 1], [1, 1]), {"force": np.ones(3)}, "force has shape"),

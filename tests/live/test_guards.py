@@ -137,7 +137,7 @@ def test_no_other_method_is_known(send: Send, method: str) -> None:
     assert send(method, "/next")[0] == 501
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("changed", "status"),
     [
         ({"Content_Type": "text/plain"}, WRONG_TYPE),
@@ -150,7 +150,6 @@ def test_no_other_method_is_known(send: Send, method: str) -> None:
         ({"Content_Length": str(MOST + 1)}, TOO_LARGE),
         ({"Content_Length": "9" * 5000}, TOO_LARGE),
     ],
-    ids=str,
 )
 def test_what_is_no_short_json_is_refused_unread(
     send: Send, changed: dict[str, str | None], status: int

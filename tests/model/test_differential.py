@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import yaml
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -192,7 +193,7 @@ def test_half_shafts_by_their_size_are_two_shafts_of_twice_the_stress_modulus() 
     assert 1 / sum(flexibility) == pytest.approx(2 * bar.shear_modulus * polar / 0.8, rel=1e-13)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("train", "words"),
     [
         ([{"motor": {"inertia": 1}}], "does not support: motor"),

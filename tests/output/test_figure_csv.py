@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED
 
 import torsion
@@ -47,7 +48,7 @@ def test_lines_over_one_coordinate_are_columns_of_one_table() -> None:
     assert "# barred range: 800.0 to 1000.0 rpm" in comments
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_every_named_line_and_mark_of_every_kind_stands_in_a_table(kind: str) -> None:
     _, tables = parts(KINDS[kind])
     found = [

@@ -6,6 +6,7 @@ import re
 import zipfile
 
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 from torsion.cli import app
@@ -54,7 +55,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return texts
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@for_all("separator", [",", ";", "\t"])
 def test_no_cell_begins_as_a_formula(separator: str, texts: dict[str, str]) -> None:
     for name, text in texts.items():
         for row in csv.reader(io.StringIO(text), delimiter=separator):
@@ -72,13 +73,13 @@ def test_numbers_below_zero_stay_numbers(texts: dict[str, str]) -> None:
     assert min(values) < 0.0
 
 
-@pytest.mark.parametrize("number", ["-1.5", "+3", "-1.2346e-7", "1e5", "-inf", "0"])
+@for_all("number", ["-1.5", "+3", "-1.2346e-7", "1e5", "-inf", "0"])
 def test_a_number_is_left_as_it_is(number: str) -> None:
     assert inert(number) == number
     assert inert(f"a,{number};b") == f"a,{number};b"
 
 
-@pytest.mark.parametrize(
+@for_all(
     "text",
     ["=1+1", "+A1", "-1+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1", "a;=1", "a, =1", "-A1", "+-5 %"],
 )

@@ -4,7 +4,7 @@ import dataclasses
 import importlib
 import pkgutil
 
-import pytest
+from tests.for_all import for_all
 
 import torsion.output
 import torsion.rules
@@ -17,7 +17,7 @@ NAMES = [
 ]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_all("name", NAMES)
 def test_data_are_frozen(name: str) -> None:
     module = importlib.import_module(name)
     own = [

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.kernels.tree_response import Status
 from torsion.output import numbers
@@ -13,7 +14,7 @@ from torsion.output.blocks import table
 from torsion.output.reported_values import band_words
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "text"),
     [
         (0.0, "0"),
@@ -36,7 +37,7 @@ def test_five_significant_digits(value: float | None, text: str) -> None:
     assert numbers.number(value) == text
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "digits", "text"),
     [
         (123456.7, 2, "120000"),
@@ -72,7 +73,7 @@ def test_an_angle_in_radians_reads_in_degrees() -> None:
     assert [numbers.degrees(math.radians(one), 4) for one in (40.0, -12.3456)] == ["40", "−12.35"]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "text"),
     [
         (300.0, "300"),
@@ -87,7 +88,7 @@ def test_a_given_figure_has_no_zeros_that_nobody_wrote(value: float, text: str) 
     assert numbers.given(value) == text
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("order", "text"),
     [(Fraction(2), "2"), (Fraction(1, 2), "0.5"), (Fraction(40, 21), "40/21 ≈ 1.9048")],
 )
@@ -95,7 +96,7 @@ def test_an_order_is_exact_and_readable(order: Fraction, text: str) -> None:
     assert numbers.order(order) == text
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("values", "unit"),
     [
         ([12.0], "N m"),
@@ -109,7 +110,7 @@ def test_one_prefix_suits_the_largest_value(values: list[float], unit: str) -> N
     assert numbers.scale("N m", values).unit == unit
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("angle", "digits"),
     [(89.0, 5), (89.999, 5), (89.9999, 6), (89.99999, 7), (89.9999999999, 12), (90.0, 5)],
 )
@@ -140,7 +141,7 @@ def test_a_range_that_ends_at_a_round_speed_is_not_rounded_by_the_conversion_of_
             assert band_words((near, near)) == f"{speed} to {speed} rpm"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("values", "texts"),
     [
         ([337.62], ["337.62"]),
@@ -159,7 +160,7 @@ def test_a_count_has_its_noun_in_the_right_number() -> None:
     assert [numbers.counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "text"),
     [
         ("screw", "screw"),

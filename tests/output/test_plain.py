@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.kernels.tree_response import Status
@@ -24,7 +25,7 @@ def chosen() -> Selection:
     return Selection(torsion.assemble(torsion.parse(TRAIN).train))
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "data"),
     [
         (1.5 - 2.5j, [1.5, -2.5]),

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.findings import Findings
@@ -50,7 +51,7 @@ def there_and_back(value: Any) -> Any:
     return restored(type(value), data[0], Arrays(data[1]))
 
 
-@pytest.mark.parametrize(
+@for_all(
     "value",
     [
         Outer(Inner(1.5)),
@@ -72,7 +73,7 @@ def test_what_is_no_number_comes_back_as_such() -> None:
     assert math.isnan(there_and_back(Outer(Other(math.nan))).either.size)
 
 
-@pytest.mark.parametrize(
+@for_all(
     "array",
     [
         np.array([0.1, -0.0, np.nan, np.inf, 5e-324]),
@@ -85,7 +86,6 @@ def test_what_is_no_number_comes_back_as_such() -> None:
         np.array(2.5),
         np.arange(3, dtype=np.int32),
     ],
-    ids=lambda array: f"{array.dtype}{array.shape}",
 )
 def test_every_bit_of_an_array_comes_back(array: np.ndarray) -> None:
     found = there_and_back(Outer(Other(1.0), values=array)).values
@@ -105,7 +105,7 @@ def test_an_array_is_kept_once_and_comes_back_as_one() -> None:
     assert first.values is second.values
 
 
-@pytest.mark.parametrize(
+@for_all(
     "data",
     [
         {},
@@ -130,7 +130,7 @@ def test_what_the_types_do_not_allow_is_refused(data: Any) -> None:
         restored(Outer, data, Arrays())
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("key", "value"),
     [
         ("type", "O"),
@@ -176,7 +176,7 @@ def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path:
     assert html(opened(tmp_path)) == html(made)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         ("name: a scene\n", r"is not JSON \(line 1, column 1\)"),
@@ -199,7 +199,6 @@ def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path:
             "damaged or was changed",
         ),
     ],
-    ids=range(13),
 )
 def test_a_foreign_or_damaged_file_is_refused_in_words(
     text: str, words: str, tmp_path: Path
@@ -237,7 +236,7 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(
+@for_all(
     ("begin", "instead"),
     list(enumerate([None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"])),
 )

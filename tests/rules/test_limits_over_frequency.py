@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.harmonic_components import Line
@@ -114,7 +115,7 @@ def test_a_heat_over_frequency_counts_every_order_by_its_own_share(study, eviden
     assert (one.value, one.limit) == pytest.approx((LOSS / 2.0, 50.0), rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("limit", "words"),
     [
         ({"torque": 3.0, "at": 10.0}, "`above` is missing"),

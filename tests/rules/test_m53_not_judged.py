@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -218,7 +219,7 @@ def engine_file(*changes: tuple[str, str]) -> str:
     return text
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("old", "new", "message"),
     [
         (

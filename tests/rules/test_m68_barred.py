@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.rules.rule_over_speed import Curve
 from torsion.rules.shaft_limits import barred_range
@@ -65,7 +66,7 @@ def test_nothing_is_barred_below_the_limit() -> None:
     assert not nothing.passed.any()
 
 
-@pytest.mark.parametrize("critical", [750, 780, 800, 820, 1050])
+@for_all("critical", [750, 780, 800, 820, 1050])
 def test_range_that_reaches_0_8_is_refused_whole(critical) -> None:
     found = barring(curve({critical: 1.2}), RATED, "line")
     assert found.permitted == ()

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from tests.rules.conftest import RPM
 
 from torsion.rules import m68
@@ -189,7 +190,7 @@ def test_least_diameter_is_not_judged_without_a_mean_torque(study, evidence) -> 
 NO_ROLE = ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1})
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("operation", "lines"),
     [
         ({}, []),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.output.document import document
@@ -56,7 +57,7 @@ def test_every_verdict_has_one_of_four_words() -> None:
     ]
 
 
-@pytest.mark.parametrize("verdict", get_args(Verdict))
+@for_all("verdict", get_args(Verdict))
 def test_no_old_word_stands_in_what_a_person_sees(verdict: Verdict) -> None:
     findings = torsion.run(torsion.parse(TRAIN)).having(
         checks=Checks((row(verdict), row("pass", where="other")))

@@ -343,7 +343,7 @@ def test_all_faults_of_scene_and_tables_are_told_at_once(tmp_path: Path) -> None
     ]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("table", "expected"),
     [
         (b"", "line.csv:1:1: the table has nothing"),

@@ -1,6 +1,7 @@
 """Faults as they are stated: sorted by place, quoted, with a caret."""
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.errors import Fault, InputError, nearest
 from torsion.schema.fault_text import input_error, locate
@@ -87,7 +88,7 @@ def test_a_tab_in_the_line_moves_the_caret_as_it_moves_the_text() -> None:
     assert stated == "f:1:7: here\n    a: 'x\ty' # \tz\n" + " " * 9 + "\t^"
 
 
-@pytest.mark.parametrize("column", [1, 60, 61, 62, 121, 200, 290])
+@for_all("column", [1, 60, 61, 62, 121, 200, 290])
 def test_a_long_line_is_cut_around_the_caret(column: int) -> None:
     line = "a: [" + "0123456789" * 28 + ", end]"
     _, quoted, caret = str(
@@ -105,7 +106,7 @@ def test_signs_that_cannot_be_printed_are_quoted_as_question_marks() -> None:
     assert str(caught.value).split("\n")[1:] == ["    a: ?[31m", "       ^"]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("word", "candidates", "expected"),
     [
         ("powr", ["power", "inertia"], "power"),

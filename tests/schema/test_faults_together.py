@@ -1,6 +1,7 @@
 """Faults of different kinds that are stated in one round, and what a fault must not draw after it."""
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.errors import InputError
 from torsion.schema.scene_reader import parse
@@ -137,7 +138,7 @@ def test_a_decimal_comma_within_braces_is_told_as_one(value, words):
     assert "comma" not in stated("name: x\ntrain:\n  - disc: {inertia: 1, 5: }\n")[0][1]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("component", "wanted"),
     [
         (

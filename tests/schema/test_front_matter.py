@@ -70,7 +70,7 @@ def test_what_is_no_imo_number_is_refused_at_its_place(text: str) -> None:
     assert "scene.yaml:2:24: " in faults(f"imo_number: {text}")
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         ("vesel: a", "did you mean `vessel`"),

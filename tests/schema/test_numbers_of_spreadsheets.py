@@ -70,7 +70,7 @@ def test_one_number_that_can_only_be_a_decimal_tells_what_all_are(
     assert study(tmp_path, rows, separator).train.springs[0].flexibility == 1 / stiffness
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("rows", "words"),
     [
         (

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -362,7 +363,7 @@ def test_errors_come_whole_from_another_process() -> None:
     assert str(pickle.loads(pickle.dumps(SolveError("no", "try")))) == "no; try"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("given", "words"),
     [
         (Scheduler(2, "tcp://a:1"), "--workers are of this machine"),

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigh
 from scipy.optimize import brentq
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.compressor.compressors import CompressorFound, Compressors
@@ -392,7 +393,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("what", WRONG)
+@for_all("what", WRONG)
 def test_a_file_that_is_no_loop_is_refused_where_it_stands(what: str, tmp_path: Path) -> None:
     values, words = WRONG[what]
     write(tmp_path, "volume [m3], pressure [Pa]", values)
@@ -412,7 +413,7 @@ KEYS = {
 }
 
 
-@pytest.mark.parametrize("sides", KEYS)
+@for_all("sides", KEYS)
 def test_keys_of_a_throw_that_cannot_be_are_refused(sides: str, tmp_path: Path) -> None:
     assert KEYS[sides] in faults(tmp_path, sides)
 
@@ -434,7 +435,7 @@ def test_a_file_over_the_angle_needs_its_dead_centre(tmp_path: Path) -> None:
     assert "volume [dm3]" in faults(tmp_path, "head_end: p.csv")
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("old", "new", "words"),
     [
         ("absolute: true", "", "`absolute` is missing"),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.joints.joint_analysis import JointsSettings, joints
@@ -281,7 +282,7 @@ def test_line_with_nothing_to_choose_says_so():
     assert "no phase" in result.remarks[-1]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("requested", "path", "words"),
     [
         ({"joint": "joint-2"}, "joint", "nothing is optimised"),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from tests.for_all import for_all
 
 from torsion.analyses.joints.joint_lines import placed
 from torsion.analyses.lateral.bending_shafts import bending_shafts
@@ -170,7 +171,7 @@ analyses: {lateral: }
 """
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("keys", "at", "words"),
     [
         ("support: {at: 0.8, stiffness: [1e6, 0]}", "[1e6, 0]", "not supported in the plane z"),
@@ -294,7 +295,7 @@ def test_shear_needs_moduli_that_belong_together() -> None:
         lateral(built, SPEEDS, LateralSettings(shear=True))
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("keys", "words"),
     [
         ({"at": 0.1, "stiffness": [1e6, 2e6, 3e6]}, "one value or"),

@@ -5,6 +5,7 @@ import math
 import pytest
 from tests.analyses.motion.test_given_cases import moved
 from tests.analyses.motion.test_starts import alone
+from tests.for_all import for_all
 
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.errors import SolveError
@@ -28,9 +29,9 @@ def pulsed(parts: str, sense: float, load: dict, samples: int) -> TransientMotio
     return moved(parts, body)
 
 
-@pytest.mark.parametrize("samples", [100, 10_000])
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.parametrize("parts", ["disc: {name: d, inertia: 1}", PLAY])
+@for_all("samples", [100, 10_000])
+@for_all("sense", [1.0, -1.0])
+@for_all("parts", ["disc: {name: d, inertia: 1}", PLAY])
 def test_a_table_that_is_outrun_between_samples_is_refused_alike(
     parts: str, sense: float, samples: int
 ) -> None:

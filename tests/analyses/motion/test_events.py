@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.events import Event, Point
@@ -89,7 +90,7 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
     assert found == pytest.approx(-40.0 * np.clip((TIME - 0.5) / 0.5, 0.0, 1.0), abs=1e-12)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("body", "words"),
     [
         ("events: [{at: screw}]", "an event is of one kind, and none is given"),
@@ -233,7 +234,7 @@ def test_a_table_from_a_file_is_that_of_its_rows_in_the_units_of_its_first_line(
     assert found == pytest.approx(torque("table", {"rows": rows}), abs=1e-13)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         ("time [s], torque [N*m], more\n0, 1\n1, 2\n", "3 columns in line 1, not 2"),
@@ -339,7 +340,7 @@ def test_without_events_a_steady_vibration_goes_on_as_it_is() -> None:
     assert np.abs(one.torque[0] - wanted).max() < 1e-12 * np.abs(wanted).max()
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("joint", "initial", "moves"),
     [
         ("", ", initial: {speed: 600 rpm}", True),

@@ -6,6 +6,7 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.events import Event, Point
@@ -150,7 +151,7 @@ def test_a_thickness_and_a_speed_of_the_file_take_the_place_of_those_of_the_clas
     assert found.revolutions == pytest.approx(1.8, rel=1e-15)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("body", "words"),
     [
         ("case: 1", "ice has a `torque` or a `class`"),

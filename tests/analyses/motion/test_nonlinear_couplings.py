@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion import event_driven_train
@@ -276,7 +277,7 @@ def test_a_band_of_modes_with_the_compliance_of_the_others(monkeypatch: pytest.M
 CLOSE = "{at: %s, clutch: {close: 1 s}}"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("coupling", "body", "words"),
     [
         ("stiffness: 1e4", f"events: [{CLOSE % 'clutch'}]", "'clutch' is no clutch"),

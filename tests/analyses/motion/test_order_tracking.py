@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.order_tracking import (
@@ -175,7 +176,7 @@ def test_below_8_revolutions_no_order_is_reported() -> None:
     assert any("makes 7" in one.text for one in chapter(found) if isinstance(one, Paragraph))
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("orders", "words"),
     [
         ("orders: {at: screw}", "no torque goes through it"),

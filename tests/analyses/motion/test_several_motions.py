@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.fatigue import cycles, miner
@@ -55,7 +56,7 @@ def test_a_motion_without_an_answer_takes_no_other_with_it() -> None:
     assert found.plan.unanswered[0].line == 11
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         (SCENE + TRIP + TRIP, "two motions are called 'trip'"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
@@ -164,7 +165,7 @@ def test_the_torque_of_the_fault_is_that_of_the_power_of_its_machine() -> None:
     assert motion.greatest[0] == pytest.approx(211218.4063105 / 2.0, rel=1e-10)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("old", "new", "words", "line"),
     [
         (

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from tests.analyses.motion.test_given_cases import chain, moved
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.motion.motion_from_events import transient
@@ -335,7 +336,7 @@ def test_orders_follow_a_prescribed_speed() -> None:
     assert found.steps > 0
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("event", "words"),
     [
         ("{at: d, start: {}}", "a start needs its torque over speed"),

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.damped_modes import DampedModes
@@ -97,7 +98,7 @@ def test_the_report_says_that_modes_are_damped() -> None:
     assert any("Damping ratio of every elastic mode: 2.00" in one for one in text)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("change", "words"),
     [
         (("stiffness: 2e4", "stiffness: 2e4, viscous: 3"), "'s1' has damping"),

@@ -8,6 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import yaml
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -209,7 +210,7 @@ def test_harmonic_component_is_named_by_its_mesh() -> None:
     assert {one.order for one in crossings} == {Fraction(23)}
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("changes", "words"),
     [
         ({"torque": 5.0, "transmission_error": "3 um"}, "exclude each other"),

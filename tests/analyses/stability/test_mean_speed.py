@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.damped_modes import damped
@@ -524,7 +525,7 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
     assert "802.464 N m s/rad" in left_out["slope of 'motor' in vibration"]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("drive", "words"),
     [
         ("{slip: 1 %, droop: 4 %}", "`slip` and `droop` are two laws of one drive"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
@@ -252,7 +253,7 @@ NOTHING_TO_VARY = [
 ]
 
 
-@pytest.mark.parametrize(("over", "change", "words"), NOTHING_TO_VARY)
+@for_all(("over", "change", "words"), NOTHING_TO_VARY)
 def test_map_over_what_the_train_does_not_have_is_refused_where_it_is_asked(over, change, words):
     ends = "from: 1 deg, to: 2 deg" if over == "angle" else "from: 0, to: 2"
     requested = f"stability: {{map: {{over: {over}, {ends}}}}}"

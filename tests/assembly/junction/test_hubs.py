@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.special import jn_zeros
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.modes.steps_and_hubs import HubMoves, SharpSteps
@@ -187,7 +188,7 @@ def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str)
     assert both.need(HubMoves).each[1].twisting == pytest.approx(0.03, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("keys", "at", "words"),
     [
         ("hub: {length: 500 mm, fit: key}", "5:", "hub is longer than its shaft"),

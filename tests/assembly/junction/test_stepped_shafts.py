@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from tests.for_all import for_all
 
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
@@ -136,7 +137,7 @@ def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
     assert 79.3e9 / bar.shear_modulus == pytest.approx(1.0 + known * 0.1 / 0.6, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         (scene(step=", step: {}"), "one form"),

@@ -5,6 +5,7 @@ import os
 import meshio
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -113,7 +114,7 @@ SHAFT = (
 SCENE = f"name: a\ntrain:\n- disc: {{inertia: 1}}\n- {SHAFT}\n- disc: {{inertia: 1}}\n"
 
 
-@pytest.mark.parametrize("case", BROKEN)
+@for_all("case", BROKEN)
 def test_broken_mesh_is_refused_where_the_file_names_it(tmp_path, case) -> None:
     points, cells, words = BROKEN[case]
     meshio.write(tmp_path / "bad.vtu", meshio.Mesh(np.array(points, dtype=float), cells))
@@ -138,7 +139,7 @@ def test_a_mesh_whose_unit_is_forgotten_is_refused_and_a_meant_one_is_read(tmp_p
         torsion.read(tmp_path / "scene.yaml")
 
 
-@pytest.mark.parametrize("name", UNREADABLE)
+@for_all("name", UNREADABLE)
 def test_unreadable_mesh_is_refused_without_a_traceback_or_a_word_of_its_reader(
     tmp_path, capfd, name
 ) -> None:
@@ -148,7 +149,7 @@ def test_unreadable_mesh_is_refused_without_a_traceback_or_a_word_of_its_reader(
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("name", ["absent.msh", "", ".", "\0.msh", "x" * 5000, "/dev/null"])
+@for_all("name", ["absent.msh", "", ".", "\0.msh", "x" * 5000, "/dev/null"])
 def test_what_is_no_file_is_refused(tmp_path, name) -> None:
     with pytest.raises(SectionFault):
         section_mesh(SectionMesh(os.path.join(tmp_path, name)))
@@ -171,7 +172,7 @@ def test_command_ends_with_status_2_and_the_place(tmp_path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("keys", "words"),
     [
         ("length: 1", "`diameter` is missing"),

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.tooth_forces import ToothForces
@@ -137,7 +138,7 @@ def test_forces_on_teeth_are_left_out_without_a_rated_torque() -> None:
     ) in found.plan.left_out
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("keys", "expected"),
     [
         ("ratio: 3, module: 5 mm", "a `module` needs `teeth`"),

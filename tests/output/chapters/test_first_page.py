@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
@@ -86,10 +87,8 @@ LOOK = {
 }
 
 
-@pytest.mark.parametrize(
-    "verdicts", [found for size in range(5) for found in itertools.combinations(WORD, size)]
-)
-@pytest.mark.parametrize("is_answered", [True, False])
+@for_all("verdicts", [rows for size in range(5) for rows in itertools.combinations(WORD, size)])
+@for_all("is_answered", [True, False])
 def test_the_headline_of_every_combination_of_verdicts(
     found: Findings, verdicts, *, is_answered: bool
 ) -> None:
@@ -148,7 +147,7 @@ def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Fin
     assert "τ_C, rule; basis: stated by user" in worst
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("checks", "grade", "words"),
     [
         ([], "not judged", ""),

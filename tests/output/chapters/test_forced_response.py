@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from tests.output.drawn import bands, levels, plot, titles, unit
 
 import torsion
@@ -140,7 +141,7 @@ def test_introduction_counts_and_names_the_common_cycle(train: Findings) -> None
     assert len(said) == 2
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("turns", "words"),
     [
         (Fraction(1), "over the common period of 1 revolution of flywheel."),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from tests.output.drawing import dark_colours as module
 from tests.output.drawing.dark_colours import PAPER, contrast, dark
 
@@ -31,7 +32,7 @@ def test_colours_of_the_perceptual_space_are_those_published() -> None:
     assert all(module._word(module._oklab(one)) == one.lower() for one in (*STANDING_OUT, *BEHIND))
 
 
-@pytest.mark.parametrize("colour", STANDING_OUT)
+@for_all("colour", STANDING_OUT)
 def test_what_stands_out_on_paper_stands_out_on_a_dark_screen(colour: str) -> None:
     assert contrast(dark(colour), PAPER) >= 4.5
     (_, *was), (_, *now) = module._oklab(colour), module._oklab(dark(colour))
@@ -40,7 +41,7 @@ def test_what_stands_out_on_paper_stands_out_on_a_dark_screen(colour: str) -> No
     )  # the hue stays
 
 
-@pytest.mark.parametrize("colour", BEHIND)
+@for_all("colour", BEHIND)
 def test_what_lies_behind_leaves_ink_legible(colour: str) -> None:
     assert contrast(dark(INK), dark(colour)) >= 4.5
     assert contrast(dark(colour), PAPER) < 3.0

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pytest
+from tests.for_all import for_all
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque
 from tests.output.drawn import named
 
@@ -33,7 +33,7 @@ def read(*figures: Figure) -> tuple[list[dict[str, Any]], list[np.ndarray], list
     return data, [doubles[first:last] for first, last in pairwise(ends)], numbers["names"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_values_are_those_of_the_lines_to_the_last_digit(kind: str) -> None:
     (data,), arrays, _ = read(KINDS[kind])
     assert len(data["plots"]) == len(KINDS[kind].plots)
@@ -49,7 +49,7 @@ def test_values_are_those_of_the_lines_to_the_last_digit(kind: str) -> None:
         assert plot["x"]["ends"][0] < plot["x"]["ends"][1]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_the_tables_of_a_figure_are_those_of_its_file(kind: str) -> None:
     (data,), arrays, _ = read(KINDS[kind])
     wanted = list(pieces(KINDS[kind])) if KINDS[kind].plots else []

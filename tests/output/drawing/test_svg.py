@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from tests.output.drawing.kinds import BAD, BUMP, KINDS, SPEED, frequency, torque
 from tests.output.drawn import named
 
@@ -31,7 +32,7 @@ def texts(figure: Figure) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_a_figure_is_well_formed_and_the_same_every_time(kind: str) -> None:
     text = svg(KINDS[kind])
     assert ET.fromstring(text).tag == f"{SVG}svg"
@@ -39,7 +40,7 @@ def test_a_figure_is_well_formed_and_the_same_every_time(kind: str) -> None:
     assert not re.search(r"\b(nan|inf)\b", text)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_nothing_is_fetched_and_no_name_is_an_id(kind: str) -> None:
     root = parsed(KINDS[kind])
     for one in root.iter():
@@ -61,7 +62,7 @@ def test_nothing_is_fetched_and_no_name_is_an_id(kind: str) -> None:
         }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_a_figure_has_a_title_and_a_description_for_those_who_cannot_see_it(kind: str) -> None:
     root = parsed(KINDS[kind])
     assert root.get("role") == "img"
@@ -74,7 +75,7 @@ def test_a_figure_has_a_title_and_a_description_for_those_who_cannot_see_it(kind
         )
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_every_line_stands_in_its_plot_and_every_name_once_in_the_key(kind: str) -> None:
     root, figure = parsed(KINDS[kind]), KINDS[kind]
     drawn = [one.get("data-name") for one in root.iter(f"{SVG}g") if one.get("class") == "line"]
@@ -98,7 +99,7 @@ def test_every_line_stands_in_its_plot_and_every_name_once_in_the_key(kind: str)
                 ), one.name
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_words_lie_on_the_sheet_and_do_not_overlap(kind: str) -> None:
     """Level words of one group; those of a plot keep clear with letters a quarter larger, too."""
     root = parsed(KINDS[kind])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.contracts.frozen import solved
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError, SolveError
@@ -330,7 +331,7 @@ ONE = "coupling-1.stiffness: {from: 1e4, to: 4e4}"
 AT_3 = "aim: {mode-1.frequency: 3}"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("design", "place", "words"),  # the fault is where the text `place` begins
     [
         ("choose: {}", "{}", "nothing is chosen"),
@@ -366,7 +367,7 @@ def test_faults_of_a_design_are_located(design: str, place: str, words: str) -> 
     assert (fault.line, fault.column) == (8, text.splitlines()[7].index(place) + 1)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("table", "place", "words"),
     [
         ("stiffness [N*m/rad]\n30000", "1:1", "the column `name` is missing"),

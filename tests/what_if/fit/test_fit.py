@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.over_speed import response_of_orders
@@ -450,7 +451,7 @@ def of_frequencies(vary: str, *more: str) -> str:
 FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("settings", "place", "expected"),
     [
         ("{vary: {soft.stiffness: 20 %}}", "9", "`measured` is missing"),
@@ -550,7 +551,7 @@ TABLES = [
 ]
 
 
-@pytest.mark.parametrize(("table", "expected"), TABLES)
+@for_all(("table", "expected"), TABLES)
 def test_faults_of_a_torsiogram_stand_in_its_file(
     tmp_path: Path, table: str, expected: str
 ) -> None:
@@ -566,7 +567,7 @@ def marks(places: list[float]) -> str:
     return "time [s]\n" + "".join(f"{0.01 * one:.4f}\n" for one in places)
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "more", "expected"),
     [
         ("time [s]\n0\n0.1\n", ", pulses: 8", "shorter than a window"),

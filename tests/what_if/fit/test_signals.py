@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.over_speed import response_of_orders
@@ -187,7 +188,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@for_all("name", REFUSED)
 def test_a_faulty_signal_is_refused_where_it_is_named(name: str, tmp_path: Path) -> None:
     made, more, expected = REFUSED[name]
     with pytest.raises(InputError) as caught:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.contracts.frozen import solved
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -297,7 +298,7 @@ def test_indices_of_a_sweep_are_the_closed_form_within_their_intervals() -> None
         assert abs(one.total - total) <= 1.5 * one.total_error < 0.03
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("sweep", "place", "words"),
     [
         (

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.columns import NotInColumns
@@ -358,7 +359,7 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
     )
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("sweep", "place", "words"),
     [
         ("vary: {coupling-2.stiffness: {uniform: 5 %}}", "6:46", "no component"),
