@@ -1,21 +1,20 @@
 """What all tests of a run share."""
 
+import os
 import shutil
-from collections.abc import Iterator
+import tempfile
 
 import pytest
-from tests.shared import sharing
+from tests.shared import SHARED
 
 
-@pytest.fixture(scope="session", autouse=True)
-def shared_folder(
-    tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
-) -> Iterator[None]:
-    """Where the workers of pytest-xdist leave copies for each other."""
-    if not hasattr(request.config, "workerinput"):
-        yield
-        return
-    folder = tmp_path_factory.getbasetemp().parent / "shared"
-    with sharing(folder):
-        yield
-    shutil.rmtree(folder, ignore_errors=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Give the workers of pytest-xdist a folder for copies."""
+    if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        os.environ[SHARED] = tempfile.mkdtemp(prefix="torsion-tests-")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove the folder when all workers have ended."""
+    if not hasattr(config, "workerinput") and (folder := os.environ.pop(SHARED, "")):
+        shutil.rmtree(folder, ignore_errors=True)

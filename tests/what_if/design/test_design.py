@@ -108,8 +108,8 @@ def test_alternatives_that_are_no_numbers_are_solved_by_themselves() -> None:
 
 def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
     text = TWO % (
-        "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 6e4}}, aim: {mode-1.frequency: 33}, robust: true,\n"
-        "    keep: [{mode-1.frequency: {above: 30 Hz}}]}\n"
+        "  design: {choose: {coupling-1.stiffness: {from: 2.2e4, to: 2.8e4}}, aim: {mode-1.frequency: 33}, robust: true,\n"
+        "    evaluations: 2500, keep: [{mode-1.frequency: {above: 30 Hz}}]}\n"
         "  sweep: {vary: {coupling-1.stiffness: {uniform: +-3 %}}, samples: 128}\n"
         "cases: {heavy: {set: {disc-2.inertia: 1.6}}}"
     )
