@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.model.component import Component
 from torsion.output import results_manual
 from torsion.rules import RULES
@@ -105,7 +105,7 @@ def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_pa
 
 def test_the_manual_has_every_section_and_kind() -> None:
     pages = manual.pages()
-    assert all(component(kind).title and component(kind).example for kind in KINDS)
+    assert all(component_class(kind).title and component_class(kind).example for kind in KINDS)
     assert {f"components/{kind}.md" for kind in KINDS} | {
         f"rules/{name}.md" for name in RULES
     } < set(pages)
@@ -113,10 +113,12 @@ def test_the_manual_has_every_section_and_kind() -> None:
         assert f"| `{field.alias or name}` |" in pages["index.md"]
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if component(kind).groups])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if component_class(kind).groups])
 def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
-    grouped = [key for _, keys in component(kind).groups for key in keys.split()]
-    assert sorted(grouped) == sorted(keys_of(component(kind)).keys() - keys_of(Component).keys())
+    grouped = [key for _, keys in component_class(kind).groups for key in keys.split()]
+    assert sorted(grouped) == sorted(
+        keys_of(component_class(kind)).keys() - keys_of(Component).keys()
+    )
 
 
 @for_all(
@@ -124,7 +126,7 @@ def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
     [
         (kind, example)
         for kind in KINDS
-        for example in re.split(r"\n(?=- )", component(kind).example)
+        for example in re.split(r"\n(?=- )", component_class(kind).example)
     ],
 )
 def test_an_example_of_a_kind_is_read_without_faults(

@@ -23,7 +23,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion import formulas
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
 
@@ -354,7 +354,7 @@ def test_there_is_a_constructor_for_every_kind_with_the_keys_of_the_file() -> No
 
 @for_all("kind", KINDS)
 def test_every_example_of_a_kind_is_written_by_its_constructor(kind: str) -> None:
-    for entry in yaml.safe_load(component(kind).example):
+    for entry in yaml.safe_load(component_class(kind).example):
         body = dict(entry[kind])
         name = body.pop("name", None)
         made = getattr(torsion, kind)(*([name] if name else []), **body)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import torsion
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.results import Keyed
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def reference() -> Iterator[str]:
     yield "\n## Components\n\nThe keywords are the keys of the [model file](model-file/index.md).\n"
     yield "| function | component |\n|---|---|"
     for kind in KINDS:
-        yield f"| `torsion.{kind}(name, ...)` | {_escaped(_first(component(kind)))} |"
+        yield f"| `torsion.{kind}(name, ...)` | {_escaped(_first(component_class(kind)))} |"
     yield "\n## Formulas\n"
     for name in torsion.formulas.__all__:
         yield from _function(f"torsion.formulas.{name}", getattr(torsion.formulas, name))

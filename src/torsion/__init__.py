@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from torsion.errors import Fault, InputError, SolveError, TorsionError
+from torsion.model import KINDS
 
 if TYPE_CHECKING:
     from torsion import formulas
@@ -27,29 +28,14 @@ if TYPE_CHECKING:
     from torsion.findings import Findings
     from torsion.output.report_figures import figures
     from torsion.runner import run
-    from torsion.schema.builder import (
-        branch,
-        build,
-        compressor,
-        coupling,
-        damper,
-        disc,
-        engine,
-        fan,
-        gear,
-        generator,
-        joint,
-        machine,
-        motor,
-        pendulum,
-        propeller,
-        pump,
-        shaft,
-        turbine,
-    )
+    from torsion.schema.builder import Constructor, build
     from torsion.schema.scene_reader import parse, read
     from torsion.study import Study
     from torsion.train import Train
+
+    branch = compressor = coupling = damper = disc = engine = fan = gear = generator = joint = (
+        machine
+    ) = motor = pendulum = propeller = pump = shaft = turbine = Constructor("")
 
 __version__ = "0.1.0"
 _PLACES = {
@@ -77,26 +63,7 @@ _PLACES = {
     "stability": "torsion.analyses.stability.stability_over_speed:stability",
     "transient": "torsion.analyses.motion.motion_from_events:transient",
 }
-_KINDS = (
-    "branch",
-    "compressor",
-    "coupling",
-    "damper",
-    "disc",
-    "engine",
-    "fan",
-    "gear",
-    "generator",
-    "joint",
-    "machine",
-    "motor",
-    "pendulum",
-    "propeller",
-    "pump",
-    "shaft",
-    "turbine",
-)
-_PLACES |= {kind: f"torsion.schema.builder:{kind}" for kind in _KINDS}
+_PLACES |= {kind: f"torsion.schema.builder:{kind}" for kind in KINDS}
 __all__ = [
     "Fault",
     "Findings",

@@ -58,11 +58,37 @@ def excludes(key: str, *others: str, hint: str = "keep one of them") -> Exclusiv
     return Exclusive((key, *others), hint, first=True)
 
 
+@dataclass(frozen=True)
+class Needs:
+    """A key that says nothing without others."""
+
+    key: str
+    others: tuple[str, ...]
+    hint: str
+
+    def check(self, declaration: "Declared") -> None:
+        """Raise the fault of a key whose others are missing."""
+        missing = [key for key in self.others if not declaration.keys_given(key)]
+        if missing and declaration.keys_given(self.key):
+            words = " and ".join(f"`{key}`" for key in missing)
+            raise refuse(f"`{self.key}` needs {words}", self.hint, self.key)
+
+
+def needs(key: str, *others: str, hint: str = "give both, or none") -> Needs:
+    """A key that needs each of the others."""
+    return Needs(key, others, hint)
+
+
+def together(first: str, second: str, hint: str = "give both, or none") -> tuple[Needs, Needs]:
+    """Two keys of which none says anything alone."""
+    return needs(first, second, hint=hint), needs(second, first, hint=hint)
+
+
 class Declared(BaseModel):
     """Base of everything that is read from a file: frozen, and no key is accepted that was not declared."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-    clashes: ClassVar[tuple[Exclusive, ...]] = ()
+    clashes: ClassVar[tuple[Exclusive | Needs, ...]] = ()
 
     @model_validator(mode="after")
     def _as_a_whole(self) -> Self:

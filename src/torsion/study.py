@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from torsion import fields
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault, InputError, without_controls
-from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
+from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, needs, refuse, required
 from torsion.model.machine_torques import Load
 from torsion.results import RPM, Displayed, listed, one_line
 from torsion.study_actions import StudyActions
@@ -67,6 +67,8 @@ class Rated(Declared):
 class Operation(Sized):
     """How the train is run; speeds and power are those of the component `at`."""
 
+    clashes = (needs("by", "highest", hint="highest: 100 rpm"),)
+
     at: str | None = given("the component whose speed is meant (default: the first)")
     speeds: SpeedRange | None = given("speed range")
     rated: Rated | None = given("rated speed and power")
@@ -82,8 +84,6 @@ class Operation(Sized):
     )
 
     def refuse_clashes(self) -> None:
-        if self.by is not None and self.highest is None:
-            raise refuse("`by` explains `highest`, which is missing", "highest: 100 rpm", "by")
         if (
             self.highest is not None
             and self.speeds is not None
@@ -194,7 +194,7 @@ class FrontMatter(Declared):
     checked: Words | None = given("who checked it", examples=["B. Engineer"])
     approved: Words | None = given("who approved it", examples=["C. Engineer"])
     logo: str | None = given(
-        "picture on the cover: a PNG, JPEG or SVG file of at most 300 kB, its path from the folder of this file",
+        "picture on the cover: a PNG or JPEG file of at most 300 kB, its path from the folder of this file",
         examples=["logo.png"],
     )
 

@@ -1,4 +1,4 @@
-"""An analysis, a rule and an output are one file and one registry entry each: everything else follows from those."""
+"""A component, an analysis, a rule and an output are one file and one registry entry each: all else follows."""
 
 import io
 import json
@@ -12,8 +12,10 @@ from rich.console import Console
 import torsion
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis
+from torsion.model import KINDS
 from torsion.output import renderers, results_manual
-from torsion.output.blocks import Heading, Table
+from torsion.output.blocks import Heading, KeyValues, Table
+from torsion.output.chapters.plant import _points
 from torsion.output.document import document
 from torsion.output.renderers import Output
 from torsion.output.results_json import documented
@@ -22,6 +24,25 @@ from torsion.output.write import write
 from torsion.schema import manual
 from torsion.schema.json_schema import json_schema
 
+COMPONENT = '''
+"""Toy: a disc whose inertia follows from its diameter."""
+from torsion.fields import Across, required
+from torsion.model.component import Component
+from torsion.model.parts import Symbol
+
+class SolidDisc(Component, keyword="solid-disc", sort="point", symbol=Symbol("load")):
+    """A solid disc is an inertia that follows from its diameter."""
+
+    title = "solid disc"
+    example = "- solid-disc: {diameter: 300 mm}"
+    diameter: Across = required("diameter of every solid disc")
+
+    def data_sheet(self):
+        yield "Diameter", f"{1e3 * self.diameter:g} mm"
+
+    def lower(self, build):
+        build.inertia(build.point(), 100.0 * self.diameter**4)
+'''
 ANALYSIS = '''
 """Toy: how fast the rim of each disc runs."""
 import numpy as np
@@ -76,8 +97,9 @@ rules: [{rim-speed: {speed: 10 m/s}}]
 
 @pytest.fixture
 def toys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The three files and their three entries; the folder that they stand in."""
-    for name, text in (("toy_analysis", ANALYSIS), ("toy_rule", RULE), ("toy_output", OUTPUT)):
+    """The four files and their four entries; the folder that they stand in."""
+    texts = {"component": COMPONENT, "analysis": ANALYSIS, "rule": RULE, "output": OUTPUT}
+    for name, text in ((f"toy_{kind}", text) for kind, text in texts.items()):
         (tmp_path / f"{name}.py").write_text(text)
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -88,10 +110,26 @@ def toys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         needs=("modes",),
         results={"rims": "Rims"},
     )
+    monkeypatch.setitem(KINDS, "solid-disc", "toy_component:SolidDisc")
     monkeypatch.setitem(ANALYSES, "rims", entry)
     monkeypatch.setitem(rules.RULES, "rim-speed", "toy_rule:RimSpeed")
     monkeypatch.setitem(renderers.OUTPUTS, "captions", Output("toy_output:captions", ".txt"))
     return tmp_path
+
+
+def test_a_component_is_in_the_train_its_sketch_its_data_sheet_and_both_manuals(toys: Path) -> None:
+    text = SCENE.replace(
+        "disc: {name: near, inertia: 2}", "solid-disc: {name: near, diameter: 300 mm}"
+    )
+    found = torsion.run(torsion.parse(text))
+    assert found.system.inertia[0] == pytest.approx(100.0 * 0.3**4, rel=1e-15)
+    made = document(found)
+    sheets = [item.block.pairs for item in made.body if isinstance(item.block, KeyValues)]
+    assert (("Component", "near"), ("Diameter", "300 mm")) in sheets
+    (disc,) = [disc for disc in _points(found) if disc.label == "1 near"]
+    assert disc.role == "load"
+    assert "diameter of every solid disc" in manual.pages()["components/solid-disc.md"]
+    assert "diameter of every solid disc" in json.dumps(json_schema())
 
 
 def test_an_analysis_is_in_the_results_and_in_both_manuals(toys: Path) -> None:

@@ -6,7 +6,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
-from torsion.model import component
+from torsion.model import component_class
 from torsion.model.machine_torques import LoadLaw, read_load
 
 ABSORB = ("generator", "pump", "fan", "machine", "propeller")
@@ -35,7 +35,7 @@ def test_every_kind_has_inertia_or_is_fixed_and_says_who_drives(kind: str) -> No
     )
     assert record(f"{kind}: {{held: true}}").is_held
     assert "`inertia` is missing" in fault(f"{kind}: {{name: m}}").message
-    assert component(kind).sort == "point"
+    assert component_class(kind).sort == "point"
 
 
 def test_a_machine_drives_where_the_file_says_so() -> None:

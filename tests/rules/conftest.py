@@ -17,7 +17,7 @@ from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.assembly import assemble
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.model import component
+from torsion.model import component_class
 from torsion.model.component import Material
 from torsion.rules import needed
 from torsion.study import Operation, Study
@@ -43,7 +43,7 @@ def study() -> Callable[..., Study]:
             "speeds": {"from": "100 rpm", "to": "1200 rpm"},
             "rated": {"speed": "1000 rpm", "power": "100 kW"},
         }
-        components = [component(kind).model_validate(body) for kind, body in parts]
+        components = [component_class(kind).model_validate(body) for kind, body in parts]
         lowered = train(components, materials={"steel": STEEL_600, **(materials or {})})
         given = {
             key: value for key, value in {**requested, **operation}.items() if value is not None

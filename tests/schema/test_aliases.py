@@ -8,12 +8,11 @@ import yaml
 
 import torsion
 from torsion.errors import InputError
-from torsion.model import KINDS, component
-from torsion.schema.aliases import KEYS_BY_ALIAS, KINDS_BY_ALIAS, SECTIONS_BY_ALIAS
+from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.schema.declaration_reader import keys_of
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
-from torsion.schema.other_words import other_words
+from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, other_words
 from torsion.schema.yaml_source import parse_source
 
 CANONICAL = """name: x
@@ -166,7 +165,7 @@ def test_an_unknown_key_gets_the_key_that_the_trade_means_or_none(
 
 
 def test_aliases_and_hints_lead_to_keys_that_exist_and_hide_none() -> None:
-    keys = {key for kind in KINDS for key in keys_of(component(kind))}
+    keys = {key for kind in KINDS for key in keys_of(component_class(kind))}
     assert set(KEYS_BY_ALIAS.values()) <= keys
     assert not set(KEYS_BY_ALIAS) & keys
     assert set(KINDS_BY_ALIAS.values()) <= set(KINDS)

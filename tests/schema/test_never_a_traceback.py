@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from torsion.errors import InputError
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.schema import template
 from torsion.schema.scene_reader import parse
 from torsion.study import Study
@@ -19,7 +19,9 @@ GOOD = [
     template("example.yaml"),
 ]
 FIELDS = {
-    field.alias or key for kind in KINDS for key, field in component(kind).model_fields.items()
+    field.alias or key
+    for kind in KINDS
+    for key, field in component_class(kind).model_fields.items()
 }
 WORDS = sorted(
     {"train", "between", "at", "limit", "count", "name", "of_mean", "from", "to", *KINDS, *FIELDS}

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from tests.for_all import for_all
 
 from torsion.errors import InputError
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
@@ -194,7 +194,7 @@ def test_schema_and_manual_tell_the_ranges_and_the_key_that_lifts_them():
         "Material",
         "Operation",
         "Excitation",
-        *(component(kind).__name__ for kind in KINDS),
+        *(component_class(kind).__name__ for kind in KINDS),
     ):
         assert definitions[name]["properties"]["unusual"]["type"] == "boolean"
     rows = [

@@ -14,7 +14,6 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.study import Study
 
-UNBUILT: tuple[str, ...] = ()  # of the format, but not built yet
 VARYING = (
     "sweep",
     "design",

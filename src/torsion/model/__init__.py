@@ -1,8 +1,10 @@
 """The kinds of component: one file each; a kind is imported when a scene first names it."""
 
 from pkgutil import resolve_name
+from typing import TYPE_CHECKING
 
-from torsion.model.component import Component
+if TYPE_CHECKING:
+    from torsion.model.component import Component
 
 KINDS = {
     "disc": "torsion.model.disc:Disc",
@@ -25,7 +27,21 @@ KINDS = {
 }
 
 
-def component(kind: str) -> type[Component]:
+# Other words for kinds, which a file may use.
+KINDS_BY_ALIAS = {
+    "flywheel": "disc",
+    "spring": "coupling",
+    "clutch": "coupling",
+    "gearbox": "gear",
+    "cardan": "joint",
+    "universal_joint": "joint",
+    "impeller": "pump",
+    "roll": "machine",
+    "load": "machine",
+}
+
+
+def component_class(kind: str) -> "type[Component]":
     """The class of a kind; raises KeyError for a word that is no kind."""
     kind_class: type[Component] = resolve_name(KINDS[kind])
     return kind_class

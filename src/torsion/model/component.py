@@ -5,7 +5,7 @@ Also here: where the train has arrived while its components are lowered, and the
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
@@ -15,7 +15,7 @@ from pydantic import InstanceOf, WithJsonSchema
 from torsion import fields
 from torsion.errors import Fault, Path, nearest
 from torsion.fields import Quantity, Sized, given, refuse, required
-from torsion.model.parts import Part
+from torsion.model.parts import PLAIN, DataSheet, Part, Symbol
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
 Strength = Annotated[float, Quantity("Pa", above=0, usual="strength")]
@@ -92,7 +92,9 @@ class Lowering:
         """Name of the component that is being lowered."""
         return self.parts[-1].name
 
-    def member(self, owner: Part, name: str, kind: str, *, is_point: bool) -> None:
+    def member(
+        self, owner: Part, name: str, kind: str, *, is_point: bool, symbol: Symbol = PLAIN
+    ) -> None:
         """Begin a piece of a component that is itself a point or a link, as every other component is."""
         self.parts.append(
             replace(
@@ -104,6 +106,7 @@ class Lowering:
                 is_named=False,
                 note=None,
                 ratio=self.arrival.ratio,
+                symbol=symbol,
             )
         )
 
@@ -220,7 +223,7 @@ class Component(Sized):
 
     keyword: ClassVar[str]  # its kind, the key of its entry in the train
     sort: ClassVar[Literal["point", "link", "line", "none"]]  # line: points and links in a row
-    unbuilt: ClassVar[tuple[str, ...]] = ()  # keys of the format that are not built yet
+    symbol: ClassVar[Symbol] = PLAIN  # in the sketch of the train
     title: ClassVar[str]  # of its page in the manual
     example: ClassVar[str] = ""  # entries of a train
     groups: ClassVar[tuple[tuple[str, str], ...]] = ()  # of its keys in the manual: heading, keys
@@ -240,6 +243,10 @@ class Component(Sized):
         """Add this component's stations and primitives where the train has arrived."""
         raise NotImplementedError
 
+    def data_sheet(self) -> Iterable[tuple[str, str]]:
+        """Return rows of its data sheet in the report: label, value with unit."""
+        return ()
+
     def enter(self, build: Lowering, path: Path) -> None:
         """Make this component a part of the train where that has arrived, and lower it; `path` is its entry's."""
         build.number[self.keyword] += 1
@@ -254,9 +261,13 @@ class Component(Sized):
             is_named=self.name is not None,
             note=self.note,
             source=self.source,
+            symbol=self.symbol,
         )
         build.parts.append(part)
+        position = build.part
         self.lower(build)
+        if rows := tuple(self.data_sheet()):
+            build.parts[position] = build.parts[position].with_records(DataSheet(rows))
 
 
 Line = Annotated[

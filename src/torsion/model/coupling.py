@@ -14,6 +14,7 @@ from torsion.fields import (
     excludes,
     exclusive,
     given,
+    needs,
     or_value,
     refuse,
     required,
@@ -127,6 +128,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
             *DAMPINGS,
             hint="give the clutch and its damper as two couplings with an inertia between them",
         ),
+        needs("max_torque_rare", "max_torque", hint="T_Kmax1 for normal operation"),
         exclusive(
             "clearance", "stages", hint="give the backlash as a first stage of low stiffness"
         ),
@@ -213,9 +215,6 @@ class Coupling(Component, keyword="coupling", sort="link"):
     def _refuse_ratings(self) -> None:
         """Refuse ratings that contradict each other."""
         normal, rare = self.max_torque, self.max_torque_rare
-        if rare is not None and normal is None:
-            hint = "also give `max_torque`: T_Kmax1 for normal operation"
-            raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
         if rare is not None and normal is not None and rare < normal:
             message = f"{rare:g} N m is below the {normal:g} N m of `max_torque`"
             raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")

@@ -19,7 +19,7 @@ from torsion.model.elastic_element import (
     heat_ratings,
     loss_factor,
 )
-from torsion.model.parts import CouplingRatings
+from torsion.model.parts import CouplingRatings, Symbol
 from torsion.model.silicone import Silicone
 from torsion.primitives import Spring, tabled_spring
 
@@ -27,7 +27,7 @@ from torsion.primitives import Spring, tabled_spring
 NOMINAL_FREQUENCY = 2.0 * math.pi * 100.0
 
 
-class RingDamper(Component, keyword="damper", sort="point"):
+class RingDamper(Component, keyword="damper", sort="point", symbol=Symbol("absorber")):
     """A damper is a housing with a ring, joined by damping and stiffness."""
 
     title = "viscous, silicone or spring damper"

@@ -24,6 +24,7 @@ from torsion.fields import (
     refuse,
     required,
     table_over,
+    together,
 )
 
 if TYPE_CHECKING:
@@ -283,6 +284,7 @@ class VibratoryTorque(Declared):
     clashes = (
         exclusive("torque", "table", hint=EXAMPLE + ", or only a torque", needed=True),
         excludes("table", "at", "above", hint=TORQUE_ROW),
+        *together("at", "above", hint=EXAMPLE),
     )
 
     torque: fields.Rating | None = given("amplitude (zero to peak); with `at` up to that frequency")
@@ -297,11 +299,6 @@ class VibratoryTorque(Declared):
         "rows [frequency, torque] in place of `torque`; beyond the rows the minimum torque applies, above them it "
         "falls with the root of the frequency"
     )
-
-    def refuse_clashes(self) -> None:
-        if (self.at is None) != (self.above is None):
-            lacks = "above" if self.above is None else "at"
-            raise refuse(f"`{lacks}` is missing", EXAMPLE)
 
     def lowered(self) -> tuple[float | None, OverFrequency | None]:
         """Return the torque (N m) that holds at every frequency, or the law over frequency."""

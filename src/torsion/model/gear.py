@@ -8,19 +8,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import (
-    Declared,
-    OneOrMany,
-    Quantity,
-    excludes,
-    exclusive,
-    given,
-    refuse,
-)
+from torsion.fields import Declared, OneOrMany, Quantity, excludes, exclusive, given, needs, refuse
 from torsion.model.component import Arrival, Component, Line, Lowering, lower_branch
 from torsion.model.coupling import Pair
 from torsion.model.differential import Differential
-from torsion.model.parts import GearRating, Part
+from torsion.model.parts import GearRating, Part, Symbol
 from torsion.model.planetary import Planetary
 from torsion.primitives import Constraint, Spring, Toothing
 
@@ -57,7 +49,7 @@ class GearBranch(Declared):
     clashes = (ONE_RATIO,)
 
 
-class Gear(Component, keyword="gear", sort="link"):
+class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
     """A gear joins two or more shafts at a ratio."""
 
     title = "gear stage, planetary stage and differential"
@@ -75,6 +67,7 @@ class Gear(Component, keyword="gear", sort="link"):
 
     clashes = (
         excludes("planetary", "branches", hint="give them a separate gear"),
+        needs("module", "teeth", hint="or give `pitch_diameter: [driving, driven]`"),
         excludes(
             "planetary",
             "helix_angle",
@@ -260,9 +253,6 @@ def _refuse_sizes_that_clash(gear: Gear) -> None:
     for key in ("helix_angle", "pressure_angle"):
         if getattr(gear, key) is not None and sizes is None and gear.module is None:
             raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
-    if gear.module is not None and gear.teeth is None:
-        hint = "or give `pitch_diameter: [driving, driven]`"
-        raise refuse("a `module` needs `teeth`", hint, "module")
     if sizes is None:
         return
     ratio = gear.ratio or Fraction(*reversed(gear.teeth or (1, 1)))

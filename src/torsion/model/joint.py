@@ -12,11 +12,11 @@ from torsion.fields import Quantity, given, refuse, required
 from torsion.kernels.joints import cross, tripod
 from torsion.model.component import Component, Lowering
 from torsion.model.coupling import Pair
-from torsion.model.parts import JointRecord
+from torsion.model.parts import JointRecord, Symbol
 from torsion.primitives import Constraint
 
 
-class Joint(Component, keyword="joint", sort="link"):
+class Joint(Component, keyword="joint", sort="link", symbol=Symbol(width=0.8)):
     """A joint joins two shafts at an angle: a cross (Cardan, Hooke), tripod or constant-velocity joint."""
 
     title = "universal joint, cardan shaft, tripod, constant-velocity joint"

@@ -10,12 +10,13 @@ from torsion.fields import Declared, Quantity, exclusive, given, refuse, require
 from torsion.model.component import Lowering
 from torsion.model.disc import Rotor
 from torsion.model.machine_torques import EXPONENTS, DriveLaw, Harmonic, Load, LoadLaw, Ripple
-from torsion.model.parts import MachineRecord
+from torsion.model.parts import MachineRecord, Symbol
 from torsion.primitives import Damper, Spring
 from torsion.sources import note
 
 SEA_WATER = 1025.0  # kg/m3
 INERTIA_FOR_HELD = "give its `inertia` in place of `held`"
+DRIVER = Symbol("driver")
 USUAL_FACTOR = {
     "archer": "30",
     "frahm": "3",
@@ -58,7 +59,7 @@ def _read_damping(value: Any) -> Any:
     return {"model": "viscous", "value": value} if is_plain else value
 
 
-class Machine(Rotor):
+class Machine(Rotor, symbol=Symbol("load")):
     """What every machine has: its inertia, and the power that it takes or gives."""
 
     drives_train: ClassVar[bool] = False
@@ -240,7 +241,7 @@ class RippleMachine(Machine):
     harmonics_key = "ripple"
 
 
-class Motor(RippleMachine, keyword="motor", drives_train=True):
+class Motor(RippleMachine, keyword="motor", drives_train=True, symbol=DRIVER):
     """A motor drives the train, with ripple torques at orders of its shaft."""
 
     title = "electric motor or other driver"
@@ -249,7 +250,7 @@ class Motor(RippleMachine, keyword="motor", drives_train=True):
 - motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}"""
 
 
-class Turbine(RippleMachine, keyword="turbine", drives_train=True):
+class Turbine(RippleMachine, keyword="turbine", drives_train=True, symbol=DRIVER):
     """A turbine drives the train."""
 
     title = "turbine"

@@ -14,12 +14,14 @@ from torsion.fields import (
     Amount,
     Declared,
     Exclusive,
+    Needs,
     Quantity,
     Rows,
     Sized,
     WrittenRows,
     exclusive,
     given,
+    needs,
     read_rows,
     refuse,
     required,
@@ -55,7 +57,7 @@ TransmissionError = Annotated[Any, BeforeValidator(_read_error, json_schema_inpu
 class Harmonic(Declared):
     """A torque by order of the component's own speed, or at a fixed frequency."""
 
-    clashes: ClassVar[tuple[Exclusive, ...]] = (exclusive("order", "frequency"),)
+    clashes: ClassVar[tuple[Exclusive | Needs, ...]] = (exclusive("order", "frequency"),)
 
     order: fields.Exact | None = given("cycles per revolution of the component's own shaft")
     frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")
@@ -74,18 +76,24 @@ class Harmonic(Declared):
 class Ripple(Harmonic):
     """One harmonic component of a motor's torque ripple."""
 
-    torque: fields.TorqueAmount = required("amplitude (zero to peak): N m, or % of the mean torque")
+    clashes = (
+        exclusive(
+            "order", "frequency", hint="a ripple has one, for example `order: 6`", needed=True
+        ),
+    )
 
-    def refuse_clashes(self) -> None:
-        if self.order is None and self.frequency is None:
-            raise refuse("a ripple needs `order` or `frequency`", "for example `order: 6`")
+    torque: fields.TorqueAmount = required("amplitude (zero to peak): N m, or % of the mean torque")
 
 
 class Excitation(Harmonic, Sized):
     """A torque of the file's list `excitations`, or what excites at the teeth of a gear."""
 
     model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in AMOUNTS]})
-    clashes = (*Harmonic.clashes, exclusive(*AMOUNTS))
+    clashes = (
+        *Harmonic.clashes,
+        exclusive(*AMOUNTS, hint="keep one of them; only a gear has an error", needed=True),
+        needs("base_radius", "transmission_error", hint="leave it out"),
+    )
 
     at: str = required(
         "name of the component on which it acts: a point, or a gear whose mesh excites"
@@ -116,14 +124,6 @@ class Excitation(Harmonic, Sized):
     @classmethod
     def _table(cls, value: object) -> object:
         return read_table(value) if isinstance(value, list | tuple) else fields.read_amount(value)
-
-    def refuse_clashes(self) -> None:
-        if self.torque is None and self.transmission_error is None:
-            raise refuse("`torque` is missing", "at a gear `torque` or `transmission_error`")
-        if self.base_radius is not None and self.transmission_error is None:
-            raise refuse(
-                "`base_radius` belongs to a `transmission_error`", "leave it out", "base_radius"
-            )
 
 
 LawWord = Literal["quadratic", "propeller", "linear", "constant", "constant-power"]
@@ -227,6 +227,7 @@ def read_load(value: Any) -> LoadLaw:
 Load = Annotated[Any, BeforeValidator(read_load, LawWord | PowerLaw | WrittenRows)]
 
 
+KLOSS = "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`"
 LAWS = ("slip", "droop", "law", "torque")
 EXAMPLES = "for example `drive: {slip: 1 %}`, `{droop: 4 %}`, `{law: speed}` or `{torque: [[0, 0], [1500 rpm, 1200]]}`"
 Time = Annotated[float, Quantity("s", above=0)]
@@ -260,42 +261,21 @@ class DriveLaw(Declared):
         "time constant with which the slope acts in vibration too (default: it does not)"
     )
 
-    def refuse_clashes(self) -> None:
-        laws = self.keys_given(*LAWS)
-        if len(laws) > 1:
-            raise refuse(
-                f"`{laws[0]}` and `{laws[1]}` are two laws of one drive",
-                "keep one of them",
-                laws[1],
-            )
-        if not laws and self.lag is not None:
-            raise refuse("`lag` without a slope", "give `slip` or `droop` too", "lag")
-        if not laws:
-            raise refuse("a drive needs its law", EXAMPLES)
-        self._refuse_kloss()
-        if self.lag is not None and laws[0] not in ("slip", "droop"):
-            raise refuse(
-                f"`lag` without a slope that is constant: `{laws[0]}` has none",
-                "give `slip` or `droop`",
-                "lag",
-            )
+    clashes = (
+        exclusive(*LAWS, hint=EXAMPLES, needed=True),
+        needs("pull_out", "at_slip", "slip", hint=KLOSS),
+        needs("at_slip", "pull_out", hint=KLOSS),
+    )
 
-    def _refuse_kloss(self) -> None:
-        if self.pull_out is None and self.at_slip is None:
+    def refuse_clashes(self) -> None:
+        if self.lag is None:
             return
-        for key, needed in (("pull_out", "at_slip"), ("at_slip", "pull_out"), ("pull_out", "slip")):
-            if getattr(self, needed) is None:
-                raise refuse(
-                    f"`{key}` without `{needed}`",
-                    "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`",
-                    key,
-                )
-        if self.lag is not None and (self.slip or 0.0) >= (self.at_slip or 0.0):
-            raise refuse(
-                "`lag` beyond the pull-out torque, where the slope damps no more",
-                "leave `lag` out",
-                "lag",
-            )
+        if self.slip is None and self.droop is None:
+            message = "`lag` without a slope that is constant"
+            raise refuse(message, "give `slip` or `droop`", "lag")
+        if self.at_slip is not None and (self.slip or 0.0) >= self.at_slip:
+            message = "`lag` beyond the pull-out torque, where the slope damps no more"
+            raise refuse(message, "leave `lag` out", "lag")
 
     @property
     def is_controlled(self) -> bool:

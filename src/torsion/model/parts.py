@@ -227,6 +227,22 @@ class PropellerRecord(ImpellerRecord):
     pitch: str | None = None  # fixed or controllable; None where the file does not state it
 
 
+@dataclass(frozen=True)
+class DataSheet:
+    """What a component states of itself in the appendix of the report."""
+
+    rows: tuple[tuple[str, str], ...]  # label, value with unit
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """How the sketch of the train draws a component."""
+
+    role: Literal["", "driver", "load", "fluid", "absorber", "throw"] = ""  # colour of a point
+    width: float = 1.0  # of a link, along the train
+
+
+PLAIN = Symbol()
 Kind = TypeVar("Kind")
 
 
@@ -266,6 +282,7 @@ class Part:
     inertia_tolerance: float | None = None  # relative, of all its inertias
     remark: str = ""  # what it stands for, where that is not what the file says alone
     is_opposed: bool = False  # of the motion of two equal halves against each other
+    symbol: Symbol = PLAIN
     records: tuple[Any, ...] = ()
 
     machine: ClassVar[Held[MachineRecord]] = Held(
@@ -301,6 +318,12 @@ class Part:
         """Return the part without its records of these types."""
         kept = (record for record in self.records if not isinstance(record, kinds))
         return replace(self, records=tuple(kept))
+
+    @property
+    def data_sheet(self) -> tuple[tuple[str, str], ...]:
+        """Rows of its data sheet: label, value with unit."""
+        sheet = self.get(DataSheet)
+        return () if sheet is None else sheet.rows
 
     @property
     def whole(self) -> str:

@@ -15,7 +15,7 @@ from torsion import fields
 from torsion.fields import Quantity, exclusive, given, required
 from torsion.kernels.power_law import power_law
 from torsion.model.component import Component, Lowering
-from torsion.model.parts import CouplingRatings, PendulumRecord
+from torsion.model.parts import CouplingRatings, PendulumRecord, Symbol
 from torsion.primitives import tabled_spring
 
 REACH = (1e-3, 1e6)  # rad/s of its shaft between which its stiffness follows the speed
@@ -23,7 +23,7 @@ Mass = Annotated[float, Quantity("kg", above=0)]
 Length = Annotated[float, Quantity("m", above=0, usual="length of a pendulum")]
 
 
-class Pendulum(Component, keyword="pendulum", sort="point"):
+class Pendulum(Component, keyword="pendulum", sort="point", symbol=Symbol("absorber")):
     """A centrifugal pendulum absorber has bobs on a carrier that turns with the train.
 
     Give `length`, or the `order` of its own shaft to which it is tuned: order^2 = arm/length. Bobs are points, or

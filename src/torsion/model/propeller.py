@@ -9,7 +9,7 @@ from torsion import fields
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.model.component import Lowering
 from torsion.model.machine import INERTIA_FOR_HELD, Machine
-from torsion.model.parts import ImpellerRecord, PropellerRecord
+from torsion.model.parts import ImpellerRecord, PropellerRecord, Symbol
 from torsion.primitives import Torque
 
 Ratio = Annotated[float, Quantity("1", above=0, usual="ratio of a propeller")]
@@ -28,7 +28,7 @@ def _read_entrained(value: Any) -> tuple[str, float]:
     return unit, Quantity(unit, at_least=0).read(value)
 
 
-class BladedMachine(Machine, usual_load="quadratic"):
+class BladedMachine(Machine, usual_load="quadratic", symbol=Symbol("fluid")):
     """A machine with blades or vanes in a fluid."""
 
     entrained: Annotated[

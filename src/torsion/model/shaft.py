@@ -15,7 +15,7 @@ from torsion import fields
 from torsion.fields import Declared, OneOrMany, Quantity, given, or_value, refuse, required
 from torsion.model.component import Component, Lowering, Material, Strength
 from torsion.model.elastic_element import given_damping
-from torsion.model.parts import Role, ShaftRecord
+from torsion.model.parts import Role, ShaftRecord, Symbol
 from torsion.model.shaft_details import (
     SOFTEST,
     STIFFEST,
@@ -71,7 +71,7 @@ class MeshedSection(Declared):
     unit: Literal["m", "cm", "mm", "in"] = given("unit of the mesh's coordinates", "m")
 
 
-class Shaft(Component, keyword="shaft", sort="link"):
+class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
     """A shaft is uniform or conical, solid or hollow, or has any cross-section from a mesh."""
 
     title = "uniform, conical or stepped shaft"

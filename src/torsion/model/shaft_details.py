@@ -7,7 +7,17 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import Across, Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.fields import (
+    Across,
+    Declared,
+    OneOrMany,
+    Quantity,
+    exclusive,
+    given,
+    refuse,
+    required,
+    together,
+)
 from torsion.primitives import StepForm
 
 FORMS = ("keyway", "splines", "hole")  # of a notch
@@ -54,10 +64,13 @@ class Step(Declared):
         "{diameter, thickness, fillet}: disc between the shafts, of their material"
     )
 
-    def refuse_clashes(self) -> None:
-        if len(self.keys_given(*type(self).model_fields)) != 1:
-            words = "`fillet`, `chamfer`, `undercut`, `flange`, or one of the words sharp, handbook and none"
-            raise refuse("a step has one form", words)
+    clashes = (
+        exclusive(
+            *("form", "fillet", "chamfer", "undercut", "flange"),
+            hint="a step has one form; sharp, handbook and none are words for it",
+            needed=True,
+        ),
+    )
 
     @property
     def round(self) -> float:
@@ -140,10 +153,9 @@ class Notch(Declared):
     splines: Splines | None = given("{teeth, root, width, fillet}: straight-sided splines")
     hole: Small | None = given("diameter of a radial oil hole")
 
-    def refuse_clashes(self) -> None:
-        if len(self.keys_given(*FORMS)) != 1:
-            hint = "`keyway`, `splines` or `hole`; a list has several notches"
-            raise refuse("a notch has one form", hint)
+    clashes = (
+        exclusive(*FORMS, hint="a notch has one form; a list has several notches", needed=True),
+    )
 
     @property
     def form(self) -> str:
@@ -164,6 +176,8 @@ class Notch(Declared):
 
 class Hub(Declared):
     """A hub on the end of a shaft, which twists in it; the end of the shaft is the end of the hub."""
+
+    clashes = together("pressure", "friction", hint="the fit carries their product")
 
     length: Long = required("length of its seat, within the length of the shaft")
     diameter: Across | None = given("outer diameter of the hub of a shrink fit")
@@ -193,9 +207,6 @@ class Hub(Declared):
         if self.fit == "key" and self.material is not None:
             message = "a hub with `fit: key` has no `material`"
             raise refuse(message, "a key counts as rigid", "material")
-        if (self.pressure is None) != (self.friction is None):
-            message = "`pressure` and `friction` of a hub belong together"
-            raise refuse(message, "the fit carries their product")
         if self.fit == "key" and self.pressure is not None:
             message = "a hub with `fit: key` has no `pressure`"
             raise refuse(message, "a key carries the torque", "pressure")

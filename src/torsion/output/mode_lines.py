@@ -15,11 +15,12 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.kernels.round_sections import section_modulus
 from torsion.output.document import Document
-from torsion.output.station_layout import WIDTH, layout
+from torsion.output.station_layout import layout
 from torsion.primitives import Section
 
 NAME = "modes.vtu"
-LENGTH = 0.1  # m: the unit of length of a train without shafts
+LENGTH = 0.1  # m: a length of a train without shafts
+UNIT = LENGTH / 1.6  # m, of the sketch
 THIN = 0.3  # radius of what has no diameter, in the mean radius of the shafts
 
 
@@ -72,8 +73,10 @@ def requested_modes(findings: Findings) -> Modes:
 
 def coordinates(system: System) -> FloatArray:
     """Return the points (stations, 3) in m: x along the train, y across it for branches; shafts have their length."""
-    bars = system.train.bars
-    unit = (sum(bar.length for bar in bars) / len(bars) if bars else LENGTH) / WIDTH["shaft"]
+    bars, unit = system.train.bars, UNIT
+    if bars:
+        width = system.train.parts[bars[0].part].symbol.width
+        unit = sum(bar.length for bar in bars) / len(bars) / width
     places = layout(system, {bar.part: bar.length / unit for bar in bars})
     return unit * np.column_stack([places.x, -places.row, np.zeros(places.x.size)])
 

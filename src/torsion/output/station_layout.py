@@ -13,7 +13,6 @@ from torsion.model.parts import Part
 from torsion.output.selection import by_part
 from torsion.primitives import STEP
 
-WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1
 RIGID = 0.5  # between two points that are rigidly joined
 CLEAR = 0.5  # between the end of a branch and one that begins behind it
 MOST_NAMES = 14  # components up to which a picture bears their names, not their numbers alone
@@ -60,7 +59,7 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
             if is_new:
                 row[first] = line
             if np.isnan(x[last]):
-                x[last], row[last] = x[first] + widths.get(number, WIDTH.get(part.kind, 1.0)), line
+                x[last], row[last] = x[first] + widths.get(number, part.symbol.width), line
             rows.fill(line, float(x[last]))
             of_path.setdefault(part.path, last)
     _along_shafts(system, x, row)
@@ -72,7 +71,8 @@ def _widths(system: System) -> dict[int, float]:
     """Return widths by part for the sections of a shaft: to scale, on the average half a shaft."""
     train, widths = system.train, dict[int, float]()
     for bars in train.sectioned.values():
-        scale = WIDTH["shaft"] / 2.0 * len(bars) / sum(bar.length for bar in bars)
+        width = train.parts[bars[0].part].symbol.width
+        scale = width / 2.0 * len(bars) / sum(bar.length for bar in bars)
         widths |= {bar.part: scale * bar.length for bar in bars}
     return widths
 
@@ -121,11 +121,11 @@ def _behind(
         return float(x[piece]) + RIGID, float(row[piece])
     if not standing:
         return 0.0, float(row[station])
-    is_wheel = system.train.parts[system.stations[station].part].kind == "gear"
+    part = system.train.parts[system.stations[station].part]
     is_step = any(
         spring.driven == station and spring.name.endswith(STEP) for spring in system.train.springs
     )
-    gap = WIDTH["gear"] if is_wheel else 0.0 if is_step else RIGID
+    gap = part.symbol.width if part.kind == "gear" else 0.0 if is_step else RIGID
     return float(x[standing[0]]) + gap, float(row[standing[0]])
 
 

@@ -1,63 +1,20 @@
 """Other words for kinds and keys: read, and replaced by the key of the format as soon as the file is read."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from torsion.errors import Fault
-from torsion.model import KINDS, component
+from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.fault_text import Node, Source
-
-KINDS_BY_ALIAS = {
-    "flywheel": "disc",
-    "spring": "coupling",
-    "clutch": "coupling",
-    "gearbox": "gear",
-    "cardan": "joint",
-    "universal_joint": "joint",
-    "impeller": "pump",
-    "roll": "machine",
-    "load": "machine",
-}
-KEYS_BY_ALIAS = {  # of components, and of mappings within them
-    "OD": "diameter",
-    "outer_diameter": "diameter",
-    "ID": "bore",
-    "inner_diameter": "bore",
-    "fixed": "held",
-    "relative_damping": "psi",
-    "entrained_water": "entrained",
-    "T_KN": "rated_torque",
-    "T_KW": "vibratory_torque",
-    "T_Kmax": "max_torque",
-    "P_KW": "heat_limit",
-}
-SECTIONS_BY_ALIAS = {  # of the top level, of `operation` and of `analyses: {design: }`
-    "": {"shoulders": "steps"},
-    "operation": {"reference": "at"},
-    "design": {
-        "variables": "choose",
-        "constraints": "keep",
-        "objective": "aim",
-        "pareto": "against",
-    },
-}
-_ALIASES = {
-    *KINDS_BY_ALIAS,
-    *KEYS_BY_ALIAS,
-    *(word for words in SECTIONS_BY_ALIAS.values() for word in words),
-}
-_ANY = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(_ALIASES))})[\"']?\s*:")
+from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS
 
 
 def with_canonical_keys(source: Source) -> Source:
     """Return the source with every alias replaced by its key, at the place of the alias; both given is a fault."""
-    if isinstance(source.data, dict) and _ANY.search(source.text):
-        faults = tuple(_section_faults(source.root))
-        return replace(source, faults=(*source.faults, *faults))
-    return source
+    faults = tuple(_section_faults(source.root))
+    return replace(source, faults=(*source.faults, *faults))
 
 
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:
@@ -101,7 +58,7 @@ def _train_faults(entries: Node) -> Iterator[Fault]:
         yield from _rename(entry, KINDS_BY_ALIAS)
         for kind, body in entry.parts.items():
             if kind in KINDS:
-                yield from _mapping_faults(body, (component(str(kind)),))
+                yield from _mapping_faults(body, (component_class(str(kind)),))
 
 
 def _mapping_faults(node: Node, models: tuple[type[Any], ...]) -> Iterator[Fault]:

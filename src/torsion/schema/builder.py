@@ -1,5 +1,6 @@
 """A model file written in Python: components by kind, and a study of them; the text is read as any file is.
 
+>>> disc, coupling = Constructor("disc"), Constructor("coupling")
 >>> study = build("Two discs", [disc("first", inertia=2), coupling("spring", stiffness="120 N*m/rad"), disc(inertia=3)])
 >>> print(study.text)
 name: Two discs
@@ -19,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from torsion.errors import refusal
-from torsion.model import component
+from torsion.model import KINDS, component_class
 from torsion.schema.scene_reader import parse
 from torsion.schema.yaml_source import in_brackets
 from torsion.study import Study
@@ -58,7 +59,7 @@ class Constructor:
     @property
     def __signature__(self) -> Signature:
         """The keys of the kind, for completion."""
-        fields = component(self.kind).model_fields
+        fields = component_class(self.kind).model_fields
         names = [
             field.alias or name for name, field in fields.items() if (field.alias or name) != "name"
         ]
@@ -109,20 +110,8 @@ def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
     )
 
 
-disc = Constructor("disc")
-motor = Constructor("motor")
-turbine = Constructor("turbine")
-generator = Constructor("generator")
-pump = Constructor("pump")
-fan = Constructor("fan")
-machine = Constructor("machine")
-propeller = Constructor("propeller")
-damper = Constructor("damper")
-pendulum = Constructor("pendulum")
-shaft = Constructor("shaft")
-coupling = Constructor("coupling")
-gear = Constructor("gear")
-branch = Constructor("branch")
-joint = Constructor("joint")
-engine = Constructor("engine")
-compressor = Constructor("compressor")
+def __getattr__(kind: str) -> Constructor:
+    """Return the constructor of a kind of component: `disc`, `coupling`, ..."""
+    if kind not in KINDS:
+        raise AttributeError(kind)
+    return Constructor(kind)

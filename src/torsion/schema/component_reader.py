@@ -6,7 +6,7 @@ from typing import Any
 
 from torsion.errors import Fault, Path
 from torsion.fields import shown
-from torsion.model import KINDS, component
+from torsion.model import KINDS, component_class
 from torsion.model.component import Component
 from torsion.schema.declaration_reader import declared, entries_of, unknown_word
 from torsion.schema.missing_marks import without_mark
@@ -49,7 +49,7 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
         faults.append(replace(fault, hint=word_for("component", kind, fault.hint)))
         return None
     before = len(faults)
-    read = declared(component(kind), _with_trains(body, path, faults), path, faults)
+    read = declared(component_class(kind), _with_trains(body, path, faults), path, faults)
     return read if len(faults) == before else None
 
 

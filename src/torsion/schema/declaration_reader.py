@@ -28,13 +28,9 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
         keys = f"keys: {', '.join(keys_of(kind))}"
         faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", keys))
         return None
-    absent = getattr(kind, "unbuilt", ())
     noted_faults = [_without_value((*path, *where), where) for where in _empty(body)]
-    noted_faults += [
-        unbuilt((*path, key), f"`{key}`") for key in absent if body.get(key) is not None
-    ]
     noted = [fault.path[len(path) :] for fault in noted_faults]
-    values = _filled({key: item for key, item in body.items() if key not in absent})
+    values = _filled(body)
     try:
         read = kind.model_validate(values, strict=True)
     except ValidationError as error:
@@ -100,11 +96,6 @@ def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
         if isinstance(value, list)
         else ()
     )
-
-
-def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
-    """The fault of a part of the format that cannot be computed yet."""
-    return Fault(path, f"{what} is part of the format but not built yet", hint, at_key=True)
 
 
 def unknown_word(

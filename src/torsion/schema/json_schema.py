@@ -10,13 +10,14 @@ from pydantic_core import core_schema
 from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import Declared, OneOrMany
-from torsion.model import KINDS, component
+from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.model.component import Component
 from torsion.rules import RULES
-from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
+from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.manual import declarations, first_line
+from torsion.schema.other_words import SECTIONS_BY_ALIAS
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.setting_texts import setting_examples
 from torsion.schema.table_rows import MAPPINGS, PAIRS
@@ -97,7 +98,9 @@ def json_schema() -> Schema:
 
 def _add_aliases(schema: Schema) -> None:
     """Offer every other word for a key next to the key."""
-    for name in {model.__name__ for kind in KINDS for model in _models_within(component(kind))}:
+    for name in {
+        model.__name__ for kind in KINDS for model in _models_within(component_class(kind))
+    }:
         _offer(
             schema["$defs"].get(name, {}),
             aliases_of(schema["$defs"].get(name, {}).get("properties", {})),
@@ -186,7 +189,7 @@ def _add_tables(models: Schema) -> None:
 
 def _kind(kind: str, body: Schema) -> Schema:
     """A kind of component with what it is, and examples of it."""
-    declared = component(kind)
+    declared = component_class(kind)
     entries = parse_source(declared.example or "[]", kind).data
     examples = [entry[kind] for entry in entries if kind in entry]
     return body | {"description": first_line(declared), "examples": examples}

@@ -10,17 +10,18 @@ from pathlib import Path
 from string import Template
 
 from torsion import units
-from torsion.analyses import ANALYSES, MODELS, UNBUILT, settings_classes
+from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import Declared, Quantity
-from torsion.model import KINDS, component
+from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.model.component import STEEL, Component, Material
 from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
+from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.key_tables import key_table, tables_with_parts
+from torsion.schema.other_words import SECTIONS_BY_ALIAS
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.setting_texts import setting_examples, titles
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
@@ -64,7 +65,6 @@ def pages() -> dict[str, str]:
         "index",
         top=key_table(Scene).replace("see meaning", "section below"),
         quantities=_quantities(),
-        unbuilt=_unbuilt(),
         aliases=_words(SECTIONS_BY_ALIAS[""]),
         toctree=toctree(
             [
@@ -99,7 +99,7 @@ def write_pages(folder: Path, texts: Mapping[str, str]) -> None:
 def declarations() -> dict[str, type[Declared]]:
     """Every declaration of the format by its word in the file."""
     return {
-        **{kind: component(kind) for kind in KINDS},
+        **{kind: component_class(kind) for kind in KINDS},
         "document": FrontMatter,
         "material": Material,
         "operation": Operation,
@@ -154,7 +154,7 @@ def _section(name: str) -> str:
 
 def _kind(kind: str) -> str:
     """Return the page of a kind of component: sentence, examples, keys, notes."""
-    declared = component(kind)
+    declared = component_class(kind)
     introduction = f"{first_line(declared)} {SORTS[declared.sort]}"
     example = f"```yaml\n{declared.example}\n```"
     keys = tables_with_parts(declared, Component, declared.groups)
@@ -203,7 +203,7 @@ def _aliases(aliases: Mapping[str, str]) -> str:
 def _kinds() -> str:
     """Return a table of all kinds."""
     rows = ["| kind | component |", "|---|---|"]
-    rows += [f"| [`{kind}`]({kind}.md) | {component(kind).title} |" for kind in KINDS]
+    rows += [f"| [`{kind}`]({kind}.md) | {component_class(kind).title} |" for kind in KINDS]
     return "\n".join(rows) + "\n"
 
 
@@ -236,16 +236,6 @@ def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
         for part in mappings_of(field):
             if not issubclass(part, Component):
                 yield from _quantities_of(part)
-
-
-def _unbuilt() -> str:
-    """Return a list of the words that the format has and the program does not support."""
-    rows = [
-        f"- keys of `{kind}`: {_words(component(kind).unbuilt)}"
-        for kind in KINDS
-        if component(kind).unbuilt
-    ]
-    return "\n".join([*rows, f"- analyses: {_words(UNBUILT)}"]) + "\n"
 
 
 if __name__ == "__main__":

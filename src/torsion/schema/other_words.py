@@ -1,10 +1,38 @@
-"""Words that the format writes otherwise, and what it has for them: templates/other_words.txt."""
+"""Words that the format writes otherwise: aliases of keys, and what a word of the trade may mean."""
 
 import re
 from functools import cache
+from itertools import chain
 from typing import Literal
 
+from torsion.model import KINDS_BY_ALIAS
 from torsion.schema import template
+
+KEYS_BY_ALIAS = {  # of components, and of mappings within them
+    "OD": "diameter",
+    "outer_diameter": "diameter",
+    "ID": "bore",
+    "inner_diameter": "bore",
+    "fixed": "held",
+    "relative_damping": "psi",
+    "entrained_water": "entrained",
+    "T_KN": "rated_torque",
+    "T_KW": "vibratory_torque",
+    "T_Kmax": "max_torque",
+    "P_KW": "heat_limit",
+}
+SECTIONS_BY_ALIAS = {  # of the top level, of `operation` and of `analyses: {design: }`
+    "": {"shoulders": "steps"},
+    "operation": {"reference": "at"},
+    "design": {
+        "variables": "choose",
+        "constraints": "keep",
+        "objective": "aim",
+        "pareto": "against",
+    },
+}
+_ALIASES = {*KINDS_BY_ALIAS, *KEYS_BY_ALIAS, *chain(*SECTIONS_BY_ALIAS.values())}
+ALIAS = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(_ALIASES))})[\"']?\s*:")
 
 
 @cache

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
-from torsion.analyses import ANALYSES, UNBUILT, VARYING
+from torsion.analyses import ANALYSES, VARYING
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required, shown
 from torsion.model import KINDS
@@ -19,7 +19,7 @@ from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.component_names import possible_names, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
-from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown_word
+from torsion.schema.declaration_reader import declared, entries_of, unknown_word
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
@@ -281,7 +281,8 @@ def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
         )
     kind = kinds[0]
     if kind in ("gear", "joint"):
-        faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
+        message = f"a {kind} cannot close a loop"
+        faults.append(Fault((*path, kind), message, "a coupling or a shaft can", at_key=True))
     elif kind not in LINKS:
         faults.append(unknown_word((*path, kind), "link", kind, list(LINKS)))
     else:
@@ -298,9 +299,7 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
         name = str(path[-1])
         if name in ShaftModel.model_fields:
             continue
-        if name in UNBUILT:
-            faults.append(unbuilt(path, f"`{name}`"))
-        elif name not in ANALYSES or not ANALYSES[name].settings:
+        if name not in ANALYSES or not ANALYSES[name].settings:
             names = [key for key, analysis in ANALYSES.items() if analysis.settings]
             fault = unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names])
             faults.append(replace(fault, hint=word_for("analysis", name, fault.hint)))

@@ -15,8 +15,8 @@ from pydantic import BaseModel
 from torsion import units
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
-from torsion.model import KINDS, component
-from torsion.schema.aliases import KINDS_BY_ALIAS, canonical_column
+from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
+from torsion.schema.aliases import canonical_column
 from torsion.schema.declaration_reader import items_of, keys_of
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.other_words import key_for
@@ -118,7 +118,7 @@ def columns_of(key: str) -> dict[tuple[str, str], Stated]:
         return {
             (kind, name): stated
             for kind in KINDS
-            for name, stated in _declared(component(kind)).items()
+            for name, stated in _declared(component_class(kind)).items()
         }
     kind_of_list, columns = list_kind(key), dict[str, Stated]()
     for declaration in kind_of_list.declared:

@@ -14,9 +14,9 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
-from torsion.schema.aliases import with_canonical_keys
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
+from torsion.schema.other_words import ALIAS
 from torsion.user_files import LARGEST_SCENE, read_file
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
@@ -136,7 +136,12 @@ def parse_source(text: str, name: str) -> Source:
         )
     if builder.faults:
         raise input_error(builder.faults, bare)
-    return with_canonical_keys(Source(name, text, builder.root))
+    source = Source(name, text, builder.root)
+    if not (isinstance(source.data, dict) and ALIAS.search(text)):
+        return source
+    from torsion.schema.aliases import with_canonical_keys
+
+    return with_canonical_keys(source)
 
 
 @dataclass(frozen=True)

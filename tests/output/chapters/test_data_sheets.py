@@ -141,7 +141,7 @@ def test_forces_on_teeth_are_left_out_without_a_rated_torque() -> None:
 @for_all(
     ("keys", "expected"),
     [
-        ("ratio: 3, module: 5 mm", "a `module` needs `teeth`"),
+        ("ratio: 3, module: 5 mm", "`module` needs `teeth`"),
         ("teeth: [20, 60], helix_angle: 12 deg", "`helix_angle` says nothing alone"),
         (
             "teeth: [20, 60], pitch_diameter: [100 mm, 310 mm]",

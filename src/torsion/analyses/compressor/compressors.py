@@ -143,7 +143,7 @@ def _compressor(work: Work, part: Part, record: CompressorRecord) -> CompressorF
         turned=turned,
         effort=-(harmonics @ np.exp(1j * np.outer(order, turned))).real,
         varying=tuple(varying_inertia(work, inertias)),
-        words=record.words,
+        words=part.data_sheet,
     )
 
 

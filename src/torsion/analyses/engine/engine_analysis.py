@@ -105,7 +105,7 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
         varying=tuple(_varying(work, engine)),
         superposed=_misfires(work, engine),
         stress_modulus=engine.modulus,
-        words=engine.words,
+        words=part.data_sheet,
         remarks=engine.remarks,
     )
 

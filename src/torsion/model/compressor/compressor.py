@@ -137,7 +137,7 @@ class Compressor(Crankshaft, keyword="compressor"):
             self._throw(number, station, tuple(self._ends(build, owner, number)))
             for number, station in enumerate(stations)
         )
-        record = CompressorRecord(owner, throws, self.mechanical_efficiency, tuple(self._words()))
+        record = CompressorRecord(owner, throws, self.mechanical_efficiency)
         build.parts[owner] = build.parts[owner].with_records(record)
         if len(build.faults) == faults:
             self._refuse_driving(build, record)
@@ -211,8 +211,7 @@ class Compressor(Crankshaft, keyword="compressor"):
                         cylinder=cylinder,
                     )
 
-    def _words(self) -> Iterator[tuple[str, str]]:
-        """Rows of the data sheet: label, value with unit."""
+    def data_sheet(self) -> Iterator[tuple[str, str]]:
         yield "Throws", str(len(self.throws))
         yield "Stroke, connecting rod", f"{1e3 * self.stroke:.6g}, {1e3 * self.rod_length:.6g} mm"
         yield "Radius / rod", f"{self.slider.radius / self.slider.rod:.5g}"

@@ -49,7 +49,6 @@ class CompressorRecord:
     part: int
     throws: tuple[ThrowRecord, ...]
     efficiency: float  # mechanical
-    words: tuple[tuple[str, str], ...]  # figures of the data sheet
 
     @property
     def files(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from typing import Annotated
 from torsion import fields
 from torsion.fields import OneOrMany, Quantity, exclusive, given, refuse
 from torsion.model.component import Component, Lowering
-from torsion.model.parts import ShaftRecord
+from torsion.model.parts import ShaftRecord, Symbol
 from torsion.primitives import Damper, Spring
 
 ONE_INERTIA = exclusive(
@@ -87,7 +87,7 @@ class Crankshaft(Component, sort="line"):
                 if self.loss_factor:
                     build.place(damping=("loss_factor", self.loss_factor))
                 build.record(shaft)
-            build.member(owner, names[throw], "throw", is_point=True)
+            build.member(owner, names[throw], "throw", is_point=True, symbol=Symbol("throw"))
             stations[throw] = station = build.point()
             if self.inertia:
                 build.inertia(station, _value(self.inertia, throw))

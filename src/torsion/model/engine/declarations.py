@@ -13,12 +13,14 @@ from torsion.fields import (
     Mass,
     OneOrMany,
     Quantity,
+    exclusive,
     given,
     or_value,
     read_item,
     refuse,
     required,
     shown,
+    together,
 )
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.engine.crankshaft import check_rod
@@ -31,6 +33,7 @@ Turned = Annotated[float, Quantity("rad", above=0, usual="crank angle of an even
 Ratio = Annotated[float, Quantity("1", above=1, usual="compression ratio")]
 Share = Annotated[float, Quantity("1", at_least=0, usual="share of a cylinder")]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
+FORMS = ("table", "tables", "diagram", "cycle")
 MOST_ORDER = 48  # of the crankshaft
 Row = tuple[
     Fraction, complex, str
@@ -100,21 +103,16 @@ class RodMasses(Declared):
 class Masses(Declared):
     """Moving masses of one cylinder."""
 
+    clashes = (
+        exclusive("reciprocating", "piston", hint="masses: {reciprocating: 2.5 kg}", needed=True),
+        *together("piston", "rod", hint="`reciprocating` holds both shares in one figure"),
+    )
+
     reciprocating: Mass | None = given("piston, pin and the rod's share")
     piston: Mass | None = given(
         "piston with pin and rings, in place of `reciprocating`, with `rod`"
     )
     rod: RodMasses | None = given("{mass, centre, inertia} of the connecting rod")
-
-    def refuse_clashes(self) -> None:
-        if (self.reciprocating is None) == (self.piston is None):
-            raise refuse(
-                "give `reciprocating`, or `piston` and `rod`", "masses: {reciprocating: 2.5 kg}"
-            )
-        if (self.piston is None) != (self.rod is None):
-            raise refuse(
-                "`piston` and `rod` go together", "`reciprocating` holds both shares in one figure"
-            )
 
 
 class Journal(Declared):
@@ -224,28 +222,23 @@ Rows = Annotated[tuple[Any, ...], BeforeValidator(_rows), WithJsonSchema(_TABLE)
 class Stated(Declared):
     """The load that a table is for."""
 
+    clashes = (exclusive("imep", "torque", hint="at: {imep: 18 bar}", needed=True),)
+
     imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
     torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
-
-    def refuse_clashes(self) -> None:
-        if (self.imep is None) == (self.torque is None):
-            raise refuse("a load is `imep` or `torque`, one of them", "at: {imep: 18 bar}")
 
 
 class TableAt(Declared):
     """A table of harmonics at a load or speed."""
 
+    clashes = (
+        exclusive("imep", "torque", "speed", hint="{imep: 5 bar, rows: [...]}", needed=True),
+    )
+
     imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
     torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
     speed: fields.Speed | None = given("speed of the engine; the table then includes the load")
     rows: Rows = required(f"rows {ROW}")
-
-    def refuse_clashes(self) -> None:
-        if [self.imep, self.torque, self.speed].count(None) != 2:
-            raise refuse(
-                "give a table exactly one of `imep`, `torque` and `speed`",
-                "{imep: 5 bar, rows: [...]}",
-            )
 
     @property
     def key(self) -> Literal["imep", "torque", "speed"]:
@@ -273,6 +266,8 @@ Diagrams = Annotated[
 
 class Gas(Declared):
     """The gas torque of a cylinder: one of `table`, `tables`, `diagram` and `cycle`."""
+
+    clashes = (exclusive(*FORMS, hint="one of them states the gas torque", needed=True),)
 
     table: Rows | None = given(
         f"harmonics of one cylinder by order of the crankshaft: rows {ROW}; phases of a cosine "
@@ -333,17 +328,12 @@ class Gas(Declared):
     crankcase: Crankcase = given("absolute pressure under the piston", 101325.0)
 
     def refuse_clashes(self) -> None:
-        kinds = self.keys_given(*OF_EACH)
-        if len(kinds) != 1:
-            message = f"{' and '.join(kinds)} exclude each other"
-            message = message if kinds else "the gas torque is missing"
-            hint = "give one of `table`, `tables`, `diagram` and `cycle`"
-            raise refuse(message, hint, *kinds[1:2])
-        suitable, needed = OF_EACH[kinds[0]]
+        kind = self.keys_given(*FORMS)[0]
+        suitable, needed = OF_EACH[kind]
         for key in (key for keys, _ in OF_EACH.values() for key in keys):
             if key not in suitable and key in self.model_fields_set:
                 hint = f"with it go {', '.join(suitable)}"
-                raise refuse(f"`{key}` does not go with `{kinds[0]}`", hint, key)
+                raise refuse(f"`{key}` does not go with `{kind}`", hint, key)
         # Keys of which any will do stand in one text: the exhaust of four strokes, or of two.
         missing = [keys for keys in needed if not self.keys_given(*keys.split())]
         if missing:

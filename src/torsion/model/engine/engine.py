@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from torsion import fields
-from torsion.fields import given, refuse, required
+from torsion.fields import given, needs, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder, State
@@ -39,6 +39,7 @@ from torsion.model.engine.record import CylinderRecord, EngineRecord
 from torsion.model.parts import MachineRecord, ShaftRecord
 from torsion.primitives import Torque
 
+SIZES = "geometry: {bore, stroke, rod_length}"
 TWICE = 1e-9  # rad: firing angles that differ by less are one
 
 
@@ -73,6 +74,12 @@ class Engine(Crankshaft, keyword="engine"):
         ),
         ("Excitation", "geometry masses gas power mechanical_efficiency orders"),
         ("Misfire and imbalance", "misfire cut_out keep_power imbalance"),
+    )
+
+    clashes = (
+        needs("masses", "geometry", hint=SIZES),
+        needs("web", "geometry", hint=SIZES),
+        needs("crank_inertia", "masses", hint="their mean is added to it"),
     )
 
     cylinders: Annotated[int, Field(ge=1, le=40)] = required("number of cylinders")
@@ -136,19 +143,13 @@ class Engine(Crankshaft, keyword="engine"):
         self._check_states()
         journals, geometry, masses = (self.journal, self.pin), self.geometry, self.masses
         sized = all(journal is not None and journal.length for journal in journals)
-        if self.web is not None and not (sized and geometry is not None):
-            message = "`web` needs `journal` and `pin` with their `length`, and `geometry`"
+        if self.web is not None and not sized:
+            message = "`web` needs `journal` and `pin` with their `length`"
             raise refuse(message, "journal: {diameter: 90 mm, length: 40 mm}", "web")
-        if masses is not None and geometry is None:
-            hint = "geometry: {bore, stroke, rod_length}"
-            raise refuse("`masses` need the `geometry` of the cylinder", hint, "masses")
         rod = None if masses is None else masses.rod
         if rod is not None and geometry is not None and rod.centre >= geometry.rod_length:
             message = "the centre of mass lies beyond the rod"
             raise refuse(message, "it counts from the centre of the big end", "masses")
-        if self.crank_inertia and masses is None:
-            message = "`crank_inertia` needs `masses`"
-            raise refuse(message, "their mean is added to it", "crank_inertia")
         if self.gas is None and masses is None:
             message = "nothing excites: `gas` and `masses` are missing"
             raise refuse(message, "give one of them, or discs")
@@ -343,7 +344,6 @@ class Engine(Crankshaft, keyword="engine"):
             self.phase is not None,
             self.phase == "worst",
             self.misfire == "worst",
-            tuple(self._words()),
             () if law is None else law.remarks,
             tuple(self._sizes()),
         )
@@ -385,8 +385,7 @@ class Engine(Crankshaft, keyword="engine"):
                 raised * heat[number],
             )
 
-    def _words(self) -> Iterator[tuple[str, str]]:
-        """Rows of the data sheet: label, value with unit."""
+    def data_sheet(self) -> Iterator[tuple[str, str]]:
         yield "Cylinders", str(self.cylinders)
         yield "Strokes of a cycle", str(self.strokes)
         if self.firing_order:

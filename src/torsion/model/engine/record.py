@@ -73,7 +73,6 @@ class EngineRecord:
     has_phase: bool  # against the reference, by the file
     by_chance: bool  # that phase is any, and the worst is meant
     tries_all: bool  # every cylinder misfires in turn, and the worst is meant
-    words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
     sizes: tuple[
         tuple[str, float, tuple[str, ...]], ...

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
 from torsion.model.parts import GearRating
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Table, table
 from torsion.output.reported_values import mean_torque_at_rated, rated
 
 NO_FORCE = "Tooth forces not computed for {}: the file has no pitch diameter or no rated torque."
@@ -19,10 +19,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """One table for every kind of component that has a data sheet."""
     sheets = _machines, _couplings, _gears, _tooth_forces, _impellers
     tables = list(filter(None, (sheet(findings) for sheet in sheets)))
-    if not tables:
+    stated = [
+        KeyValues((("Component", part.name), *part.data_sheet))
+        for part in findings.study.train.parts
+        if part.data_sheet and part.engine is None and part.compressor is None
+    ]
+    if not tables and not stated:
         return
     yield Heading("Appendix: data sheets")
     yield from tables
+    yield from stated
     train, forces = findings.study.train, findings.get(ToothForces)
     meshes = {force.mesh for force in forces.meshes} if forces is not None else set()
     without = [

@@ -71,6 +71,7 @@ def _points(findings: Findings) -> list[Disc]:
                 size=_size(inertia, finite),
                 label=label(system.train.parts, position),
                 kind=part.kind,
+                role=part.symbol.role,
                 is_held=math.isinf(inertia),
                 is_grounded=station in grounds,
                 ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),

@@ -22,18 +22,13 @@ GRADED, BED = (
     0.18,
     0.27,
 )  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
-FILLS = {
-    "motor": "#bcd5e8",
-    "turbine": "#bcd5e8",
-    "generator": "#cfe0b8",
-    "pump": "#bfe3d5",
-    "fan": "#bfe3d5",
-    "machine": "#cfe0b8",
-    "propeller": "#bfe3d5",
-    "damper": "#ead2e0",
-    "pendulum": "#ead2e0",
+FILLS = {  # by the role that the class of a component states
+    "driver": "#bcd5e8",
+    "load": "#cfe0b8",
+    "fluid": "#bfe3d5",
+    "absorber": "#ead2e0",
     "throw": "#e3ddc6",
-    "disc": "#dcdcdc",
+    "": "#dcdcdc",
 }
 DOTTED = "1.6 2"
 
@@ -77,7 +72,7 @@ def _disc(sheet: Sheet, disc: Disc) -> None:
     if disc.ring:
         tall = half + 0.13 + 0.12 * disc.ring
         _box(sheet, (disc.x, y), thick + 0.14, tall, "#ffffff", dash="4 2", near=2.9)
-    _box(sheet, (disc.x, y), thick, half, FILLS.get(disc.kind, FILLS["disc"]))
+    _box(sheet, (disc.x, y), thick, half, FILLS[disc.role])
     if disc.is_grounded:
         _zigzag(sheet, (disc.x, y - half), (disc.x, y - half - 0.45), 0.07)
         _ground(sheet, disc.x, y - half - 0.45, 0.2, vertical=False)

@@ -170,6 +170,7 @@ class Disc:
     is_held: bool = False
     is_grounded: bool = False  # a spring to ground
     ring: float = 0.0  # size of a damper's ring
+    role: str = ""  # of its symbol
 
 
 @dataclass(frozen=True)
