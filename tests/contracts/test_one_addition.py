@@ -161,7 +161,7 @@ def test_an_analysis_without_a_chapter_is_reported_as_declared(toys: Path) -> No
     assert tables["Single values of rims"].rows == (
         ("fastest", "18.000", "m/s", "speed of the fastest rim"),
     )
-    by_station = dict(tables["Values of rims by station"].rows)
+    by_station = dict(tables["Values of rims"].rows)
     assert (by_station["near"], by_station["far"]) == ("18.000", "9.0000")
     text = [point for item in made.body for point in getattr(item.block, "items", ())]
     size = f"2 by {len(by_station)} values"

@@ -174,10 +174,6 @@ def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
             )
 
 
-def magnifiers(found: Found, row: Row) -> Iterator[float]:
-    return (0.5 / one for one in at(found, "damped_modes.damping_ratio") if one)
-
-
 def shares(found: Found, row: Row) -> Iterator[float]:
     """Of one station or span, and the sums over those of one component, or those inside of it."""
     for path, what in (("kinetic_share", "stations"), ("elastic_share", "spans")):
@@ -318,14 +314,6 @@ COLUMNS: dict[
     ("Cases: barred ranges", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
     ("Cases: barred ranges", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
-    ("Natural frequencies of the undamped", "Frequency"): key("modes.frequency_Hz"),
-    ("Natural frequencies of the undamped", "Per minute"): key("modes.frequency_Hz"),
-    ("Natural frequencies of the undamped", "Nodes"): key("modes.nodes"),
-    ("Natural frequencies of the undamped", "Lower bound"): key("modes.lower_Hz"),
-    ("Natural frequencies of the undamped", "Upper bound"): key("modes.upper_Hz"),
-    ("Damped natural frequencies", "Frequency"): key("damped_modes.frequency_Hz"),
-    ("Damped natural frequencies", "Damping ratio"): key("damped_modes.damping_ratio"),
-    ("Damped natural frequencies", "Magnifier"): magnifiers,
     ("Shares of the kinetic", "Mode"): shares,
     ("Critical speeds, order by mode", "Mode"): key(f"critical_speeds[].{RPM}"),
     ("Critical speeds, order by mode", "Order"): key("critical_speeds[].order"),

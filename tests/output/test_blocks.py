@@ -6,9 +6,11 @@ import math
 import pkgutil
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from torsion import output
+from torsion.arrays import FloatArray
 from torsion.output import chapters, figures, table_text
 from torsion.output.blocks import (
     Column,
@@ -22,6 +24,8 @@ from torsion.output.blocks import (
     table,
 )
 from torsion.output.document import numbered
+from torsion.output.records import along
+from torsion.output.selection import NO_VALUE
 from torsion.results import reported, result
 
 
@@ -126,6 +130,41 @@ def test_columns_of_records_are_declared_quantities_in_a_unit_that_they_have() -
         table("power: Power", [mesh])
     with pytest.raises(ValueError, match="declared in rad/s"):
         table("speed: Speed [deg]", [mesh])
+
+
+def test_records_stand_before_the_values_of_columns_that_name_no_quantity() -> None:
+    mesh, wheel = Mesh(math.pi, 2.5), Wheel("w", np.array([0.1, 0.2]))
+    made = table("torque: | < Remark | speed: Speed [rpm]", [(mesh, "none")])
+    assert made.rows == (("2.5000", "none", "30.000"),)
+    inner = table("name: < Wheel | speed: Speed [rpm] | Teeth", [(wheel, mesh, 21)])
+    assert inner.rows == (("w", "30.000", "21"),)
+    with pytest.raises(ValueError, match="has not 1 values beside"):
+        table("torque: | < Remark", [mesh])
+
+
+def test_a_row_can_be_a_place_of_the_arrays_of_a_result() -> None:
+    wheel = Wheel("w", np.array([0.1, 0.2]))
+    made = table("name: < Wheel | mode: Mode | share: Share [%]:3", along(wheel, "mode"))
+    assert made.rows == (("w", "1", "10.0"), ("w", "2", "20.0"))
+    assert table("mode: Mode", along(wheel, "mode", [1])).rows == (("2",),)
+
+
+def test_complex_values_have_an_amplitude_and_a_phase_unless_they_may_be_rounding() -> None:
+    made = table("Amplitude:3s | Phase [deg]:gp", [(-2.0 + 0j,) * 2, (1e-15j,) * 2])
+    assert made.rows == (("2.00", "180"), ("0", "–"))
+
+
+def test_a_column_without_values_is_left_out_and_no_value_is_said_in_words() -> None:
+    made = table("< Shaft | Limit:? | Stress:u", [("a", None, 1.0), ("b", None, None)])
+    assert made.rows == (("a", "1.0000"), ("b", NO_VALUE))
+
+
+@reported
+class Wheel:
+    """A result over an axis."""
+
+    name: str = result("", (), "name")
+    share: FloatArray = result("1", ("mode",), "share of each mode")
 
 
 @reported

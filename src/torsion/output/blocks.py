@@ -3,6 +3,7 @@
 Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
 """
 
+import cmath
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -18,20 +19,32 @@ from torsion.output.figures.figure import Figure
 from torsion.output.numbers import (
     DIGITS,
     NONE,
+    ROUNDING,
     cell,
     distinct_texts,
     given,
     number,
     order,
     scale,
-    unit_words,
 )
-from torsion.results import quantities
+from torsion.output.records import is_record, values_of_records
+from torsion.output.selection import NO_VALUE
 
 HEAD = re.compile(
     r"(?:(?P<name>\w+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
-    r"(?::(?P<digits>\d*)(?P<form>[gdo+]*))?"
+    r"(?::(?P<digits>\d*)(?P<form>[gdopsu?+]*))?"
 )
+FORMS = {
+    "g": "a parameter of the input, without the zeros that nobody wrote",
+    "+": "with its sign",
+    "d": "as many digits as keep different values apart",
+    "o": "an order",
+    "p": "the phase of a complex number; without it the amplitude",
+    "s": "0 where it may be rounding of the largest of the column",
+    "u": "in words where there is no reliable value",
+    "?": "no column where no row has a value",
+}
+EMPTY = {None, ""}
 SHOWN = {  # unit of a column: the unit of its values, and the factor between them
     "rpm": ("rad/s", 30.0 / math.pi),
     "deg": ("rad", 180.0 / math.pi),
@@ -43,6 +56,9 @@ SHOWN = {  # unit of a column: the unit of its values, and the factor between th
     "cm²": ("m**2", 1e4),
     "ms": ("s", 1e3),
     "kW": ("W", 1e-3),
+    "GPa": ("Pa", 1e-9),
+    "mm³": ("m**3", 1e9),
+    "1/min": ("Hz", 60.0),
 }
 Value = str | bool | int | float | None  # of a cell
 
@@ -83,9 +99,7 @@ class Column:
     short: str = ""  # its title on the terminal; '' where it is left out there
     is_files: bool = False  # its cells name files beside the report, to which they lead on a page
     digits: int = DIGITS  # significant ones of a number
-    form: str = (
-        ""  # "g" a figure of the input, "+" with its sign, "d" digits that keep values apart
-    )
+    form: str = ""  # letters of FORMS
     factor: float = 1.0  # from a value in SI units to the unit
     name: str = ""  # of the declared quantity that stands in it
 
@@ -163,7 +177,7 @@ def head(titles: str) -> tuple[Column, ...]:
     """Return the columns of a table: 'mode: Mode | < Shaft -> | Critical speed [rpm]:6 -> rpm'.
 
     'mode:' names the quantity of a record, '<' marks words, which stand to the left, and ':6' are digits, behind them
-    a form of `Column`. A value in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the
+    letters of FORMS. A value in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the
     largest prefix that leaves no such column of the table below 1. Behind '->' is the title on the terminal, by itself
     the same in small letters, with '~' for that unit, as in `short`.
 
@@ -186,7 +200,8 @@ def table(
 ) -> Table:
     """Return a table of values in SI units under the titles of `head`, at `most` so many of its rows.
 
-    Where the titles name quantities, a row is a result that declares them, or a tuple of results, one in the other.
+    Where the titles name quantities, a row is a result that declares them or a place of its arrays (`along`), or a
+    tuple of results, one in the other, and then of the values of the columns that name none.
 
     >>> table("< Mode | Frequency [Hz] | Damping [%]:2", [("first", 12.5, 0.01), ("second", None, 1)]).rows
     (('first', '12.500', '1.0'), ('second', '–', '1'))
@@ -194,14 +209,25 @@ def table(
     columns, records = head(titles) if isinstance(titles, str) else titles, list(rows)
     if most is not None and len(records) > most:
         caption, records = f"{caption}; the first {most} of {len(records)}", records[:most]
-    if records and columns[0].name:
-        columns, records = _from_records(columns, records)
+    if records and is_record(records[0]):
+        named = [(column.name, column.unit) for column in columns]
+        units, records = values_of_records(named, records, SHOWN)
+        columns = tuple(
+            replace(column, unit=unit) for column, unit in zip(columns, units, strict=True)
+        )
     if any(len(row) != len(columns) for row in records):
         raise ValueError(f"a row of the table '{caption}' does not have {len(columns)} cells")
-    values: list[list[Any]] = [
-        [_plain(value, column) for value, column in zip(row, columns, strict=True)]
-        for row in records
+    cells = [
+        _plain(held, column)
+        for held, column in zip(zip(*records, strict=True), columns, strict=False)
     ]
+    kept = [
+        k
+        for k, column in enumerate(columns)
+        if "?" not in column.form or not set(cells[k] if cells else ()) <= EMPTY
+    ]
+    columns = tuple(columns[k] for k in kept)
+    values = list(zip(*(cells[k] for k in kept), strict=True)) if cells else []
     for unit in {column.unit for column in columns if column.unit.startswith("~")}:
         places = [k for k, column in enumerate(columns) if column.unit == unit]
         sizes = [[abs(row[k]) for row in values if isinstance(row[k], float)] for k in places]
@@ -221,7 +247,7 @@ def table(
         )
     return Table(
         columns,
-        tuple(map(tuple, values)),
+        tuple(values),
         caption,
         tuple(marks)[:most],
         short,
@@ -249,40 +275,29 @@ def _column(words: str) -> Column:
     )
 
 
-def _from_records(
-    columns: Sequence[Column], records: Sequence[Any]
-) -> tuple[tuple[Column, ...], list[Any]]:
-    """Return the columns in units of what the records declare, and the values of every record.
-
-    Raises ValueError where a quantity is not declared, or declared in a unit that the column cannot show.
-    """
-    nested = [record if isinstance(record, tuple) else (record,) for record in records]
-    declared = {
-        quantity.name: (level, quantity.unit.removeprefix("1"))
-        for level, part in enumerate(nested[0])
-        for quantity in quantities(type(part))
-    }
-    completed = []
-    for column in columns:
-        if column.name not in declared:
-            raise ValueError(f"{type(nested[0][-1]).__name__} declares no '{column.name}'")
-        unit = declared[column.name][1]
-        shown = column.unit or unit_words(unit)
-        if SHOWN.get(shown, (unit if unit_words(unit) == shown.lstrip("~") else None,))[0] != unit:
-            raise ValueError(f"'{column.name}' is declared in {unit}, not in what {shown} shows")
-        completed.append(replace(column, unit=shown))
-    levels = [(declared[column.name][0], column.name) for column in columns]
-    return tuple(completed), [
-        [getattr(row[level], name) for level, name in levels] for row in nested
-    ]
+def _plain(values: Sequence[Any], column: Column) -> list[Value]:
+    """Return the values of a column as a table keeps them: finite numbers, words, or None."""
+    held = [value.item() if isinstance(value, np.generic) else value for value in values]
+    if "s" in column.form or "p" in column.form:
+        sizes = (abs(value) for value in held if isinstance(value, float | complex))
+        largest = max(sizes, default=0.0)
+        held = [
+            0.0 if isinstance(value, float | complex) and abs(value) < ROUNDING * largest else value
+            for value in held
+        ]
+    return [_cell(value, column.form) for value in held]
 
 
-def _plain(value: Any, column: Column) -> Value:
-    """Return a value as a table keeps it: a finite number, a word, or None."""
-    value = value.item() if isinstance(value, np.generic) else value
+def _cell(value: Any, form: str) -> Value:
+    if "p" in form:
+        value = cmath.phase(value) if value else None
+    elif isinstance(value, complex):
+        value = abs(value)
+    if value is None and "u" in form:
+        return NO_VALUE
     if isinstance(value, float):
         return value if math.isfinite(value) else None if math.isnan(value) else number(value)
-    if isinstance(value, Fraction) and "o" in column.form:
+    if isinstance(value, Fraction) and "o" in form:
         return order(value)
     is_kept = isinstance(value, str | int | None) and not isinstance(value, Enum)
     return value if is_kept else cell(value)

@@ -51,16 +51,20 @@ def data_tables(findings: Findings) -> Iterator[DataTable]:
     yield from _of_records("stations", plain(station_rows(selection), selection))
     yield from _of_records("spans", plain(span_rows(selection), selection))
     for name, result in findings.results.items():
-        if not is_declared(result):
-            continue
-        values = plain(result, selection)
-        if isinstance(values, list):
-            yield from _of_records(name, values)
-            continue
-        yield from _of_arrays(name, result, selection)
-        for key, records in values.items():
-            if isinstance(records, list) and all(isinstance(row, dict) for row in records):
-                yield from _of_records(name if len(values) == 1 else f"{name}_{key}", records)
+        if is_declared(result):
+            yield from result_tables(name, result, selection)
+
+
+def result_tables(name: str, result: Any, selection: Selection) -> Iterator[DataTable]:
+    """Yield the arrays over one axis and the lists of records of one result."""
+    values = plain(result, selection)
+    if isinstance(values, list):
+        yield from _of_records(name, values)
+        return
+    yield from _of_arrays(name, result, selection)
+    for key, records in values.items():
+        if isinstance(records, list) and all(isinstance(row, dict) for row in records):
+            yield from _of_records(name if len(values) == 1 else f"{name}_{key}", records)
 
 
 def _of_arrays(name: str, result: Any, selection: Selection) -> Iterator[DataTable]:

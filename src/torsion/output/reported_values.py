@@ -10,7 +10,7 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -140,12 +140,6 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
         return np.zeros((0, 0))
     size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
     return np.where(response.status == Status.OK, size, np.nan)
-
-
-def rows_by_mode(*columns: FloatArray | IntArray) -> list[tuple[float, ...]]:
-    """Return the rows of a table over the modes: the number of the mode, then the values of each array (modes,)."""
-    values = zip(*(column.tolist() for column in columns), strict=True)
-    return [(mode, *row) for mode, row in enumerate(values, start=1)]
 
 
 def speed_axis(findings: Findings) -> dict[str, Any]:

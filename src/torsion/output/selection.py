@@ -1,101 +1,25 @@
 """What every output shows of a train: elastic elements, stations, spans, and values over them reduced to that."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
 from functools import cached_property
-from itertools import groupby
 from typing import Any
 
 import numpy as np
 
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
+from torsion.assembly.elements import Element, by_part, damps, elements, pieces
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
 from torsion.output.numbers import Scale, scale
 from torsion.primitives import STEP
 from torsion.results import Quantity
 
-
-@dataclass(frozen=True)
-class Element:
-    """A coupling, shaft, gear mesh, joint or other link, with the spans that it was divided into."""
-
-    name: str
-    kind: str  # the component's keyword
-    part: int
-    spans: Sequence[int]
-    ratio: float  # speed at which its torque is stated / reference speed
-
-    def largest(self, values: FloatArray) -> FloatArray:
-        """Return the largest over the element's spans of values (..., spans)."""
-        return np.asarray(values[..., list(self.spans)].max(axis=-1))
-
-
-def elements(system: System) -> tuple[Element, ...]:
-    """Return every element in the order of the train, all sections of a shaft as one with the steps between them."""
-    return tuple(_of_whole_shafts(system, pieces(system)))
-
-
-def pieces(system: System) -> list[Element]:
-    """Return the same with sections and steps each by itself; points that are rigidly joined have none between them."""
-    bars = {bar.part: bar.name for bar in system.train.bars}
-    spans_by_element: dict[tuple[int, str], list[int]] = {}
-    for index, span in enumerate(system.own_spans):
-        if not _joins_points_rigidly(system, index):  # a spring of a shaft is that of its step
-            name = (
-                span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
-            )
-            spans_by_element.setdefault((span.part, name), []).append(index)
-    named: list[tuple[int, str, Sequence[int]]] = [
-        (part, name, tuple(spans)) for (part, name), spans in spans_by_element.items()
-    ]
-    first = len(system.own_spans)
-    for row in system.rows:
-        named.append((row.bar.part, row.bar.name, range(first, first + row.number)))
-        first += row.number
-    made = [
-        Element(
-            name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]])
-        )
-        for part, name, spans in named
-    ]
-    return sorted(made, key=lambda one: (one.part, one.name.endswith(STEP), one.spans[0]))
-
-
-def _of_whole_shafts(system: System, made: Iterable[Element]) -> Iterator[Element]:
-    for name, sections in groupby(made, key=lambda one: system.train.parts[one.part].whole):
-        first, *further = sections
-        if name == system.train.parts[first.part].name:
-            yield from (first, *further)
-        else:
-            spans = (span for section in (first, *further) for span in section.spans)
-            yield replace(first, name=name, spans=tuple(spans))
-
-
-def by_part(part: IntArray) -> dict[int, IntArray]:
-    """Return positions of the stations or spans (any,) of every component, ascending.
-
-    >>> by_part(np.array([2, 0, 2]))
-    {0: array([1]), 2: array([0, 2])}
-    """
-    order = np.argsort(part, kind="stable")
-    parts, first = np.unique(part[order], return_index=True)
-    return dict(zip(parts.tolist(), np.split(order, first[1:]), strict=True)) if part.size else {}
-
-
-def damps(system: System, element: Element) -> bool:
-    """Return whether its internal damping takes energy out of a vibration."""
-    first = element.spans[0]
-    if first in system.tables:
-        return system.tables[first].damps
-    return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
-
-
-def _joins_points_rigidly(system: System, index: int) -> bool:
-    span = system.spans[index]
-    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)
-
-
+__all__ = [
+    "Element",
+    "by_part",
+    "damps",
+    "elements",
+]  # names of the floor below that outputs read here
 NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one is not known: it may be the largest
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
 

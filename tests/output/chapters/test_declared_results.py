@@ -47,10 +47,8 @@ class Toys:
         "N*m", ("speed", "span"), "in every element", default=None, printed=("element", "speed")
     )
     mark: FloatArray = result("", ("toy",), "of every toy", default=None)
-    ends: tuple[float, float] = result("s", (), "first and last", default=(1.0, 2.0))
-    part: Part | None = result("", (), "the best", default=None)
+    ends: FloatArray = result("s", ("end",), "first and last", default=None)
     parts: tuple[Any, ...] = result("", (), "all", default=())
-    only: Part | None = result("", (), "the only", default=None, key="")
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +64,7 @@ def blocks(findings: Findings, **fields: Any) -> list[Any]:
         twist=np.arange(21.0, len(system.spans) + 21),
         torque=np.ones((2, len(system.spans))),
         mark=np.arange(60.0),
+        ends=np.array([1.0, 2.0]),
     )
     toys = Analysis("toys of the train", "x", results={"toys": "x:Toys", "more": "x:Toys"})
     return chapter(toys, findings.having(toys=replace(made, **fields)))
@@ -75,15 +74,16 @@ def tables(made: list[Any]) -> dict[str, Table]:
     return {block.caption: block for block in made if isinstance(block, Table)}
 
 
-def test_every_quantity_stands_in_a_table_of_its_axis_or_is_named(train: Findings) -> None:
+def test_every_quantity_stands_in_a_table_or_is_named(train: Findings) -> None:
     made = blocks(train)
     assert made[0] == Heading("Toys of the train")
     found = tables(made)
     assert list(found) == [
         "Single values of toys",
-        "Values of toys by station",
-        "Values of toys by span",
-        "Values of toys by toy",
+        "Values of toys",
+        "Values of toys_by_span",
+        "Values of toys_by_toy",
+        "Values of toys_by_end",
     ]
     single = found["Single values of toys"]
     assert single.rows[:2] == (
@@ -91,71 +91,33 @@ def test_every_quantity_stands_in_a_table_of_its_axis_or_is_named(train: Finding
         ("share", "–", "1", "of all"),
     )
     assert single.short == "toys"
-    stations = found["Values of toys by station"]
+    stations = found["Values of toys"]
     names = [station.name for station in train.system.stations]
     assert stations.rows == tuple(
         (name, f"{k + 1:.4f}", f"{k + 11:.3f}") for k, name in enumerate(names)
     )
-    assert [(one.title, one.unit, one.align, one.short) for one in stations.columns] == [
-        ("Station", "", "left", "station"),
-        ("of every station", "m", "right", "height_m"),
-        ("across", "mm", "right", "width_mm"),
+    assert [(one.title, one.short) for one in stations.columns] == [
+        ("station", "station"),
+        ("height_m", "height_m"),
+        ("width_mm", "width_mm"),
     ]
-    assert stations.short == "toys by station"
     spans = [span.name for span in train.system.spans]
-    assert [row[0] for row in found["Values of toys by span"].rows] == spans
-    assert [row[0] for row in found["Values of toys by toy"].rows] == [str(k) for k in range(1, 61)]
-    (left,) = [block.items for block in made if isinstance(block, Points)]
-    assert left == (
-        "in every element: 2 by 2 values, `toys.torque_Nm` of results.json",
-        "first and last: 2 values, `toys.ends_s` of results.json",
-        "all: 0 values, `toys.parts` of results.json",
-    )
+    assert [row[0] for row in found["Values of toys_by_span"].rows] == spans
+    marks = [row[0] for row in found["Values of toys_by_toy"].rows]
+    assert marks == [str(k) for k in range(1, 61)]
+    (named,) = [block.items for block in made if isinstance(block, Points)]
+    shape = f"2 by {len(spans)}"
+    assert named == (f"in every element: {shape} values, `toys.torque_Nm` of results.json",)
 
 
 def test_places_of_another_number_than_the_stations_are_counted(train: Findings) -> None:
-    rows = tables(blocks(train, height=np.arange(3.0), width=np.arange(3.0)))[
-        "Values of toys by station"
-    ].rows
+    rows = tables(blocks(train, height=np.arange(3.0), width=np.arange(3.0)))["Values of toys"].rows
     assert [row[0] for row in rows] == ["1", "2", "3"]
 
 
-def test_long_arrays_are_named(train: Findings) -> None:
-    made = blocks(train, mark=np.arange(61.0))
-    assert "Values of toys by toy" not in tables(made)
-    assert made[-1].items[1] == "of every toy: 61 values, `toys.mark` of results.json"
-
-
-def test_results_within_a_result_have_their_own_tables(train: Findings) -> None:
-    made = blocks(
-        train, part=Part(7.0), only=Part(8.0), parts=tuple(Part(float(k)) for k in range(70))
-    )
-    found = tables(made)
-    assert found["Single values of toys.part"].rows == (
-        ("rim speed", "7.0000", "m/s", "of the rim"),
-    )
-    inner = [caption for caption in found if "parts[" in caption]
-    assert inner == [f"Single values of toys.parts[{k}]" for k in range(59)]
-    assert "Single values of toys.part" in found
-    mixed = blocks(train, parts=(Part(1.0), 5.0))
-    assert not [caption for caption in tables(mixed) if "parts[" in caption]
-
-
-def test_five_columns_stand_on_the_terminal(train: Findings) -> None:
-    @reported
-    class Wide:
-        a: FloatArray = result("", ("toy",), "a")
-        b: FloatArray = result("", ("toy",), "b")
-        c: FloatArray = result("", ("toy",), "c")
-        d: FloatArray = result("", ("toy",), "d")
-        e: FloatArray = result("", ("toy",), "e")
-
-    made = chapter(
-        Analysis("wide", "x", results={"wide": "x:Wide"}),
-        train.having(wide=Wide(*[np.arange(2.0)] * 5)),
-    )
-    (table,) = tables(made).values()
-    assert [column.short for column in table.columns] == ["toy", "a", "b", "c", "d", ""]
+def test_records_within_a_result_have_their_own_table(train: Findings) -> None:
+    made = blocks(train, parts=tuple(Part(float(k)) for k in range(3)))
+    assert tables(made)["Values of toys_parts"].rows == (("0",), ("1.0000",), ("2.0000",))
 
 
 def test_nothing_where_nothing_was_found(train: Findings) -> None:

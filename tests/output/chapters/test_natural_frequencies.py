@@ -154,7 +154,7 @@ def test_frequencies_with_their_bounds_and_nodes(geared: Findings) -> None:
 def test_damped_frequencies_and_what_decays_without_oscillation(geared: Findings) -> None:
     blocks = list(chapter(geared.having(damped_modes=damped(100.0, 9))))
     found = table(blocks, "Damped natural frequencies")
-    assert found.rows == (("1", "5.000000", "8.000", "6.250"), ("2", "7.000000", "0", "∞"))
+    assert found.rows == (("1", "5.000000", "8.000"), ("2", "7.000000", "0"))
     assert found.caption == found.short == "Damped natural frequencies, damping at 954.93 rpm"
     listed = ", ".join(f"{k}0.00" for k in range(1, 9))
     assert texts(blocks)[1] == f"Overdamped modes (decay without oscillation): {listed}, … 1/s."

@@ -17,7 +17,7 @@ from torsion.output.chapters.shaft_details import steps_and_hubs
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, counted, number, rpm
-from torsion.output.reported_values import rows_by_mode
+from torsion.output.records import along
 from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
 from torsion.results import listed
@@ -141,11 +141,9 @@ def frequencies(modes: Modes) -> Table:
     lowest = ", ".join(number(frequency) for frequency in modes.frequency[:MOST_IN_SUMMARY])
     ellipsis = ", ..." if len(modes.frequency) > MOST_IN_SUMMARY else ""
     return table(
-        "Mode -> | Frequency [Hz]:7 -> Hz | Per minute [1/min]:7 -> per minute | Nodes -> | Lower bound [Hz]:10 | "
-        "Upper bound [Hz]:10",
-        rows_by_mode(
-            modes.frequency, 60.0 * modes.frequency, modes.nodes, modes.lower, modes.upper
-        ),
+        "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | frequency: Per minute [1/min]:7 -> per minute | "
+        "nodes: Nodes -> | lower: Lower bound [Hz]:10 | upper: Upper bound [Hz]:10",
+        along(modes, "mode"),
         "Natural frequencies of the undamped train",
         short="Natural frequencies",
         summary=f"Natural frequencies: {lowest}{ellipsis} Hz" if lowest else "",
@@ -155,11 +153,10 @@ def frequencies(modes: Modes) -> Table:
 def _damped(damped: DampedModes) -> Iterator[Block]:
     title = "Damped natural frequencies"
     title += f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""
-    with np.errstate(divide="ignore"):
-        magnifier = np.where(damped.damping_ratio > 0, 0.5 / damped.damping_ratio, np.inf)
     yield table(
-        "Mode -> | Frequency [Hz]:7 -> Hz | Damping ratio [%]:4 -> damping ratio, % | Magnifier 1/(2ζ):4",
-        rows_by_mode(damped.frequency, damped.damping_ratio, magnifier),
+        "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | "
+        "damping_ratio: Damping ratio [%]:4 -> damping ratio, %",
+        along(damped, "mode"),
         title,
         short=title,
     )

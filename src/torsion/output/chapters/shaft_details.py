@@ -7,7 +7,7 @@ from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.numbers import symbols
-from torsion.output.reported_values import rows_by_mode
+from torsion.output.records import along
 
 STEPS = (
     "The file does not describe the corner between shafts of different diameter. The frequencies above "
@@ -47,8 +47,8 @@ def steps_and_hubs(findings: Findings) -> Iterator[Block]:
         yield Points(tuple(f"{step.shaft}: {symbols(step.remark)}." for step in sharp.steps))
         if any(step.flexibility for step in sharp.steps):
             yield table(
-                "Mode -> | With sharp steps [Hz]:7 -> Hz | Change [%]:3 -> change, %",
-                rows_by_mode(sharp.frequency, sharp.change),
+                "mode: Mode -> | frequency: With sharp steps [Hz]:7 -> Hz | change: Change [%]:3 -> change, %",
+                along(sharp, "mode"),
                 "Natural frequencies with sharp steps between the shafts",
             )
 
@@ -61,12 +61,8 @@ def steps_and_hubs(findings: Findings) -> Iterator[Block]:
             "Hubs on the ends of shafts",
         )
         yield table(
-            "< Shaft | < End | Mode | Without the hub [Hz]:7 | Change [%]:3",
-            [
-                (hub.shaft, hub.end, *row)
-                for hub in hubs.each
-                for row in rows_by_mode(hub.frequency, hub.change)
-            ],
+            "shaft: < Shaft | end: < End | mode: Mode | frequency: Without the hub [Hz]:7 | change: Change [%]:3",
+            [row for hub in hubs.each for row in along(hub, "mode")],
             "Effect of each hub on the natural frequencies",
         )
 

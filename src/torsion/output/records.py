@@ -1,0 +1,82 @@
+"""Rows of tables that are results: the values of the quantities that the columns of a table name."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsion.output.numbers import unit_words
+from torsion.results import Quantity, is_declared, quantities
+
+
+@dataclass(frozen=True)
+class Place:
+    """A result at one place of an axis of its arrays; the axis itself is a quantity, counted from 1."""
+
+    result: Any
+    axis: str
+    index: int
+
+    def __getattr__(self, name: str) -> Any:
+        if name == self.axis:
+            return self.index + 1
+        values, axes = getattr(self.result, name), declared_of(self.result)[name].axes
+        return np.take(values, self.index, axes.index(self.axis)) if self.axis in axes else values
+
+
+def along(result: Any, axis: str, indices: Iterable[int] | None = None) -> list[Place]:
+    """Return the places of an axis of a result, or those at the indices, as rows of a table."""
+    declared = next(each for each in quantities(type(result)) if axis in each.axes)
+    count = np.shape(getattr(result, declared.name))[declared.axes.index(axis)]
+    return [Place(result, axis, index) for index in (range(count) if indices is None else indices)]
+
+
+def declared_of(part: Any) -> dict[str, Quantity]:
+    """Return the quantities that a result, or a place of it, declares, by name."""
+    if isinstance(part, Place):
+        number = Quantity("", (), "counted from 1", part.axis)
+        return {part.axis: number, **declared_of(part.result)}
+    return {quantity.name: quantity for quantity in quantities(type(part))}
+
+
+def is_record(row: Any) -> bool:
+    """Return whether a row of a table begins with a result."""
+    first = row[0] if isinstance(row, tuple) and row else row
+    return isinstance(first, Place) or is_declared(first)
+
+
+def values_of_records(
+    columns: Sequence[tuple[str, str]],
+    rows: Sequence[Any],
+    shown: Mapping[str, tuple[str, float]],
+) -> tuple[list[str], list[Any]]:
+    """Return the units in which columns (name of a quantity, unit) show the records, and the values of every row.
+
+    `shown` has the unit of the values that a unit of a column can show. Raises ValueError where a quantity is not
+    declared, or declared in a unit that the column cannot show.
+    """
+    parts = [row if isinstance(row, tuple) else (row,) for row in rows]
+    records = [part for part in parts[0] if is_record(part)]
+    level_of = {name: k for k, record in enumerate(records) for name in declared_of(record)}
+    count = sum(not name for name, _ in columns)
+    position = len(records)
+    if any(len(row) != position + count for row in parts):
+        raise ValueError(f"a row has not {count} values beside its records")
+    units, values = list[str](), list[list[Any]]()
+    for name, title in columns:
+        if not name:
+            units.append(title)
+            values.append([row[position] for row in parts])
+            position += 1
+            continue
+        if name not in level_of:
+            raise ValueError(f"{type(records[-1]).__name__} declares no '{name}'")
+        level = level_of[name]
+        unit = declared_of(records[level])[name].unit.removeprefix("1")
+        units.append(title or unit_words(unit))
+        can_show = unit if unit_words(unit) == units[-1].lstrip("~") else None
+        if shown.get(units[-1], (can_show,))[0] != unit:
+            raise ValueError(f"'{name}' is declared in {unit}, not in what {units[-1]} shows")
+        values.append([getattr(row[level], name) for row in parts])
+    return units, list(zip(*values, strict=True))
