@@ -1,8 +1,7 @@
 """Every number of every table of the report is a declared result, in the unit of its column and to its digits.
 
 A column of declared quantities reads them from their records. Any other column names here the key of results.json that
-its figures come from; a column that names none fails. Figures that follow
-from others on the page (Holzer and mass-elastic tables) are computed again from those in test_tables_recomputed.py.
+its figures come from; a column that names none fails.
 """
 
 import cmath
@@ -174,28 +173,6 @@ def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
             )
 
 
-def shares(found: Found, row: Row) -> Iterator[float]:
-    """Of one station or span, and the sums over those of one component, or those inside of it."""
-    for path, what in (("kinetic_share", "stations"), ("elastic_share", "spans")):
-        value = np.array(found["modes"][path])
-        of, name = (np.array([one[key] for one in found[what]]) for key in ("component", "name"))
-        inside = np.array(["/" in one for one in name])
-        ends = np.array([one.endswith(" end") for one in name])
-        whole = np.array([not one.endswith(", step") for one in name])
-        yield from value.ravel().tolist()
-        of_whole = np.array([one.partition(" [")[0] for one in of.tolist()])
-        for part in dict.fromkeys(of_whole.tolist()):
-            yield from value[:, of_whole == part].sum(axis=1).tolist()
-        for part in dict.fromkeys(of.tolist()):
-            for chosen in (
-                of == part,
-                (of == part) & whole,
-                (of == part) & inside,
-                (of == part) & (inside | ends),
-            ):
-                yield from value[:, chosen].sum(axis=1).tolist()
-
-
 def distances(found: Found, row: Row) -> Iterator[float]:
     return (one["margin"] for one in found["critical_speeds"])
 
@@ -314,7 +291,6 @@ COLUMNS: dict[
     ("Cases: barred ranges", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
     ("Cases: barred ranges", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
-    ("Shares of the kinetic", "Mode"): shares,
     ("Critical speeds, order by mode", "Mode"): key(f"critical_speeds[].{RPM}"),
     ("Critical speeds, order by mode", "Order"): key("critical_speeds[].order"),
     ("Critical speeds in", "Critical speed"): key(f"critical_speeds[].{RPM}"),
@@ -525,10 +501,6 @@ COLUMNS: dict[
     ("Couplings and dampers with tables: input", "Viscous"): key(
         "coupling_tables.tables[].viscous_Nms_per_rad"
     ),
-    ("Natural frequencies with sharp", "With sharp"): key("sharp_steps.frequency_Hz"),
-    ("Natural frequencies with sharp", "Change"): key("sharp_steps.change"),
-    ("Effect of each hub", "Without"): key("hubs[].frequency_Hz"),
-    ("Effect of each hub", "Change"): key("hubs[].change"),
     ("Couplings and dampers with tables: values", "Mode"): key("coupling_tables.at_modes[].mode"),
     ("Couplings and dampers with tables: values", "Frequency"): key(
         "coupling_tables.at_modes[].frequency_Hz"
@@ -596,14 +568,6 @@ COLUMNS: dict[
     ("Maximum errors against", "Frequency"): key("check.models[].largest_frequency_error"),
     ("Maximum errors against", "1 − MAC"): key("check.models[].largest_shape_error"),
     ("Maximum errors against", "Torques"): key("check.models[].largest_torque_error"),
-    ("Tooth forces", "m_{n}"): key("tooth_forces[].module_m"),
-    ("Tooth forces", "Helix"): key("tooth_forces[].helix_angle_rad"),
-    ("Tooth forces", "Pressure angle"): key("tooth_forces[].pressure_angle_rad"),
-    ("Tooth forces", "d driving"): key("tooth_forces[].pitch_diameter_m"),
-    ("Tooth forces", "d driven"): key("tooth_forces[].driven_pitch_diameter_m"),
-    ("Tooth forces", "F_{t}"): key("tooth_forces[].tangential_N"),
-    ("Tooth forces", "F_{r}"): key("tooth_forces[].radial_N"),
-    ("Tooth forces", "F_{a}"): key("tooth_forces[].axial_N"),
     ("Balance of mean torque", "Value"): balance,
     ("Harmonics of a firing", "Order"): key("engines[].harmonics[].order"),
     ("Harmonics of a firing", "Gas"): harmonics("gas_Nm"),
@@ -653,18 +617,9 @@ COLUMNS: dict[
 }
 # the figures of the file, checked by their chapters
 INPUT = (
-    "Machines",
-    "Couplings: manufacturer",
-    "Gears",
-    "Propellers, pumps",
-    "Harmonic torques",
-    "Internal damping",
-    "Damping to ground",
-    "Dimensions of the shafts",
     "Changes of the input",
     "Changes of the input",
 )
-RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
     "Components": ("Rated speed",),
     "Barred ranges": ("λ",),
@@ -712,7 +667,7 @@ def named(table: Table, column: Column) -> Values | None:
 
 
 def is_of_others(table: Table, column: Column) -> bool:
-    if table.caption.startswith((*INPUT, *RECOMPUTED)) or column.title in COUNTS:
+    if table.caption.startswith(INPUT) or column.title in COUNTS:
         return True
     titles = (titles for caption, titles in OF_OTHERS.items() if table.caption.startswith(caption))
     return any(column.title.startswith(one) for own in titles for one in own)

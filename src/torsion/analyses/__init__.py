@@ -163,13 +163,22 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("mean_torques",),
         place=("operation",),
     ),
+    "system data": Analysis(
+        "data of the system",
+        "torsion.analyses.system_data",
+        needs=("steady",),
+        results={"system_data": "SystemData"},
+        wanted=always,
+        chapters=("mass_elastic",),
+        place=("train",),
+    ),
     "tooth forces": Analysis(
         "tooth forces",
         "torsion.analyses.tooth_forces",
         needs=("steady",),
         results={"tooth_forces": "ToothForces"},
         wanted=lambda study: any(mesh.toothing is not None for mesh in study.train.constraints),
-        chapters=("data_sheets",),
+        chapters=("mass_elastic",),
         place=("operation", "rated"),
     ),
     "response": Analysis(

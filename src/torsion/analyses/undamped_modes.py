@@ -10,6 +10,7 @@ from pydantic import Field
 from torsion.analyses.modes.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
+from torsion.assembly.elements import by_part, elements
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
@@ -59,6 +60,14 @@ def without_mode(study: Study, mode: int, count: int, path: Path) -> Fault:
         message = f"mode {mode} is none of the {count} that are computed"
         hint = f"`modes: {{count: {mode}}}`"
     return Fault(path, message, hint)
+
+
+@reported
+class EnergyShare:
+    """Share of the energy of every mode in a station, in the inner segments of a shaft, or in an elastic element."""
+
+    component: str = result("", "station, shaft or element, and the kind of energy")
+    share: FloatArray = result("1", ("mode",), "share of the kinetic or elastic energy")
 
 
 @reported
@@ -137,6 +146,24 @@ class Modes(Displayed, Keyed):
             energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
         energy /= energy.sum(axis=0)
         return energy
+
+    @derived("", "energy of named stations, inner segments of shafts, and elastic elements")
+    def energy_shares(self) -> tuple[EnergyShare, ...]:
+        """Kinetic energy by station, all inner stations of a shaft together; elastic energy by element."""
+        system, stations = self.system, self.system.train.stations
+        inner = by_part(system.station_part[len(stations) :])
+        kinetic = {station.name: [k] for k, station in enumerate(stations)} | {
+            f"{bar.name} (inner segments)": (len(stations) + inner[bar.part]).tolist()
+            for bar in system.train.bars
+            if bar.part in inner
+        }
+        elastic = {element.name: list(element.spans) for element in elements(system)}
+        groups = ("kinetic", kinetic, self.kinetic), ("elastic", elastic, self.elastic)
+        return tuple(
+            EnergyShare(f"{kind}: {name}", energy[indices].sum(axis=0))
+            for kind, named, energy in groups
+            for name, indices in named.items()
+        )
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:

@@ -31,7 +31,7 @@ from torsion.output.records import is_record, values_of_records
 from torsion.output.selection import NO_VALUE
 
 HEAD = re.compile(
-    r"(?:(?P<name>\w+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
+    r"(?:(?P<name>[\w@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
     r"(?::(?P<digits>\d*)(?P<form>[gdopsu?+]*))?"
 )
 FORMS = {
@@ -52,6 +52,7 @@ SHOWN = {  # unit of a column: the unit of its values, and the factor between th
     "N/mm²": ("Pa", 1e-6),
     "bar": ("Pa", 1e-5),
     "µm": ("m", 1e6),
+    "µrad": ("rad", 1e6),
     "mm": ("m", 1e3),
     "cm²": ("m**2", 1e4),
     "ms": ("s", 1e3),

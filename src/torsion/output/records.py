@@ -53,8 +53,8 @@ def values_of_records(
 ) -> tuple[list[str], list[Any]]:
     """Return the units in which columns (name of a quantity, unit) show the records, and the values of every row.
 
-    `shown` has the unit of the values that a unit of a column can show. Raises ValueError where a quantity is not
-    declared, or declared in a unit that the column cannot show.
+    `name@2` is the second value of an array. `shown` has the unit of the values that a unit of a column can show.
+    Raises ValueError where a quantity is not declared, or declared in a unit that the column cannot show.
     """
     parts = [row if isinstance(row, tuple) else (row,) for row in rows]
     records = [part for part in parts[0] if is_record(part)]
@@ -64,12 +64,13 @@ def values_of_records(
     if any(len(row) != position + count for row in parts):
         raise ValueError(f"a row has not {count} values beside its records")
     units, values = list[str](), list[list[Any]]()
-    for name, title in columns:
-        if not name:
+    for path, title in columns:
+        if not path:
             units.append(title)
             values.append([row[position] for row in parts])
             position += 1
             continue
+        name, _, number = path.partition("@")
         if name not in level_of:
             raise ValueError(f"{type(records[-1]).__name__} declares no '{name}'")
         level = level_of[name]
@@ -78,5 +79,6 @@ def values_of_records(
         can_show = unit if unit_words(unit) == units[-1].lstrip("~") else None
         if shown.get(units[-1], (can_show,))[0] != unit:
             raise ValueError(f"'{name}' is declared in {unit}, not in what {units[-1]} shows")
-        values.append([getattr(row[level], name) for row in parts])
+        held = [getattr(row[level], name) for row in parts]
+        values.append([value[int(number) - 1] for value in held] if number else held)
     return units, list(zip(*values, strict=True))

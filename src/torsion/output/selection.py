@@ -11,7 +11,6 @@ from torsion.assembly.elements import Element, by_part, damps, elements, pieces
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
 from torsion.output.numbers import Scale, scale
-from torsion.primitives import STEP
 from torsion.results import Quantity
 
 __all__ = [

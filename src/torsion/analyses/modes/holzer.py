@@ -22,8 +22,30 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
 from torsion.primitives import STEP
+from torsion.results import reported, result
 
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first is 1 in its place
+
+
+@reported
+class HolzerRow:
+    """A station of a Holzer table and the link that leads to it, referred to the reference speed."""
+
+    number: int = result("", "number of the row, from 1")
+    station: str = result("", "name of the station")
+    inertia: float | None = result("kg*m**2", "infinite where fixed, null where a loop is closed")
+    angle: float = result("rad", "angle of the station")
+    inertia_torque: float | None = result("N*m", "omega^2 J angle; null where fixed")
+    before: int | None = result("", "row from which the link leads here; null at a start")
+    through: str | None = result("", "name of the link")
+    torque_in: float | None = result("N*m", "at the end of the link toward the row before")
+    flexibility: float | None = result("rad/(N*m)", "null where the link has inertia inside")
+    twist: float | None = result("rad", "angle of the row before - angle of this row")
+    torque_out: float | None = result("N*m", "at the other end of the link")
+    a: float | None = result("1", "A of a link with inertia inside")
+    h: float | None = result("rad/(N*m)", "H of a link with inertia inside")
+    b: float | None = result("N*m/rad", "B of a link with inertia inside")
+    d: float | None = result("1", "D of a link with inertia inside")
 
 
 @dataclass(frozen=True)
@@ -64,21 +86,48 @@ class HolzerTable:
         """Squared circular frequency omega^2, rad2/s2."""
         return (2.0 * math.pi * self.frequency) ** 2
 
-    @property
-    def without_rounding(self) -> list[list[float]]:
-        """Angle, inertia torque, torque in and out, and twist of every row, 0 where they may be rounding.
+    def rows(self, system: System) -> Iterator[HolzerRow]:
+        """Yield the rows as people read them, 0 in place of what may be rounding.
 
         A heavy station may hardly move and yet carry a torque: an angle and its torque are 0 together, likewise a
         torque and its twist.
         """
         station = np.array([self.angle, self.inertia_torque])
-        link = np.array([self.torque_in, self.torque_out, self.twist])
-        angle, torque = np.abs(self.angle).max(), np.abs(link[:2]).max()
+        ends = np.array([self.torque_in, self.torque_out, self.twist])
+        angle, torque = np.abs(self.angle).max(), np.abs(ends[:2]).max()
         largest = np.array([[angle], [max(torque, np.abs(self.inertia_torque).max())]])
         station[:, (np.abs(station) < TINY * largest).all(axis=0)] = 0.0
-        link[:, (np.abs(link) < TINY * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
-        rows: list[list[float]] = np.transpose([*station, *link]).tolist()
-        return rows
+        ends[:, (np.abs(ends) < TINY * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
+
+        for row, link in enumerate(self.links):
+            is_chord, inertia = bool(self.is_chord[row]), float(self.inertia[row])
+            name = system.stations[int(self.station[row])].name
+            before, through, torques, flexibility = None, None, (None, None, None), None
+            constants: tuple[float | None, ...] = (None, None, None, None)
+            if link is not None:
+                before, through, torques = (
+                    int(self.before[row]) + 1,
+                    link.name,
+                    ends[:, row].tolist(),
+                )
+                flexibility = float(self.flexibility[row])
+                if np.isfinite(self.transfer[row]).all():
+                    (a, h), (b, d) = self.transfer[row].tolist()
+                    constants, flexibility = (a, -h, b, d), None
+            yield HolzerRow(
+                row + 1,
+                f"{name}, closing a loop" if is_chord else name,
+                None if is_chord else inertia,
+                float(station[0, row]),
+                None if is_chord or math.isinf(inertia) else float(station[1, row]),
+                before,
+                through,
+                torques[0],
+                flexibility,
+                torques[2],
+                torques[1],
+                *constants,
+            )
 
     @property
     def residual(self) -> float:

@@ -16,9 +16,8 @@ from torsion.output.chapters.critical_speeds import matrix
 from torsion.output.chapters.shaft_details import steps_and_hubs
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import LESS, NONE, counted, number, rpm
+from torsion.output.numbers import LESS, counted, number, rpm
 from torsion.output.records import along
-from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
 from torsion.results import listed
 
@@ -108,7 +107,7 @@ def appendix(findings: Findings) -> Iterator[Block]:
     yield Paragraph(HOW_TO_READ)
     for mode in range(_table_count(findings, modes)):
         yield next(holzer_tables(findings, modes, mode))
-    yield _shares(findings, modes)
+    yield _shares(modes)
     yield from matrix(findings)
 
 
@@ -166,78 +165,32 @@ def _damped(damped: DampedModes) -> Iterator[Block]:
         yield Paragraph(f"Overdamped modes (decay without oscillation): {roots}{ellipsis} 1/s.")
 
 
-def _shares(findings: Findings, modes: Modes) -> Table:
+def _shares(modes: Modes) -> Table:
     """Return the energy shares of named stations, of all inner stations of a shaft together, and of elements."""
-    system, stations = findings.system, findings.system.train.stations
-    shares = [(f"kinetic: {station.name}", modes.kinetic[k]) for k, station in enumerate(stations)]
-    inner = by_part(system.station_part[len(stations) :])
-    shares += [
-        (
-            f"kinetic: {bar.name} (inner segments)",
-            modes.kinetic[len(stations) + inner[bar.part]].sum(axis=0),
-        )
-        for bar in system.train.bars
-        if bar.part in inner
-    ]
-    shares += [
-        (f"elastic: {element.name}", modes.elastic[list(element.spans)].sum(axis=0))
-        for element in elements(system)
-    ]
-    shown = min(len(modes.frequency), MOST_MODES)
-    rows = [
-        (
-            name,
-            *(f"{100 * value:.1f}" if value >= SMALLEST_SHARE else "" for value in share[:shown]),
-        )
-        for name, share in shares
-    ]
-    titles = "< Part" + "".join(f" | Mode {mode + 1} [%]" for mode in range(shown))
-    caption = f"Shares of the kinetic and elastic energy; below {100 * SMALLEST_SHARE:g} % blank"
-    return table(titles, [row for row in rows if any(row[1:])], caption)
+    shown = range(1, min(len(modes.frequency), MOST_MODES) + 1)
+    titles = "component: < Component" + "".join(f" | share@{k}: Mode {k} [%]:3" for k in shown)
+    shares = [share for share in modes.energy_shares if share.share.max() >= SMALLEST_SHARE]
+    caption = (
+        f"Shares of the kinetic and elastic energy, above {100 * SMALLEST_SHARE:g} % in any mode"
+    )
+    return table(titles, shares, caption)
 
 
 def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table]:
     """Yield the table of a mode (from 0), and the constants of shafts with inertia between their ends, if any."""
-    system, result = findings.system, holzer(findings.system, modes, mode)
-    rows, constants = list[tuple[object, ...]](), list[tuple[object, ...]]()
-    for row, (angle, inertia_torque, entering, leaving, twist) in enumerate(
-        result.without_rounding
-    ):
-        link, station = result.links[row], system.stations[int(result.station[row])].name
-        if result.is_chord[row]:
-            inertia: tuple[object, ...] = f"{station}, closing a loop", NONE, angle, NONE
-        elif np.isinf(result.inertia[row]):
-            inertia = station, "fixed", angle, "fixed"
-        else:
-            inertia = station, result.inertia[row], angle, inertia_torque
-
-        through: tuple[object, ...] = (NONE,) * 6
-        if link is not None:
-            flexibility: object = result.flexibility[row] or "rigid"
-            if np.isfinite(result.transfer[row]).all():
-                (a, h), (b, d) = result.transfer[row].tolist()
-                constants.append((link.name, a, -h, b, d))
-                flexibility = "A, H, B, D"
-            through = (
-                int(result.before[row]) + 1,
-                link.name,
-                entering,
-                flexibility,
-                twist,
-                leaving,
-            )
-        rows.append((row + 1, *inertia, *through))
-
+    result = holzer(findings.system, modes, mode)
+    rows = list(result.rows(findings.system))
     scaled = "first" if result.angle[0] == 1.0 else "largest"
     yield table(
-        "No. | < Station | J referred [kg m²]:7 | Angle [rad]:7 | ω² J × angle [N m]:7 | From no. | < Through | "
-        "Torque in [N m]:7 | Flexibility [rad/(N m)]:7 | Twist [rad]:7 | Torque out [N m]:7",
+        "number: No. | station: < Station | inertia: J referred [kg m²]:7 | angle: Angle [rad]:7 | "
+        "inertia_torque: ω² J × angle [N m]:7 | before: From no. | through: < Through | torque_in: Torque in [N m]:7 | "
+        "flexibility: Flexibility [rad/(N m)]:7 | twist: Twist [rad]:7 | torque_out: Torque out [N m]:7",
         rows,
         f"Holzer table of mode {mode + 1}, ω² = {number(result.square, SQUARE)} rad²/s², referred to the reference "
         f"speed, {scaled} amplitude 1 rad, {RESIDUAL} {number(result.relative_residual, 2)}",
     )
-    if constants:
-        titles = "< Shaft | A:7 | H [rad/(N m)]:7 | B [N m/rad]:7 | D:7"
+    if constants := [row for row in rows if row.a is not None]:
+        titles = "through: < Shaft | a: A:7 | h: H [rad/(N m)]:7 | b: B [N m/rad]:7 | d: D:7"
         caption = f"Constants of the shafts at the frequency of mode {mode + 1}"
         yield table(titles, constants, caption)
 
