@@ -328,6 +328,11 @@ class Study(Displayed, StudyActions):
         return one_line(f"Study '{self.name}': {', '.join(words)}")
 
     @property
+    def reference(self) -> str:
+        """Name of the component whose speed is the speed axis."""
+        return self.operation.at or self.train.parts[0].name
+
+    @property
     def shown_file(self) -> str:
         """The name of its file for texts: a name may hold control characters and need not be UTF-8."""
         return without_controls(self.file)

@@ -400,26 +400,6 @@ COLUMNS: dict[
     ("Maximum vibratory torque", "RMS"): within("rms"),
     ("Maximum vibratory torque", "Sum of magnitudes"): within("bound"),
     ("Maximum vibratory torque", "Mean"): key("response.mean_torque_Nm", "mean.torque_Nm"),
-    ("Resonance peaks", "Torque amplitude"): amplitudes("torque"),
-    ("Resonance peaks", "Speed"): key(f"response.{RPM}"),
-    ("Resonance peaks", "Frequency"): key("response.lines[].frequency_Hz"),
-    ("Maximum angular amplitude of single", "Maximum amplitude"): amplitudes("angle"),
-    ("Maximum angular amplitude of single", "Amplitude"): amplitudes("angle"),
-    ("Maximum angular amplitude of single", "Speed"): key(f"response.{RPM}"),
-    ("Maximum angular amplitude of single", "Speed amplitude"): speed_amplitudes,
-    ("Maximum stress amplitude", "Speed"): key(f"response.{RPM}"),
-    ("Maximum stress amplitude", "Frequency"): key("response.lines[].frequency_Hz"),
-    ("Vibratory torque (", "Maximum vibratory torque"): largest("synthesis.half_range_Nm"),
-    ("Vibratory torque (", "Speed"): key(f"response.{RPM}"),
-    ("Vibratory torque (", "Mean torque"): lambda found, row: map(
-        abs, at(found, "response.mean_torque_Nm")
-    ),
-    ("Torque and power loss", "Vibratory torque"): largest("synthesis.half_range_Nm"),
-    ("Torque and power loss", "Peak torque"): largest("synthesis.peak_Nm"),
-    ("Torque and power loss", "Speed"): key(f"response.{RPM}"),
-    ("Torque and power loss", "Mean torque"): lambda found, row: map(
-        abs, at(found, "mean.torque_Nm")
-    ),
     ("Maximum torque amplitude", "Frequency"): key("frequency_response.frequency_Hz"),
     ("Maximum angular amplitude", "Frequency"): key("frequency_response.frequency_Hz"),
     ("Angles of the joints", "Angle"): key("joints.joints[].angle_rad"),

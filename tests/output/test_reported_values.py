@@ -9,6 +9,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import rounding
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
@@ -188,18 +189,18 @@ def test_rounding_is_a_share_of_the_largest_torque_at_one_speed(
     found: Findings, silent: Findings, bare: Findings
 ):
     """The largest of the reliable ones are 0.3, 0.4 and 0.3 N m; at the reference 0.3, 0.8 and 0.3 N m."""
-    np.testing.assert_allclose(reported.rounding(found), 1e-10 * 0.8 / RATIO, rtol=1e-12)
+    np.testing.assert_allclose(rounding(found), 1e-10 * 0.8 / RATIO, rtol=1e-12)
     mean = np.zeros((4, 3))
     mean[1], mean[3, 0] = [0.7, 0.1, -0.9], math.nan
     np.testing.assert_allclose(
-        reported.rounding(with_response(found, mean=mean)), 1e-10 * 0.9 / RATIO, rtol=1e-12
+        rounding(with_response(found, mean=mean)), 1e-10 * 0.9 / RATIO, rtol=1e-12
     )
     smaller = with_response(found, mean=mean / 2.0)
-    np.testing.assert_allclose(reported.rounding(smaller), 1e-10 * 0.8 / RATIO, rtol=1e-12)
+    np.testing.assert_allclose(rounding(smaller), 1e-10 * 0.8 / RATIO, rtol=1e-12)
     unknown = with_response(found, status=np.full_like(STATUS, SINGULAR))
-    assert reported.rounding(unknown).tolist() == [0.0] * 3
-    assert reported.rounding(silent).tolist() == [0.0] * 3
-    assert reported.rounding(bare).tolist() == [0.0]
+    assert rounding(unknown).tolist() == [0.0] * 3
+    assert rounding(silent).tolist() == [0.0] * 3
+    assert rounding(bare).tolist() == [0.0]
 
 
 def test_what_is_less_than_rounding_in_every_span_is_nothing() -> None:

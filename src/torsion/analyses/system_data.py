@@ -15,6 +15,7 @@ from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.errors import InputError
 from torsion.findings import Results, Work
+from torsion.model.parts import GearRating
 from torsion.primitives import Bar, Inertia, SectionMesh, Torque
 from torsion.results import reported, result
 
@@ -171,7 +172,7 @@ def system_data(evidence: Results) -> SystemData:
             mesh.teeth[0] if mesh.teeth else None,
             mesh.teeth[1] if mesh.teeth else None,
             1 / mesh.ratio,
-            train.parts[mesh.part].application_factor,
+            getattr(train.parts[mesh.part].get(GearRating), "application_factor", None),
         )
         for mesh in train.constraints
         if train.parts[mesh.part].kind == "gear"

@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.model.shaft_details import STEP
+from torsion.primitives import STEP
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import nearest_mode
 from torsion.analyses.steady import Steady, steady_if_known
-from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import InputError
 from torsion.findings import Findings
@@ -24,20 +23,18 @@ if TYPE_CHECKING:
     from torsion.analyses.stability.stability_over_speed import Stability
 
 Band = tuple[float, float]
-NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
 UNDAMPED = (
     "the response has no reliable finite value (undamped resonance). The report states no amplitude at these "
     "speeds and "
     "no maximum over the range. Give the damping of the train."
 )
 NOT_STATED = "not stated"  # of a source
-SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
 def reference(findings: Findings) -> str:
     """Return name of the component whose speed is the speed axis."""
-    return findings.study.operation.at or findings.study.train.parts[0].name
+    return findings.study.reference
 
 
 def rated(findings: Findings) -> float | None:
@@ -188,20 +185,6 @@ def orders_together(findings: Findings) -> str:
     return "the orders requested" if some else "all orders"
 
 
-def rounding(findings: Findings) -> FloatArray:
-    """Return (spans,) N m below which a vibratory torque is rounding of the train's largest torque, printed as 0."""
-    response, ratio = findings.get(Response), findings.system.span_ratio
-    if response is None or not response.lines:
-        return np.zeros(len(ratio))
-    size = np.zeros(len(ratio))
-    for speed, is_known in enumerate(response.status == Status.OK):
-        np.maximum(
-            size, np.abs(response.torque[speed, is_known]).max(axis=0, initial=0.0), out=size
-        )
-    size = np.maximum(size, np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0))
-    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
-
-
 def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
     """Return the values of some spans with 0 for what is `nothing` (spans,) in each of them."""
     return np.where(values < nothing.min(initial=np.inf), 0.0, values)
@@ -256,11 +239,5 @@ def mode_of(findings: Findings, barred: BarredRange) -> str:
 
 def mode_near(findings: Findings, frequency: float) -> str:
     """Return the mode whose frequency is nearest, if it is near."""
-    damped, undamped = findings.get(DampedModes), findings.get(Modes)
-    source = undamped if damped is None else damped
-    if source is None or len(source.frequency) == 0:
-        return NONE
-    distance = np.abs(source.frequency / frequency - 1.0)
-    nearest = int(np.argmin(distance))
-    ratio = 0.0 if damped is None else float(damped.damping_ratio[nearest])
-    return str(nearest + 1) if distance[nearest] <= max(SAME, 2.0 * ratio) else NONE
+    mode = nearest_mode(findings, frequency)
+    return NONE if mode is None else str(mode)

@@ -93,7 +93,7 @@ def scene(study: Study) -> Scene:
         sha256=checksum(study),
         tables=tuple(name for name, _ in study.tables),
         model=study.model,
-        reference=study.operation.at or study.train.parts[0].name,
+        reference=study.reference,
         speed_range=None if speeds is None else (speeds.first, speeds.last),
         rated_speed=None if rated is None else rated.speed,
         rated_power=None if rated is None else rated.power,

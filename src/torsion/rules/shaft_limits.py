@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.section.solved_sections import span_moduli
 from torsion.assembly.system import System
 from torsion.errors import Fault
-from torsion.kernels.round_sections import section_modulus
 from torsion.model.component import STEEL, Material
 from torsion.model.parts import Part, ShaftRecord
 from torsion.rules.reached_speeds import BARRED_BELOW
@@ -160,11 +160,8 @@ def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float
 
 def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
     """Return the spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
-    spans, (driving, driven) = spans_of(system, part), diameters(system.train, part)
-    # Between two ends of a span the modulus is never below the smaller one.
-    outer, bore = np.linspace(driving, driven, len(spans) + 1).T
-    at_edge = section_modulus(outer, bore)
-    return spans, np.minimum(at_edge[:-1], at_edge[1:])
+    spans = spans_of(system, part)
+    return spans, span_moduli(diameters(system.train, part), len(spans))
 
 
 def nominal_stress(system: System, part: int, torque: FloatArray) -> tuple[IntArray, FloatArray]:

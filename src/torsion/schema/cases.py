@@ -194,7 +194,7 @@ def _case(
     case: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]
 ) -> Study | None:
     """Return the study of a case; None with its faults noted."""
-    reference = base.operation.at or base.train.parts[0].name
+    reference = base.reference
     overlay = Overlay(base.case.source if base.case else source, base.train.parts, reference)
     if case.corner:
         _tolerances(case, overlay)

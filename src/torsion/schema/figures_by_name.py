@@ -21,7 +21,7 @@ EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
 
 
 def overlay_of(study: Study, source: Source) -> Overlay:
-    return Overlay(source, study.train.parts, study.operation.at or study.train.parts[0].name)
+    return Overlay(source, study.train.parts, study.reference)
 
 
 def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterator[Figure]:

@@ -35,7 +35,7 @@ def vary(
     overlay = Overlay(
         source,
         study.train.parts,
-        study.operation.at or study.train.parts[0].name,
+        study.reference,
         permits_no_change=True,
     )
     change_overlay(stated, (), case.root, overlay)

@@ -75,6 +75,7 @@ def written(
         lines=lines,
         mean=steady,
         frequency=np.full((5, 1), 3.0),
+        angle=np.ones((5, 1, len(found.system.stations))),
         torque=size[:, None, :] * (0.6 + 0.8j),
         status=status,
     )
@@ -126,11 +127,6 @@ def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
     )
     assert "M68" not in texts(blocks)[0]
     assert isinstance(blocks[0], Heading)
-    by_order = [block for block in blocks if isinstance(block, Table)][1]
-    assert by_order.rows == (
-        ("mid", "4 × screw (1.6 of m)", number(STRESS["mid"][4]), "477.46", "3.0000", "–"),
-        ("plain", "4 × screw (1.6 of m)", number(STRESS["plain"][0]), "95.493", "3.0000", "–"),
-    )
     drawn = figures(blocks)
     for name, position in (("mid", 5), ("plain", 7)):
         figure = drawn[f"Vibratory shear stress of {name}"]
@@ -155,33 +151,14 @@ def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
     blocks = list(component_loads.shafts(found.having(checks=Checks((line,)))))
     _, continuous, transient, stress = limits_of(found, judging(found, "mid")[1])
     np.testing.assert_allclose(stress, STRESS["mid"], rtol=1e-13)
-    share = (stress / continuous)[:4]
-    at = int(share.argmax())
-    made = table(blocks)
-    assert len(made.columns) == 8
-    assert made.rows[0] == (
-        "mid",
-        "intermediate",
-        number(stress[4]),
-        "477.46",
-        "–",
-        "–",
-        number(share[at], 4),
-        number(SPEED[at] * RPM),
-    )
-    assert made.rows[1] == ("plain", "–", number(STRESS["plain"][0]), "95.493", "–", "–", "–", "–")
+    assert table(blocks).rows[0] == ("mid", "intermediate", number(stress[4]), "477.46")
     assert "IACS UR M68" in texts(blocks)[0]
     drawn = figures(blocks)["Vibratory shear stress of mid"]
     np.testing.assert_array_equal(drawn.lines["limit τ_{C}, continuous"].y, continuous)
     np.testing.assert_array_equal(drawn.lines["limit τ_{T}, passing rapidly"].y, transient)
     assert bands(drawn, "barred") == [pytest.approx((11.0 * RPM, 13.0 * RPM))]
-    falling = table(component_loads.shafts(written(TRAIN + M68, {"mid": 2000 * RISE[::-1]}))).rows[
-        0
-    ]
-    assert falling[4:6] == (number(continuous[0]), number(transient[0]))
     unknown = table(component_loads.shafts(written(TRAIN + M68, SHAFTS, bad=[1]))).rows
     assert {row[2:4] for row in unknown} == {(NO_VALUE, "–")}
-    assert {row[4:] for row in unknown} == {("–",) * 4}
 
 
 def test_three_shafts_have_a_figure() -> None:
@@ -197,10 +174,10 @@ def test_three_shafts_have_a_figure() -> None:
     assert [
         caption.removeprefix("Vibratory shear stress of ") for caption in figures(blocks)
     ] == highest
-    assert (
-        texts(blocks)[-1] == "The figures show the 3 shafts with the highest stress of 13 shafts."
+    assert texts(blocks)[-1].endswith(
+        "The figures show the 3 shafts with the highest stress of 13 shafts."
     )
-    assert len(texts(list(component_loads.shafts(written(TRAIN, SHAFTS))))) == 1
+    assert "figures" not in texts(list(component_loads.shafts(written(TRAIN, SHAFTS))))[0]
 
 
 MESHES = {
@@ -258,11 +235,11 @@ def test_where_the_tooth_load_reverses(values: list, mean: list, cells: tuple, m
 
 def test_mesh_without_a_mean_torque_or_without_a_value() -> None:
     blocks = list(component_loads.gears(written(TRAIN, MESHES)))
-    assert [row[3:] for row in table(blocks).rows] == [("–", "–", "–", "not known")] * 2
+    assert [row[3:] for row in table(blocks).rows] == [("not known",)] * 2
     assert texts(blocks)[0].startswith("The input has no mean torque.")
     assert not any("mean torque" in figure.lines for figure in figures(blocks).values())
     blocks = list(component_loads.gears(written(TRAIN, MESHES, MEANS, bad=[4])))
-    assert {row[1:] for row in table(blocks).rows} == {(NO_VALUE, "–", "–", "–", "–", "not known")}
+    assert {row[1:] for row in table(blocks).rows} == {(NO_VALUE, "–", "not known")}
 
 
 def test_curves_of_a_mesh_have_the_limit_of_its_check() -> None:
@@ -345,7 +322,7 @@ def test_torque_and_heat_of_couplings() -> None:
     )
     assert isinstance(blocks[0], Heading)
     alone = table(component_loads.couplings(with_loads(found, mean=None))).rows
-    assert [row[4] for row in alone] == ["–", "–"]
+    assert [len(row) for row in alone] == [10, 10]
     rows = table(
         component_loads.couplings(written(TRAIN, {"soft": 800 * RISE}, mean={}, bad=[2]))
     ).rows

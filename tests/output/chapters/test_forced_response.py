@@ -13,6 +13,7 @@ from tests.output.drawn import bands, levels, plot, titles, unit
 import torsion
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
+from torsion.analyses.response.component_loads import component_loads, local_maxima
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
@@ -21,11 +22,8 @@ from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.forced_response import (
     angles,
     chapter,
-    found_peaks,
-    local_maxima,
     over_frequency,
 )
-from torsion.output.selection import elements
 
 RPM = 30.0 / math.pi
 TRAIN = """
@@ -83,9 +81,17 @@ def train() -> Findings:
 
 def answered(train: Findings, made: Synthesis | None = SYNTHESIS, **changed: Any) -> Findings:
     """The train with the response of above, changed, and that synthesis."""
-    return train.having(
+    found = train.having(
         response=Response(**(RESPONSE | {"system": train.system} | changed)), synthesis=made
     )
+    return with_loads(found)
+
+
+def with_loads(found: Findings) -> Findings:
+    """The same with the loads that follow from its response, if there are any."""
+    if found.get(Synthesis) is None or not found.need(Response).lines:
+        return found.having(component_loads=None)
+    return found.having(component_loads=component_loads(found))
 
 
 def with_modes(
@@ -196,41 +202,32 @@ def test_speeds_without_a_reliable_answer_are_counted(train: Findings) -> None:
 
 
 def test_largest_torque_of_every_element_with_what_makes_it_up(train: Findings) -> None:
-    """The stiff coupling is in kN m; in the soft one the largest together is that of order 1/2 at 19 rad/s."""
+    """In the soft coupling the largest together is that of order 1/2 at 19 rad/s."""
     found = table(list(chapter(answered(train))), "Maximum vibratory torque")
     assert found.rows == (
         (
             "soft",
-            "0.088500",
+            "88.500",
             "181.44",
             "0.5 × flywheel",
-            "0.090000",
-            "0.059000",
-            "0.11800",
-            "0.30000",
+            "90.000",
+            "59.000",
+            "118.00",
+            "300.00",
         ),
         (
             "stage",
-            "0.010500",
+            "10.500",
             "381.97",
             "3.5 Hz (stage)",
-            "0.0070000",
-            "0.0070000",
-            "0.014000",
-            "−0.60600",
+            "7.0000",
+            "7.0000",
+            "14.000",
+            "−606.00",
         ),
-        ("stiff", "6.7545", "114.59", "2 × screw, stage", "9.0000", "4.5030", "9.0060", "0.50000"),
+        ("stiff", "6754.5", "114.59", "2 × screw, stage", "9000.0", "4503.0", "9006.0", "500.00"),
     )
-    assert [column.unit for column in found.columns] == [
-        "",
-        "kN m",
-        "rpm",
-        "",
-        "kN m",
-        "kN m",
-        "kN m",
-        "kN m",
-    ]
+    assert [column.unit for column in found.columns][1::3] == ["N m", "N m", "N m"]
     status = np.zeros((6, 3), dtype=np.uint8)
     status[3, 1] = Status.SINGULAR
     found = table(list(chapter(answered(train, status=status))), "Maximum vibratory torque")
@@ -263,8 +260,8 @@ def test_sums_and_mean_are_those_of_the_segment_with_the_largest_half_range() ->
     }
     half = np.array([[1.0, 2.0, 1.5], [3.0, 7.0, 5.0]])
     synthesis = Synthesis(half, half, half + 20.0, 60.0 - half, Fraction(2))
-    found = made.having(
-        response=Response(**part, **narrow, system=made.system), synthesis=synthesis
+    found = with_loads(
+        made.having(response=Response(**part, **narrow, system=made.system), synthesis=synthesis)
     )
     row = table(list(chapter(found)), "Maximum vibratory torque").rows[0]
     assert row == (
@@ -293,8 +290,9 @@ def test_peaks_are_inner_maxima_of_a_fiftieth_of_the_largest(train: Findings) ->
     torque = np.array(RESPONSE["torque"])
     for size, rest in ((180.0, 1), (179.9, 0)):
         torque[3, 1, STIFF] = size
-        peaks = found_peaks(answered(train, torque=torque), list(elements(train.system)[2:3]))
-        assert [(peak.at, peak.line) for peak in peaks] == [(1, 1), (4, 2), (3, 1)][: 2 + rest]
+        loads = answered(train, torque=torque).results["component_loads"]
+        speeds = [peak.speed for peak in loads.peaks if peak.component == "stiff"]
+        assert speeds == [SPEED[k] for k in (1, 4, 3)][: 2 + rest]
 
 
 @pytest.mark.parametrize(

@@ -1,20 +1,30 @@
-"""What the response over speed means for gear meshes (reversal of load) and couplings (torque and heat).
+"""What the response over speed means for components: torque, stress, angle, peaks, reversal of load, heat.
 
 The rule of the makers of couplings judges the same heat. Each value is the largest over the speed range.
 """
 
 import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.elements import Element, elements
+from torsion.assembly.section.solved_sections import span_moduli, stress_modulus
 from torsion.assembly.system import System
 from torsion.findings import Results, Work
 from torsion.kernels.tree_response import Status
+from torsion.primitives import Bar
 from torsion.results import reported, result
 
+SMALLEST = 0.02  # of the element's largest amplitude of one order; a lower peak is not listed
+NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is 0
+SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
+TINY = 1e-12  # of the largest angle: less may be rounding
 Largest = tuple[float | None, float | None]  # value and reference speed (rad/s); None where unknown
 
 
@@ -54,12 +64,70 @@ class CouplingLoad:
     )
     heat: float | None = result("W", "largest power loss, all orders together; null if unreliable")
     heat_speed: float | None = result("rad/s", "reference speed of that")
+    vibratory_limit: float | None = result("N*m", "T_KW of its maker, or null")
+    rated_torque: float | None = result("N*m", "T_KN of its maker, or null")
+    max_torque: float | None = result("N*m", "T_Kmax of its maker, or null")
+    heat_limit: float | None = result("W", "P_KW of its maker, or null")
+
+
+@reported
+class ElementLoad:
+    """Vibratory torque in one elastic element, at the speed at which the total is largest."""
+
+    component: str = result("", "its name")
+    torque: float | None = result("N*m", "amplitude of all orders together; null if unreliable")
+    speed: float | None = result("rad/s", "reference speed of that")
+    order: str | None = result("", "name of the order with the largest amplitude there")
+    order_torque: float | None = result("N*m", "amplitude of that order")
+    rms: float | None = result("N*m", "RMS value of the vibratory torque")
+    bound: float | None = result("N*m", "sum of the magnitudes of all orders")
+    mean: float | None = result("N*m", "mean torque there")
+
+
+@reported
+class Peak:
+    """A resonance peak of one order in one element, not below SMALLEST of the element's largest amplitude."""
+
+    component: str = result("", "name of the element")
+    order: str = result("", "name of the order")
+    torque: float = result("N*m", "amplitude")
+    referred: float = result("N*m", "the same, referred to the reference speed")
+    speed: float = result("rad/s", "reference speed")
+    frequency: float = result("Hz", "frequency of the order there")
+    mode: int | None = result("", "mode with the nearest frequency; null if none is near")
+
+
+@reported
+class ShaftLoad:
+    """Nominal shear stress of one shaft."""
+
+    shaft: str = result("", "its name")
+    role: str | None = result("", "its role for class rules, or null")
+    stress: float | None = result(
+        "Pa", "largest amplitude of all orders, of the plain section; null if unreliable"
+    )
+    speed: float | None = result("rad/s", "reference speed of that")
+
+
+@reported
+class StationLoad:
+    """Largest angular amplitude of a single order at one station."""
+
+    station: str = result("", "its name")
+    angle: float | None = result("rad", "at its own speed; null if unreliable")
+    order: str | None = result("", "name of the order")
+    speed: float | None = result("rad/s", "reference speed")
+    rate: float | None = result("rad/s", "amplitude of its speed")
 
 
 @reported
 class ComponentLoads:
-    """Loads of gear meshes and couplings under the response."""
+    """Loads of the components under the response."""
 
+    elements: tuple[ElementLoad, ...] = result("", "elastic elements that carry a torque")
+    peaks: tuple[Peak, ...] = result("", "resonance peaks, the largest of each element first")
+    shafts: tuple[ShaftLoad, ...] = result("", "shafts")
+    stations: tuple[StationLoad, ...] = result("", "stations that are not the ground")
     meshes: tuple[MeshLoad, ...] = result("", "gear meshes, in the order of the train")
     couplings: tuple[CouplingLoad, ...] = result(
         "", "couplings with damping or limits of their maker"
@@ -114,8 +182,50 @@ def raised(evidence: Results, spans: IntArray, values: FloatArray, power: int = 
     return np.where(is_known.reshape(shape), values * factor.reshape(shape), np.inf)
 
 
+def nearest_mode(evidence: Results, frequency: float) -> int | None:
+    """Return the mode (from 1), damped if known, whose frequency is nearest to a frequency (Hz); None if not near."""
+    damped, undamped = evidence.get(DampedModes), evidence.get(Modes)
+    source = undamped if damped is None else damped
+    if source is None or len(source.frequency) == 0:
+        return None
+    distance = np.abs(source.frequency / frequency - 1.0)
+    nearest = int(np.argmin(distance))
+    ratio = 0.0 if damped is None else float(damped.damping_ratio[nearest])
+    return nearest + 1 if distance[nearest] <= max(SAME, 2.0 * ratio) else None
+
+
+def rounding(evidence: Results) -> FloatArray:
+    """Return (spans,) N m below which a vibratory torque is rounding of the train's largest torque, stated as 0."""
+    response, ratio = evidence.get(Response), evidence.system.span_ratio
+    if response is None or not response.lines:
+        return np.zeros(len(ratio))
+    size = np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0)
+    for speed, is_known in enumerate(response.status == Status.OK):
+        np.maximum(
+            size, np.abs(response.torque[speed, is_known]).max(axis=0, initial=0.0), out=size
+        )
+    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+
+
+def local_maxima(values: FloatArray) -> list[int]:
+    """Return inner places where the values exceed both sides; a place without a value is no neighbour."""
+    filled = np.where(np.isfinite(values), values, np.inf)
+    inner = (filled[1:-1] > filled[:-2]) & (filled[1:-1] >= filled[2:]) & np.isfinite(values[1:-1])
+    return (np.flatnonzero(inner) + 1).tolist()
+
+
+def stress_of(bar: Bar, system: System, torque: FloatArray) -> FloatArray:
+    """Return the nominal shear stress (speeds, ...) Pa of a shaft under torques (speeds, ..., spans) N m."""
+    spans = np.flatnonzero(system.span_part == bar.part)
+    modulus = np.full(len(spans), stress_modulus(bar))
+    if bar.section is None:
+        ends = (bar.outer[0], bar.bore[0]), (bar.outer[1], bar.bore[1])
+        modulus = span_moduli(ends, len(spans))
+    return np.asarray((torque[..., spans] / modulus).max(axis=-1))
+
+
 def component_loads(evidence: Results) -> ComponentLoads:
-    """Return the loads of meshes and couplings of a train with a response and its synthesis."""
+    """Return the loads of the components of a train with a response and its synthesis."""
     response, total = evidence.need(Response), evidence.need(Synthesis)
     system, steady, speed = evidence.system, evidence.get(Steady), response.speed
     unreliable = np.any(response.status != Status.OK, axis=1)
@@ -152,9 +262,103 @@ def component_loads(evidence: Results) -> ComponentLoads:
             power = raised_heat(evidence, spans).sum(axis=1)
         mean_torque = None if steady is None else float(np.abs(steady.torque[spans]).max())
         peak, _ = largest(total.peak[:, spans].max(axis=1))
-        load = CouplingLoad(name, value, at_speed, mean_torque, peak, *largest(power))
+        ratings = limits.vibratory_torque, limits.rated_torque, limits.max_torque, limits.heat_limit
+        load = CouplingLoad(name, value, at_speed, mean_torque, peak, *largest(power), *ratings)
         couplings.append(load)
-    return ComponentLoads(tuple(meshes), tuple(couplings))
+    elements, peaks = _element_loads(evidence)
+    shafts = [
+        ShaftLoad(bar.name, None if shaft is None else shaft.role, *largest(stress))
+        for bar in system.train.bars
+        for shaft in [system.train.parts[bar.part].shaft]
+        for stress in [stress_of(bar, system, total.half_range)]
+    ]
+    stations = tuple(_station_loads(evidence))
+    return ComponentLoads(elements, peaks, tuple(shafts), stations, tuple(meshes), tuple(couplings))
+
+
+def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Peak, ...]]:
+    """Return the largest total of every element that carries a torque, and the peaks of its orders."""
+    response, total = evidence.need(Response), evidence.need(Synthesis)
+    is_reliable, nothing = response.status == Status.OK, rounding(evidence)
+    names = [line.named(evidence.study.reference) for line in response.lines]
+    loads, peaks = list[ElementLoad](), list[Peak]()
+    for element in elements(evidence.system):
+        spans = list(element.spans)
+        size = np.abs(response.torque[:, :, spans]).max(axis=2)
+        if not (size > 0).any():
+            continue
+        orders = np.where(is_reliable, size, np.nan)
+        peaks += _peaks(evidence, element, orders, names)
+
+        torque = total.half_range[:, spans].max(axis=1)
+        torque = np.where(torque < nothing[spans].min(), 0.0, torque)
+        if not (is_reliable.all() and np.isfinite(torque).all()):
+            loads.append(ElementLoad(element.name, None, None, None, None, None, None, None))
+            continue
+        speed = int(np.argmax(torque))
+        span, line = (
+            spans[int(np.argmax(total.half_range[speed, spans]))],
+            int(np.argmax(orders[speed])),
+        )
+        mean = float(response.mean[speed, span])
+        if torque[speed] == 0.0:
+            loads.append(ElementLoad(element.name, 0.0, None, None, 0.0, 0.0, 0.0, mean))
+            continue
+        loads.append(
+            ElementLoad(
+                component=element.name,
+                torque=float(torque[speed]),
+                speed=float(response.speed[speed]),
+                order=names[line],
+                order_torque=float(orders[speed, line]),
+                rms=float(total.rms[speed, span]),
+                bound=float(total.bound[speed, span]),
+                mean=mean,
+            )
+        )
+    return tuple(loads), tuple(peaks)
+
+
+def _peaks(
+    evidence: Results, element: Element, orders: FloatArray, names: Sequence[str]
+) -> list[Peak]:
+    """Return the peaks of amplitudes (speeds, lines) N m that are worth listing, the largest first."""
+    response, smallest = evidence.need(Response), SMALLEST * np.nanmax(np.append(orders, 0.0))
+    peaks = [
+        Peak(
+            element.name,
+            names[line],
+            float(values[speed]),
+            float(values[speed]) * element.ratio,
+            float(response.speed[speed]),
+            float(response.frequency[speed, line]),
+            nearest_mode(evidence, float(response.frequency[speed, line])),
+        )
+        for line, values in enumerate(orders.T)
+        for speed in local_maxima(values)
+        if values[speed] >= smallest
+    ]
+    return sorted(peaks, key=lambda peak: -peak.torque)
+
+
+def _station_loads(evidence: Results) -> Iterator[StationLoad]:
+    """Yield the largest angle of every station; 0 for what may be rounding of the largest of the train."""
+    response, ratio = evidence.need(Response), evidence.system.speed_ratio
+    is_reliable = bool((response.status == Status.OK).all())
+    sizes = np.abs(response.angle)
+    top = float((sizes / ratio[: sizes.shape[2]]).max(initial=0.0)) if is_reliable else 0.0
+    for position, station in enumerate(evidence.study.train.stations):
+        if station.is_ground:
+            continue
+        if not is_reliable:
+            yield StationLoad(station.name, None, None, None, None)
+            continue
+        speed, line = divmod(int(np.argmax(sizes[:, :, position])), sizes.shape[1])
+        angle = float(sizes[speed, line, position])
+        angle = 0.0 if angle < TINY * top * float(ratio[position]) else angle
+        rate = 2.0 * math.pi * angle * float(response.frequency[speed, line])
+        name = response.lines[line].named(evidence.study.reference)
+        yield StationLoad(station.name, angle, name, float(response.speed[speed]), rate)
 
 
 def _mesh_load(

@@ -4,6 +4,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
 from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Bar, Section, SectionMesh
@@ -68,3 +71,13 @@ def stress_modulus(bar: Bar) -> float:
     if isinstance(bar.section, Section):
         return bar.section.stress_modulus
     return float(min(section_modulus(bar.outer, bar.bore)))
+
+
+def span_moduli(ends: tuple[tuple[float, float], tuple[float, float]], count: int) -> FloatArray:
+    """W_p (count,) m3 of equal pieces from the driving to the driven end: the smaller end's of a conical one.
+
+    ends: outer diameter and bore (m) at the driving and at the driven end.
+    """
+    # Between two ends of a piece the modulus is never below the smaller one.
+    at_edge = section_modulus(*np.linspace(*ends, count + 1).T)
+    return np.minimum(at_edge[:-1], at_edge[1:])

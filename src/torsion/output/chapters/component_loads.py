@@ -6,45 +6,30 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.component_loads import ComponentLoads, MeshLoad
+from torsion.analyses.response.component_loads import ComponentLoads, MeshLoad, stress_of
 from torsion.analyses.steady import Steady
-from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.model.parts import CouplingRatings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, number, rpm
+from torsion.output.numbers import RPM, rpm
 from torsion.output.reported_values import (
     barred,
     harmonic_name,
-    mode_near,
     orders_together,
-    reference,
     responds,
     speed_axis,
     synthesis,
     unreliable,
 )
-from torsion.output.selection import (
-    NO_VALUE,
-    elements,
-    highest,
-    largest,
-    strongest,
-    torques,
-    worst,
-)
+from torsion.output.selection import elements, highest, torques
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm² of 1 Pa
 MOST_FIGURES = 3  # of shafts
-MOST_ORDERS = 3  # of a shaft, in the table of stress by order
-SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
-LIMITS = " | τ_{C} [=N/mm²] | τ_{T} [=N/mm²] | Maximum τ / τ_{C}:4 | Speed [rpm]"
 
 
 @dataclass(frozen=True)
@@ -64,17 +49,22 @@ def shafts(findings: Findings) -> Iterator[Block]:
     if not responds(findings) or not findings.study.train.bars:
         return
     text = f"Nominal shear stress of the plain section, τ = torque / W_{{p}}: amplitude of {orders_together(findings)}."
-    curves = {bar.name: stress_curves(findings, bar) for bar in findings.study.train.bars}
+    curves = {bar.name: stress_curves(findings, bar) for bar in findings.system.train.bars}
     if rules := ", ".join(dict.fromkeys(curve.rule for curve in curves.values() if curve.rule)):
-        text += f" τ_{{C}} limits continuous operation, τ_{{T}} limits passing through a barred range ({rules})."
+        text += (
+            f" τ_{{C}} limits continuous operation, τ_{{T}} limits passing through a barred range ({rules}); "
+            "the checks compare the stress with both."
+        )
+    drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
+    if len(drawn) < len(curves):
+        text += f" The figures show the {len(drawn)} shafts with the highest stress of {len(curves)} shafts."
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
-    yield _largest_stresses(findings, curves)
-    if weakest := " ".join(_weakest_sections(findings, curves)):
-        yield Paragraph(weakest)
-    yield _by_order(findings, curves)
-
-    drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
+    yield table(
+        "shaft: < Shaft | role: < Role:? | stress: Maximum stress [N/mm²]:u | speed: Speed [rpm]",
+        findings.need(ComponentLoads).shafts,
+        "Maximum stress amplitude of every shaft over the speed range",
+    )
     for name in (name for name in curves if name in drawn):
         curve, response = curves[name], findings.need(Response)
         bands = (
@@ -93,95 +83,25 @@ def shafts(findings: Findings) -> Iterator[Block]:
             ],
         )
         yield of_torsion(findings, figure)
-    if len(drawn) < len(curves):
-        text = f"The figures show the {len(drawn)} shafts with the highest stress of {len(curves)} shafts."
-        yield Paragraph(text)
 
 
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
     """Return stress and limits of a shaft: those of the first rule that judges it, if there is one."""
     response, total = findings.need(Response), findings.need(Synthesis)
-    spans, modulus, continuous, transient, rule = _section(findings, bar)
-    stress = (total.half_range[:, spans] / modulus).max(axis=1) * PA
-    orders = (np.abs(response.torque[:, :, spans]) / modulus).max(axis=2) * PA
+    stress = stress_of(bar, findings.system, total.half_range) * PA
+    orders = stress_of(bar, findings.system, np.abs(response.torque)) * PA
     orders = np.where(response.status == Status.OK, orders, np.nan)
     stress = np.where(unreliable(findings), np.nan, stress)
-    return Curves(response.speed, stress, orders, continuous, transient, rule)
-
-
-def _section(
-    findings: Findings, bar: Bar
-) -> tuple[IntArray, FloatArray, FloatArray | None, FloatArray | None, str]:
-    """Return spans of a shaft, W_p of each (m3), limits and their rule; without a rule the smallest W_p."""
     if findings.study.rules:
-        from torsion.rules import shaft_limits, shaft_stress
+        from torsion.rules import shaft_stress
 
         try:
             rule, shaft = shaft_stress.judging(findings, bar.name)
         except KeyError:
-            pass
-        else:
-            _, continuous, transient, _ = shaft_stress.limits_of(findings, shaft)
-            section = shaft_limits.stress_modulus(findings.system, shaft.part)
-            return *section, continuous, transient, rule.title
-    spans = np.flatnonzero(findings.system.span_part == bar.part)
-    bars = {bar.part: bar for bar in findings.system.train.bars}
-    return spans, np.full(len(spans), stress_modulus(bars[bar.part])), None, None, ""
-
-
-def _largest_stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
-    is_limited = any(curve.continuous is not None for curve in curves.values())
-    rows = []
-    for name, curve in curves.items():
-        shaft = findings.study.train.part(name).shaft
-        speed, limits = largest(curve.stress), [None] * 4
-        if speed is not None and curve.continuous is not None and curve.transient is not None:
-            limits[:2] = curve.continuous[speed], curve.transient[speed]
-            shares = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
-            if (highest_share := largest(shares)) is not None:
-                limits[2:] = shares[highest_share], curve.speed[highest_share]
-        role = None if shaft is None else shaft.role
-        rows.append((name, role, *worst(curve.stress, curve.speed), *limits[: 4 * is_limited]))
-    return table(
-        f"< Shaft | < Role | Maximum stress [=N/mm²] | Speed [rpm]{LIMITS * is_limited}",
-        rows,
-        "Maximum stress amplitude of every shaft over the speed range",
-    )
-
-
-def _weakest_sections(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
-    """Yield a sentence on the section with the largest stress, of every shaft of sections."""
-    for shaft, bars in findings.study.train.sectioned.items():
-        name = max((bar.name for bar in bars), key=lambda name: highest(curves[name].stress))
-        if highest(curves[name].stress):
-            stress, speed = worst(curves[name].stress, curves[name].speed)
-            value = stress if isinstance(stress, str) else number(stress)
-            words = f"{name} has the highest stress of the {len(bars)} sections of {shaft}"
-            yield f"{words}: {value} N/mm² at {rpm(speed)} rpm."
-
-
-def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
-    """Return the largest stress of single harmonic components, the strongest of every shaft."""
-    response, rows = findings.need(Response), []
-    for name, curve in curves.items():
-        top = highest(curve.orders)
-        for line in strongest(curve.orders, MOST_ORDERS):
-            speed = largest(curve.orders[:, line])
-            if speed is not None and curve.orders[speed, line] >= SMALLEST * top:
-                rows.append(
-                    (
-                        name,
-                        response.lines[line].named(reference(findings)),
-                        *worst(curve.orders[:, line], curve.speed),
-                        response.frequency[speed, line],
-                        mode_near(findings, float(response.frequency[speed, line])),
-                    )
-                )
-    return table(
-        "< Shaft | < Order | Maximum stress [=N/mm²] | Speed [rpm] | Frequency [Hz] | Mode",
-        rows,
-        f"Maximum stress amplitude of single orders (the {MOST_ORDERS} largest of each shaft)",
-    )
+            return Curves(response.speed, stress, orders)
+        limits = shaft_stress.limits_of(findings, shaft)
+        return Curves(response.speed, stress, orders, limits.tau_c, limits.tau_t, rule.title)
+    return Curves(response.speed, stress, orders)
 
 
 def gears(findings: Findings) -> Iterator[Block]:
@@ -195,20 +115,9 @@ def gears(findings: Findings) -> Iterator[Block]:
         text = "The input has no mean torque. Torque reversal in the meshes is not checked."
         yield Paragraph(text, "note")
     yield table(
-        "< Mesh | Maximum vibratory torque [~N m] | Speed [rpm] | Mean torque [~N m] | "
-        "Maximum vibratory / mean:4 | Speed [rpm] | < Torque reversal",
-        [
-            (
-                mesh.mesh,
-                NO_VALUE if mesh.torque is None else mesh.torque,
-                mesh.speed,
-                mesh.mean,
-                mesh.ratio,
-                mesh.ratio_speed,
-                _reversal_words(mesh),
-            )
-            for mesh in loads.meshes
-        ],
+        "mesh: < Mesh | torque: Maximum vibratory torque [~N m]:u | speed: Speed [rpm] | mean: Mean torque [~N m]:? | "
+        "ratio: Maximum vibratory / mean:4? | ratio_speed: Speed [rpm]:? | < Torque reversal",
+        [(mesh, _reversal_words(mesh)) for mesh in loads.meshes],
         f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if mesh.reversal else "" for mesh in loads.meshes],
     )
@@ -246,37 +155,16 @@ def couplings(findings: Findings) -> Iterator[Block]:
     loads = findings.get(ComponentLoads)
     if loads is None or not loads.couplings:
         return
-    parts, rows = findings.study.train.parts, []
-    part_of = {element.name: parts[element.part] for element in elements(findings.system)}
-    for load in loads.couplings:
-        limits = part_of[load.coupling].ratings or CouplingRatings()
-        torque, peak, heat = (
-            NO_VALUE if value is None else value for value in (load.torque, load.peak, load.heat)
-        )
-        rows.append(
-            (
-                load.coupling,
-                torque,
-                load.speed,
-                limits.vibratory_torque,
-                load.mean,
-                limits.rated_torque,
-                peak,
-                limits.max_torque,
-                heat,
-                load.heat_speed,
-                limits.heat_limit,
-            )
-        )
     yield Heading("Couplings")
     yield Paragraph(
         f"The power loss is the sum over {orders_together(findings)}, for relative damping ψ: ψ ω T²/(4 π k). "
         "Each value is a maximum over the speed range."
     )
     yield table(
-        "< Coupling | Vibratory torque [~N m] | Speed [rpm] | T_{KW} [~N m] | "
-        "Mean torque [~N m] | T_{KN} [~N m] | Peak torque [~N m] | T_{Kmax} [~N m] | "
-        "Power loss [W] | Speed [rpm] | P_{KW} [W]",
-        rows,
+        "coupling: < Coupling | torque: Vibratory torque [~N m]:u | speed: Speed [rpm] | "
+        "vibratory_limit: T_{KW} [~N m]:? | mean: Mean torque [~N m]:? | rated_torque: T_{KN} [~N m]:? | "
+        "peak: Peak torque [~N m]:u | max_torque: T_{Kmax} [~N m]:? | heat: Power loss [W]:u | "
+        "heat_speed: Speed [rpm] | heat_limit: P_{KW} [W]:?",
+        loads.couplings,
         "Torque and power loss of the couplings with the manufacturer's limits",
     )

@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import rounding
 from torsion.analyses.response.synthesis import common_cycle, extremes
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import BoolArray, FloatArray
@@ -26,7 +27,6 @@ from torsion.output.numbers import (
 from torsion.output.reported_values import (
     amplitude,
     rated_rpm,
-    rounding,
     synthesis,
     unstable_rpm,
     without,

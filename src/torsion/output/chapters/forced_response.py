@@ -1,11 +1,11 @@
 """Chapters: the response over speed (torque of every order and of all together, peaks, angles) and over frequency."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
@@ -15,21 +15,18 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import LESS, Scale, counted, exact, number, settled
+from torsion.output.numbers import LESS, Scale, counted, exact, number
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
     harmonic_name,
     joint_model,
-    mode_near,
     orders_together,
     reference,
-    rounding,
     speed_axis,
     synthesis,
     unreliable,
     unstable_rpm,
-    without,
     worth_a_figure,
 )
 from torsion.output.selection import (
@@ -48,7 +45,6 @@ TITLE = "Response over the speed range"
 MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 3  # of couplings and cranks; shafts and gears have theirs in their own chapters
 MOST_LIVE = 12  # figures of the live page
-SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
 MOST_PEAKS = 10
 DEGREES = Scale("deg", 180.0 / np.pi)
 NO_PERIOD = " The orders have no common period. The total is the sum of their magnitudes, which is an upper bound."
@@ -56,16 +52,6 @@ SINGULAR = (
     "the equations are singular or nearly singular (undamped resonance). The response has no reliable value there "
     "and no maximum over the range. The figures hatch these speeds; the table of peaks omits them."
 )
-
-
-@dataclass(frozen=True)
-class Peak:
-    """A local maximum of one line in one element."""
-
-    element: Element
-    line: int
-    at: int  # position of the speed
-    torque: float  # N m
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -77,10 +63,17 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading(TITLE)
     yield _introduction(findings, response)
     yield _status(findings, response)
-    if loaded:
-        unit = torques(amplitude(findings, element.spans) for element in loaded)
-        yield _largest_torques(findings, response, loaded, unit)
-        yield _peaks(findings, response, loaded, unit)
+    if (loads := findings.get(ComponentLoads)) is not None and loads.elements:
+        together = orders_together(findings)
+        yield table(
+            "component: < Component -> | torque: Total vibratory torque [~N m]:u -> ~ | speed: Speed [rpm] -> rpm | "
+            "order: < Largest order | order_torque: Torque of this order [~N m] | rms: RMS [~N m] | "
+            "bound: Sum of magnitudes [~N m] | mean: Mean [~N m]",
+            loads.elements,
+            f"Maximum vibratory torque of every component over the speed range, {together}",
+            short=f"Maximum vibratory torque, {together}",
+        )
+        yield _peaks(loads)
     yield from _figures(
         findings, [element for element in loaded if element.kind not in ("shaft", "gear")]
     )
@@ -88,10 +81,14 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def angles(findings: Findings) -> Iterator[Block]:
     """Yield the appendix of the full report: the largest angular amplitude of every station."""
-    response = findings.get(Response)
-    if response is not None and response.lines:
+    if (loads := findings.get(ComponentLoads)) is not None:
         yield Heading("Appendix: angular amplitudes")
-        yield _largest_angles(findings, response)
+        yield table(
+            "station: < Station | angle: Maximum amplitude [deg]:gu | angle: Amplitude [rad] | order: < Order | "
+            "speed: Speed [rpm] | rate: Speed amplitude [rpm]",
+            loads.stations,
+            f"Maximum angular amplitude of single orders, each at the component's speed; 0: {LESS}",
+        )
 
 
 def without_tables(findings: Findings) -> Iterator[Block]:
@@ -156,116 +153,18 @@ def _status(findings: Findings, response: Response) -> Paragraph:
     return Paragraph(text)
 
 
-def _largest_torques(
-    findings: Findings, response: Response, loaded: list[Element], unit: Scale
-) -> Table:
-    total, mean_unit = findings.get(Synthesis), torques([np.abs(response.mean)])
-    rows, zero = list[tuple[object, ...]](), rounding(findings)
-    for element in loaded:
-        spans = list(element.spans)
-        torque, orders = (
-            without(values(findings, spans), zero[spans]) for values in (synthesis, amplitude)
-        )
-        speed = largest(torque)
-        if speed is None or total is None:
-            rows.append((element.name, NO_VALUE, *[None] * 6))
-            continue
-        line = int(np.nanargmax(orders[speed]))
-        span = spans[int(np.argmax(total.half_range[speed, spans]))]
-        mean = response.mean[speed, span] * mean_unit.factor
-        if torque[speed] == 0.0:
-            rows.append((element.name, 0.0, None, None, 0.0, 0.0, 0.0, mean))
-            continue
-        sums = orders[speed, line], total.rms[speed, span], total.bound[speed, span]
-        rows.append(
-            (
-                element.name,
-                torque[speed] * unit.factor,
-                response.speed[speed],
-                response.lines[line].named(reference(findings)),
-                *(value * unit.factor for value in sums),
-                mean,
-            )
-        )
-    together = orders_together(findings)
-    return table(
-        f"< Component -> | Total vibratory torque [{unit.unit}] -> {unit.unit} | Speed [rpm] -> rpm | "
-        f"< Largest order | Torque of this order [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
-        f"Mean [{mean_unit.unit}]",
-        rows,
-        f"Maximum vibratory torque of every component over the speed range, {together}",
-        short=f"Maximum vibratory torque, {together}",
-    )
-
-
-def _peaks(findings: Findings, response: Response, loaded: list[Element], unit: Scale) -> Block:
-    """Return the table of peaks; of too many the largest ones referred to one speed."""
-    peaks = found_peaks(findings, loaded)
-    if not peaks:
+def _peaks(loads: ComponentLoads) -> Block:
+    """Return the table of the peaks that are largest if referred to one speed."""
+    if not loads.peaks:
         return Paragraph("No order has a resonance peak in the speed range.")
-    by_size = sorted(range(len(peaks)), key=lambda k: -peaks[k].torque * peaks[k].element.ratio)
-    rows = []
-    for peak in (peaks[k] for k in sorted(by_size[:MOST_PEAKS])):
-        frequency = float(response.frequency[peak.at, peak.line])
-        rows.append(
-            (
-                peak.element.name,
-                response.lines[peak.line].named(reference(findings)),
-                peak.torque * unit.factor,
-                response.speed[peak.at],
-                frequency,
-                mode_near(findings, frequency),
-            )
-        )
-    omitted = f" (the {len(rows)} largest of {len(peaks)})" if len(rows) < len(peaks) else ""
+    largest_peaks = sorted(loads.peaks, key=lambda peak: -peak.referred)[:MOST_PEAKS]
+    omitted = len(loads.peaks) > MOST_PEAKS
     return table(
-        f"< Component | < Order | Torque amplitude [{unit.unit}] | Speed [rpm] | Frequency [Hz] | Mode",
-        rows,
-        f"Resonance peaks of single orders in the speed range{omitted}",
-    )
-
-
-def found_peaks(findings: Findings, elements: list[Element]) -> list[Peak]:
-    """Return all peaks worth listing, by element, the largest first."""
-    peaks: list[Peak] = []
-    for element in elements:
-        orders = amplitude(findings, element.spans)
-        smallest = SMALLEST * highest(orders)
-        of_element = [
-            Peak(element, line, speed, float(values[speed]))
-            for line, values in enumerate(orders.T)
-            for speed in local_maxima(values)
-            if values[speed] >= smallest
-        ]
-        peaks += sorted(of_element, key=lambda peak: -peak.torque)
-    return peaks
-
-
-def local_maxima(values: FloatArray) -> list[int]:
-    """Return inner places where the values exceed both sides; a place without a value is no neighbour."""
-    filled = np.where(np.isfinite(values), values, np.inf)
-    inner = (filled[1:-1] > filled[:-2]) & (filled[1:-1] >= filled[2:]) & np.isfinite(values[1:-1])
-    return (np.flatnonzero(inner) + 1).tolist()
-
-
-def _largest_angles(findings: Findings, response: Response) -> Table:
-    rows, ratio = list[tuple[object, ...]](), findings.system.speed_ratio
-    sizes = np.where((response.status == Status.OK)[:, :, None], np.abs(response.angle), np.nan)
-    top = highest(sizes / ratio[: sizes.shape[2]])
-    for station, name in _moving_stations(findings):
-        position = largest(sizes[:, :, station].ravel())
-        if position is None:
-            rows.append((name, NO_VALUE, *[None] * 4))
-            continue
-        speed, line = divmod(position, sizes.shape[1])
-        angle = settled(float(sizes[speed, line, station]), top * float(ratio[station]))
-        order = response.lines[line].named(reference(findings))
-        speed_amplitude = 2.0 * np.pi * angle * response.frequency[speed, line]
-        rows.append((name, angle, angle, order, response.speed[speed], speed_amplitude))
-    return table(
-        "< Station | Maximum amplitude [deg]:g | Amplitude [rad] | < Order | Speed [rpm] | Speed amplitude [rpm]",
-        rows,
-        f"Maximum angular amplitude of single orders, each at the component's speed; 0: {LESS}",
+        "component: < Component | order: < Order | torque: Torque amplitude [~N m] | speed: Speed [rpm] | "
+        "frequency: Frequency [Hz] | mode: Mode",
+        [peak for peak in loads.peaks if peak in largest_peaks],
+        "Resonance peaks of single orders in the speed range"
+        + f" (the {MOST_PEAKS} largest of {len(loads.peaks)})" * omitted,
     )
 
 

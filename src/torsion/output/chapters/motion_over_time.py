@@ -11,12 +11,12 @@ from torsion.analyses.motion.milling_ice import Ice
 from torsion.analyses.motion.short_circuit import ShortCircuit
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.motion.transient_settings import TransientSettings, cases
+from torsion.analyses.response.component_loads import NOTHING
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.numbers import RPM, Scale, counted, number, rpm, scale, symbols
-from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
 from torsion.results import listed
 from torsion.rules.verdict_line import Checks
