@@ -11,7 +11,7 @@ import numpy as np
 
 from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
 from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
-from torsion.analyses.power_balance import power_balance
+from torsion.analyses.power_balance import keeping_last, power_balance
 from torsion.analyses.speed_tables import uncovered
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
@@ -146,21 +146,17 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
     load does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
-    balance, reference = power_balance(train, operation), reference_station(train, operation)
-    inside_shafts = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts there
-    ratio = system.speed_ratio
+    balance, ratio = power_balance(train, operation), system.speed_ratio
     torque, applied, twist = (
         np.zeros((count, len(speed)))
         for count in (len(system.spans), len(system.stations), len(system.stations))
     )
-    for load in balance.loads:
-        shares, mean = [*balance.shares(load), *inside_shafts], load.torque_at(speed)
-        unit_torque, unit_twist = statics(system, shares, reference)
-        exact = zip(shares, system.stations, strict=True)
-        unit_applied = [float(share / station.ratio) for share, station in exact]
-        torque += np.outer(unit_torque / system.span_ratio, mean)
+    pairs = zip(balance.loads, _unit_loads(train, system, operation), strict=True)
+    for load, (unit_torque, unit_applied, unit_twist) in pairs:
+        mean = load.torque_at(speed)
+        torque += np.outer(unit_torque, mean)
         applied += np.outer(unit_applied, mean)
-        twist += np.outer(unit_twist * ratio, mean)
+        twist += np.outer(unit_twist, mean)
     return Steady(
         speed,
         torque,
@@ -170,6 +166,23 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
         load_slopes(balance, ratio, speed),
         drive_slopes(train, operation, balance, ratio, speed),
     )
+
+
+@keeping_last
+def _unit_loads(
+    train: Train, system: System, operation: Operation
+) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+    """Return the torques (spans,), what is applied, and the twists (stations,) under 1 N m of each load."""
+    balance, reference = power_balance(train, operation), reference_station(train, operation)
+    inside_shafts = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts there
+    unit_loads = []
+    for load in balance.loads:
+        shares = [*balance.shares(load), *inside_shafts]
+        torque, twist = statics(system, shares, reference)
+        exact = zip(shares, system.stations, strict=True)
+        applied = np.array([float(share / station.ratio) for share, station in exact])
+        unit_loads.append((torque / system.span_ratio, applied, twist * system.speed_ratio))
+    return unit_loads
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
