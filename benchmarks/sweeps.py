@@ -14,8 +14,6 @@ from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from benchmarks.peers_opentorsion import assembled, elements, undamped_frequencies
 from benchmarks.references import frequencies, worst
-from torsion.kernels.distributed.span_laws import Columns, Shafts
-from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.loops import graph_modes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
@@ -57,19 +55,14 @@ NETWORKS = (
     (10, 1, 6),
     (10, 2, 6),
     (20, 1, 6),
-    (6, 0, 4),
-    (10, 0, 6),
-    (20, 0, 6),
 )  # stations, chords, modes
 OF_NETWORKS = """\
 Chains with one chord from the second station to the last but one, or with one from end to end besides, varied in the
-same way, and without chords with every second span a distributed shaft as heavy as 1 % of the lightest station:
-`network_modes`, every mode proven by counts, next to a loop over `graph_modes` or `tree_modes`. The difference is the
+same way: `network_modes`, every mode proven by counts, next to a loop over `graph_modes`. The difference is the
 largest between both; width is that of the widest bounds."""
 NETWORK_HEAD = (
     "stations",
     "chords",
-    "shafts",
     "modes",
     "side by side µs",
     "one by one µs",
@@ -93,7 +86,7 @@ def main() -> None:
                 )
     networks = [_network_row(*case, 2000 // (5 if report.chosen.quick else 1)) for case in NETWORKS]
     page = ["## Natural frequencies", HOW, table(HEAD, rows)]
-    page += ["## Closed loops and distributed shafts", OF_NETWORKS, table(NETWORK_HEAD, networks)]
+    page += ["## Closed loops", OF_NETWORKS, table(NETWORK_HEAD, networks)]
     report.publish("Many trains side by side", page)
 
 
@@ -165,28 +158,17 @@ def _network_row(size: int, chords: int, modes: int, trains: int) -> tuple[str, 
         1 - SPREAD[0], 1 + SPREAD[0], (size, trains)
     )
     softness = 1.0 / rng.uniform(1 - SPREAD[1], 1 + SPREAD[1], (size + chords, trains))
-    flexibility, node = np.zeros_like(inertia), np.arange(1, size, 2)
+    flexibility = np.zeros_like(inertia)
     flexibility[1:] = softness[1:size] / np.array(case.stiffness)[1:, None]
     chord = softness[size:] / min(case.stiffness[1:])
-    ends, factors = (
-        (np.array([1, 0][:chords], int), np.array([size - 2, size - 1][:chords], int)),
-        None,
-    )
-    if not chords:
-        heavy = np.full(len(node), 0.01 * min(case.inertia))
-        law = uniform_shafts(np.ones(len(node)), np.array(case.stiffness)[node], heavy)
-        tree, soft = replace(tree, shafts=Shafts(node, (law,))), softness[node]
-        factors = np.concatenate([soft, np.ones_like(soft), soft])
+    ends = np.array([1, 0][:chords], int), np.array([size - 2, size - 1][:chords], int)
 
     def one(k: int) -> np.ndarray:
         own = replace(tree, flexibility=flexibility[:, k], inertia=inertia[:, k])
-        if chords:
-            return graph_modes(own, *ends, chord[:, k], modes).frequency
-        laws = tuple(Columns.of(law, factors[:, k : k + 1]).rows for law in tree.shafts.laws)
-        return tree_modes(replace(own, shafts=replace(tree.shafts, laws=laws)), modes).frequency
+        return graph_modes(own, *ends, chord[:, k], modes).frequency
 
     times, answers = _in_turn(
-        lambda: network_modes(tree, flexibility, inertia, modes, ends, chord, factors),
+        lambda: network_modes(tree, flexibility, inertia, modes, ends, chord),
         lambda: np.array([one(k) for k in range(LOOPED)]).T,
     )
     ours, alone, found = times[0] / trains, times[1] / LOOPED, answers[0]
@@ -195,7 +177,6 @@ def _network_row(size: int, chords: int, modes: int, trains: int) -> tuple[str, 
     return (
         str(size),
         str(chords),
-        str(0 if chords else len(node)),
         str(modes),
         *(f"{1e6 * took:.3g}" for took in (ours, alone)),
         f"{alone / ours:.3g}",

@@ -1,4 +1,4 @@
-"""Many trains with closed loops or distributed shafts: each as one train by itself, and rings in closed form."""
+"""Many trains with closed loops: each as one train by itself, and rings in closed form."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -10,10 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from torsion.kernels import variant_networks
-from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform_shaft import UniformShafts, uniform_shafts
 from torsion.kernels.loops import graph_modes, pairs
-from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.network_counts import Elimination, Network, modal_way, network_count
 from torsion.kernels.tree import Tree
 from torsion.kernels.variant_networks import counted_modes, network_modes
@@ -84,33 +81,6 @@ def test_frequencies_beside_a_pole_of_what_the_root_sees_settle() -> None:
     found = network_modes(tree, h, j, 6, ends, c)
     alone = graph_modes(replace(tree, flexibility=h[:, 23], inertia=j[:, 23]), *ends, c[:, 23], 6)
     assert found.frequency[:, 23] == pytest.approx(alone.frequency, rel=4e-15)
-
-
-def test_pieces_of_shafts_are_those_by_themselves() -> None:
-    rng, pieces, trains = np.random.default_rng(3), 4, 20
-    size, node = pieces + 2, np.arange(1, pieces + 1)
-    base = uniform_shafts(np.full(pieces, 0.5), np.full(pieces, 80.0), np.full(pieces, 0.02))
-    held = np.zeros(size, dtype=bool)
-    tree = Tree(
-        np.arange(-1, size - 1), np.zeros(size), np.zeros(size), held, Shafts(node, (base,))
-    )
-    h, j = np.zeros((size, trains)), np.zeros((size, trains))
-    h[-1], j[0], j[-1] = (
-        rng.uniform(0.005, 0.02, trains),
-        rng.uniform(0.5, 1.5, trains),
-        rng.uniform(0.1, 0.3, trains),
-    )
-    length, across = rng.uniform(0.8, 1.2, (2, trains))
-    factors = np.repeat([length / across, length * across, length**2], pieces, axis=0)
-    found = network_modes(tree, h, j, 4, factors=factors)
-    assert found.alone == 0
-    for k in range(trains):
-        law = UniformShafts(*np.split(base.figures * factors[:, k], 3))
-        own = replace(tree, flexibility=h[:, k], inertia=j[:, k], shafts=Shafts(node, (law,)))
-        alone = tree_modes(own, 4)
-        assert found.frequency[:, k] == pytest.approx(alone.frequency, rel=4e-15)
-        assert (found.lower[:, k] <= alone.upper).all()
-        assert (alone.lower <= found.upper[:, k]).all()
 
 
 def test_loops_through_fixed_rigid_and_massless_stations() -> None:

@@ -1,4 +1,4 @@
-"""Counts of the natural frequencies of trains with closed loops or distributed shafts, many side by side.
+"""Counts of the natural frequencies of trains with closed loops, many side by side.
 
 With H the flexibilities of L chords, P their torque pairs and D the dynamic stiffness of the tree at s = w^2, the
 pivots of [[D, P], [P', -H]] in both orders give the count of the train: that of the tree, less the number of negative
@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import Columns
-from torsion.kernels.sturm import count_below, margins
+from torsion.kernels.sturm import margins
 from torsion.kernels.tree import Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
@@ -35,22 +34,16 @@ _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are 
 class Network:
     """Trains of one layout side by side: a tree with a column for each, and its chords."""
 
-    tree: Tree  # flexibility and inertia (stations, trains); its laws are `Columns`
+    tree: Tree  # flexibility and inertia (stations, trains)
     pair: FloatArray  # (chords, stations) torques of each chord
     chord: FloatArray  # (chords, trains) rad/(N m)
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
         """Return the network of some trains, by position or mask."""
-        tree, shafts = self.tree, self.tree.shafts
-        if shafts is not None:
-            position = np.arange(tree.flexibility.shape[1])[trains]
-            laws = tuple(law.chosen(position) for law in shafts.laws if isinstance(law, Columns))
-            shafts = replace(shafts, laws=laws)
         some = replace(
-            tree,
-            flexibility=tree.flexibility[:, trains],
-            inertia=tree.inertia[:, trains],
-            shafts=shafts,
+            self.tree,
+            flexibility=self.tree.flexibility[:, trains],
+            inertia=self.tree.inertia[:, trains],
         )
         return replace(self, tree=some, chord=self.chord[:, trains])
 
@@ -128,29 +121,25 @@ class Elimination:
 
     def __init__(self, trains: Network, square: NDArray[Any], way: Way, lean: float = 0.0) -> None:
         tree = trains.tree
-        self.way, self.lean, self.fixed, of_laws = way, lean, tree.held.tolist(), square
+        self.way, self.lean, self.fixed = way, lean, tree.held.tolist()
         if lean:
-            of_square, of_argument, of_stiffness = margins(tree, square)
+            of_square, _, of_stiffness = margins(tree, square)
             of_square, self.margin = (
                 of_square + 2.0 * _UNIT_ROUNDOFF,
                 of_stiffness + 2.0 * _UNIT_ROUNDOFF,
             )  # other root
-            of_laws, square = square * (1.0 + lean * of_argument), square * (1.0 + lean * of_square)
+            square = square * (1.0 + lean * of_square)
         a, h = tree.moving_inertia * square, tree.flexibility.astype(square.dtype)
-        if tree.shafts is not None:
-            h[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
-            tree.add_ends(a, inner * square, outer * square)
         self.inertia, self.flexibility, self.stiffness = (
             a,
             h,
             np.where(tree.held[:, None], np.inf, -a),
         )
         self.negative, self.number = np.zeros(len(square), dtype=np.int64), len(trains.chord)
-        if self.number:
-            self._begin(trains)
+        self._begin(trains)
         for station, near, span in way.steps:
             (self._past_fixed if self.fixed[station] else self._past_free)(station, near, h[span])
-        if lean and self.number:
+        if lean:
             self.error += 3.0 * tree.size * _UNIT_ROUNDOFF * self.size
 
     def _begin(self, trains: Network) -> None:
@@ -203,8 +192,6 @@ class Elimination:
     def _past_fixed(self, i: int, near: int, h: NDArray[Any]) -> None:
         share = 1.0 / h
         self.stiffness[near] += share
-        if not self.number:
-            return
         q, f = self.q[:, i], self.load[:, i]
         term = product(q, q * share) + product(q, f) + product(f, q)
         self.matrix -= term
@@ -223,24 +210,18 @@ class Elimination:
         transfer = 1.0 / (1.0 + h * z)
         through = z * transfer
         self.negative += transfer.real < 0.0
-        if self.number:
-            f = self.load[:, i]
-            term = h * transfer * product(f, f)
-            self.matrix += term
-            if self.lean:
-                self.size += np.abs(term)
-                self._bound(i, h * transfer)
+        f = self.load[:, i]
+        term = h * transfer * product(f, f)
+        self.matrix += term
         if self.lean:
+            self.size += np.abs(term)
+            self._bound(i, h * transfer)
             lessening = self.lean * self.margin * np.abs(through)
             through = through - lessening
-            if (
-                self.number and not self.fixed[near]
-            ):  # what is passed on less is as inertia of the next station
+            if not self.fixed[near]:  # what is passed on less is as inertia of the next station
                 self._lessen(i, near, lessening, np.abs(through), np.abs(transfer))
         self.stiffness[near] += through
-        if (
-            self.number and not self.fixed[near]
-        ):  # every span has a copy of a fixed station of its own
+        if not self.fixed[near]:  # every span has a copy of a fixed station of its own
             self.load[:, near] += transfer * f
 
     def _bound(self, i: int, weight: FloatArray) -> None:
@@ -267,16 +248,12 @@ class Elimination:
     @property
     def at_root(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Stiffness (trains,) and loads (chords, trains) that are left there."""
-        return self.stiffness[self.way.root], self.load[
-            :, self.way.root
-        ] if self.number else np.empty((0, 0))
+        return self.stiffness[self.way.root], self.load[:, self.way.root]
 
 
 def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntArray:
     """Frequencies below `w` (trains,) rad/s, rigid motions included: never less (+1) or never more (-1) than exact."""
     number = len(trains.chord)
-    if not number:
-        return count_below(trains.tree, w, bound=lean)
     with np.errstate(all="ignore"):
         seen = Elimination(trains, w * w, way, lean)
         stiffness, load = seen.at_root

@@ -1,4 +1,4 @@
-"""Natural frequencies of trains with closed loops or distributed shafts, many side by side, each proven by counts.
+"""Natural frequencies of trains with closed loops, many side by side, each proven by counts.
 
 From the modes of the middle train every other begins at what shares of energy say, as in `variant_modes`. Newton's
 steps make the dynamic stiffness zero that is seen at the station with the most kinetic energy; the same elimination at
@@ -14,12 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import Columns, Shafts
 from torsion.kernels.loops import graph_modes, pairs, stiffest_tree
 from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.network_counts import Elimination, Network, Way, modal_way, network_count
-from torsion.kernels.sturm import SHARE_OF_LIMIT, expected_width
+from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
 from torsion.kernels.variant_modes import (
     Selection,
@@ -36,8 +34,10 @@ _STEPS = 12  # of Newton; 3 are usual, 9 beside a pole of the stiffness that the
 _HALVINGS = 14  # of a bracket of two octaves
 _SETTLED = 1e-10  # relative step after which the next one is below rounding, beside a pole too
 _FARTHEST = 0.3  # relative step beyond which one has left its mode
-_WIDENED = (1.0, 4.0, 16.0)  # times the width in which counts are expected to enclose a frequency
-_OF_CHORDS = (16.0, 256.0)  # the same with chords: their running error is a bound, not an estimate
+_OF_CHORDS = (
+    16.0,
+    256.0,
+)  # times the width that counts without chords need: a running error is a bound
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
 _BESIDE = 1e-7  # relative half width that says whether a mode is the right one
 _ROOTS = 6  # at most to be tried
@@ -54,14 +54,13 @@ def network_modes(
     flexibility: FloatArray,
     inertia: FloatArray,
     count: int,
-    ends: tuple[IntArray, IntArray] = (np.empty(0, int), np.empty(0, int)),
-    chord: FloatArray | None = None,
-    factors: FloatArray | None = None,
+    ends: tuple[IntArray, IntArray],
+    chord: FloatArray,
 ) -> VariantModes:
     """As `variant_modes`, of trains with chords between the stations `ends`, of `chord` (chords, trains) rad/(N m).
 
-    factors: (figures, trains) of the figures of the laws of `tree.shafts`, over what they are there. Columns that are
-    not proven are those of the train by itself, with its bounds. Raises ValueError and SolveError as `variant_modes`.
+    Columns that are not proven are those of the train by itself, with its bounds. Raises ValueError and SolveError as
+    `variant_modes`.
 
     >>> ring, one = Tree(np.array([-1, 0, 1]), *np.zeros((2, 3)), np.zeros(3, dtype=bool)), np.ones((3, 2))
     >>> found = network_modes(ring, one / [1.0, 4.0], one, 2, (np.array([0]), np.array([2])), one[:1])
@@ -70,53 +69,29 @@ def network_modes(
            [ 3., 12.]])
     """
     trains = flexibility.shape[1]
-    chord = np.empty((0, trains)) if chord is None else chord
     if not np.all(chord > 0.0):
         raise ValueError("a chord needs a positive flexibility; put rigid spans into the tree")
-    laws = _laws(tree, factors, trains)
     many = Network(
-        replace(tree, flexibility=flexibility, inertia=inertia, shafts=laws),
-        pairs(tree.size, *ends),
-        chord,
+        replace(tree, flexibility=flexibility, inertia=inertia), pairs(tree.size, *ends), chord
     )
-
-    def alone(h: FloatArray, j: FloatArray, c: FloatArray, shafts: Shafts | None) -> TreeModes:
-        train = replace(tree, flexibility=h, inertia=j, shafts=shafts)
-        return counted_modes(train, *ends, c, count) if len(c) else tree_modes(train, count)
-
-    middle = (
-        None
-        if tree.shafts is None or factors is None
-        else _shafts_of(tree.shafts, middle_of(factors))
-    )
-    middle_modes = alone(middle_of(flexibility), middle_of(inertia), middle_of(chord), middle)
+    mean = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
+    middle_modes = counted_modes(mean, *ends, middle_of(chord), count)
     if len(middle_modes.frequency) < count:
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
-    mean = replace(
-        tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia), shafts=middle
-    )
     torn, rows = _torn(many, mean, ends)
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)), trains):
         some = many.chosen(part)
-        proven = np.zeros(
-            some.chord.shape[1] if len(chord) else some.tree.flexibility.shape[1], dtype=np.bool_
-        )
+        proven = np.zeros(some.chord.shape[1], dtype=np.bool_)
         if torn.tree.parents.count(-1) == 1:
             bounds[:, :, part], proven = _modes(
                 torn.chosen(part), rows, some, mean, middle_modes, middle_of(chord)
             )
         for column in (part.start + np.flatnonzero(~proven)).tolist():
-            train_shafts = (
-                None
-                if tree.shafts is None or factors is None
-                else _shafts_of(tree.shafts, factors[:, column])
-            )
-            modes_alone = alone(
-                flexibility[:, column], inertia[:, column], chord[:, column], train_shafts
-            )
+            train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
+            modes_alone = counted_modes(train, *ends, chord[:, column], count)
             bounds[:, :, column] = modes_alone.frequency, modes_alone.lower, modes_alone.upper
             number += count
     frequency, lower, upper = bounds
@@ -172,35 +147,8 @@ def counted_modes(
     )
 
 
-def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
-    """Return the shafts with the figures of their laws in a column for each train."""
-    if tree.shafts is None:
-        return None
-    sizes = [law.figures.size for law in tree.shafts.laws]
-    if factors is None or factors.shape != (sum(sizes), trains):
-        raise ValueError(
-            f"the laws of the shafts have {sum(sizes)} figures; expected factors of each for every train"
-        )
-    pieces = np.split(factors, np.cumsum(sizes)[:-1])
-    return replace(
-        tree.shafts,
-        laws=tuple(Columns.of(*pair) for pair in zip(tree.shafts.laws, pieces, strict=True)),
-    )
-
-
-def _shafts_of(shafts: Shafts, factors: FloatArray) -> Shafts:
-    """The shafts of one train, with `factors` (figures,)."""
-    sizes = [law.figures.size for law in shafts.laws]
-    pieces = np.split(factors[:, None], np.cumsum(sizes)[:-1])
-    return replace(
-        shafts, laws=tuple(Columns.of(*pair).rows for pair in zip(shafts.laws, pieces, strict=True))
-    )
-
-
 def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[Network, IntArray]:
     """The trains as trees of the stiffest spans, and the new number (stations,) of each given station."""
-    if not len(many.chord):
-        return many, np.arange(mean.size)
     tree = many.tree
     torn = stiffest_tree(mean, *ends, middle_of(many.chord))
     is_used = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=np.bool_))
@@ -240,7 +188,7 @@ def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
         squares = square[left]
         with np.errstate(all="ignore"):
             seen = Elimination(some, squares * (1.0 + 1j * _STEP), way)
-            stiffness = seen.at_root[0] + (_through_chords(seen) if seen.number else 0.0)
+            stiffness = seen.at_root[0] + _through_chords(seen)
             change = -stiffness.real / (stiffness.imag / _STEP)
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
         square[left] = squares + squares * change
@@ -278,34 +226,17 @@ def _modes(
     torn: the trains that are eliminated, whose stations are `rows` of those given, `own`; known: modes of the `mean`.
     """
     start, passed, ways = [], [], []
+    h, j = mean.flexibility, mean.moving_inertia
     for mode, w in enumerate(middle_modes.frequency.tolist()):
-        h, j = (
-            values[:, 0]
-            for values in replace(mean, inertia=mean.moving_inertia).at(np.array([w * w]))
-        )
-        angle, torque = middle_modes.angle[:, mode], middle_modes.torque[:, mode].copy()
-        if mean.shafts is not None:
-            node = mean.shafts.node
-            torque[node] = (angle[mean.parent[node]] - angle[node]) / h[node]
-        all_h, all_j = _values_at(given.tree, w * w)
-        moved = (torque**2 * h) @ changes(all_h, h) + w * w * (angle**2 * j) @ changes(all_j, j)
-        if len(chord):
-            moved = moved + (middle_modes.loop_torque[:, mode] ** 2 * chord) @ changes(
-                given.chord, chord
-            )
+        angle, torque = middle_modes.angle[:, mode], middle_modes.torque[:, mode]
+        loop_torque = middle_modes.loop_torque[:, mode]
+        moved = (torque**2 * h) @ changes(given.tree.flexibility, h)
+        moved += w * w * (angle**2 * j) @ changes(given.tree.moving_inertia, j)
+        moved += (loop_torque**2 * chord) @ changes(given.chord, chord)
         start.append(w * np.exp(np.nan_to_num(-0.5 * moved / w**2)))
         ways.append(_way(torn, int(rows[np.argmax(j * angle**2)]), w * w))
         passed.append(np.abs(torque * angle[mean.parent]).sum() / w**2)
     return _proven(torn, np.stack(start), ways, np.array(passed), middle_modes.rigid)
-
-
-def _values_at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
-    """Flexibility and inertia (stations, trains) at one s for all, a shaft a flexibility between two inertias."""
-    h, j = tree.flexibility.copy(), tree.moving_inertia.copy()
-    if tree.shafts is not None:
-        h[tree.shafts.node], inner, outer = tree.shafts.at(np.full(h.shape[1], square))
-        tree.add_ends(j, inner, outer)
-    return h, j
 
 
 def _bracketed(trains: Network, start: FloatArray, mode: int, way: Way) -> FloatArray:
@@ -359,7 +290,7 @@ def enclosed_each(
     near = frequency.copy()
     for station in _roots(trains.tree, root):
         proven_before = proven.sum()
-        for is_modal in (True, False) if len(trains.chord) else (False,):
+        for is_modal in (True, False):
             left = np.flatnonzero(~proven)
             if not left.size:
                 return bounds, proven
@@ -402,18 +333,14 @@ def _enclosed(
 
     half: relative half width, by default that in which success is expected, up to the widest.
     """
-    shafts, widened = trains.tree.shafts, tuple[float, ...](_WIDENED)
-    if len(trains.chord):
-        widened = _OF_CHORDS if way.basis is None else _OF_MODES
+    widened: tuple[float, ...] = _OF_CHORDS if way.basis is None else _OF_MODES
     width = np.minimum(
         expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1]
     )
     if half:
         width, widened = np.full(len(frequency), half), (1.0,)
-    top = np.inf if shafts is None else SHARE_OF_LIMIT * shafts.limit
 
     def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
         return network_count(trains.chosen(left), w, lean, way.chosen(left))
 
-    bounds, proven = enclosed(counted, frequency, width, mode, widened)
-    return bounds, proven & (bounds[1] <= top)
+    return enclosed(counted, frequency, width, mode, widened)

@@ -57,11 +57,6 @@ class Law(ABC):
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
-    def figures(self) -> FloatArray:
-        """All numbers of all shafts (figures,), one field after another."""
-        return np.concatenate([column.ravel() for column in self.columns.values()])
-
-    @property
     @abstractmethod
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
@@ -119,58 +114,6 @@ class Law(ABC):
             np.concatenate([column.reshape(self.size, -1) for column in columns.values()], axis=1)
         )
         return replace(self, **{name: column[first] for name, column in columns.items()}), position
-
-
-@dataclass(frozen=True)
-class Columns(Law):
-    """Shafts of many trains of one layout, at one frequency for each train."""
-
-    rows: Law  # of every shaft in all trains, one shaft after another
-    trains: int
-
-    @classmethod
-    def of(cls, law: Law, factors: FloatArray) -> "Columns":
-        """Those of `law` with its `figures` multiplied by `factors` (figures, trains)."""
-        trains, begin, values = factors.shape[1], 0, {}
-        for name, figures in law.columns.items():
-            part = factors[begin : begin + figures.size].reshape(*figures.shape, trains)
-            values[name] = np.moveaxis(figures[..., None] * part, -1, 1).reshape(
-                -1, *figures.shape[1:]
-            )
-            begin += figures.size
-        return cls(replace(law, **values), trains)
-
-    @property
-    def size(self) -> int:
-        return self.rows.size // self.trains
-
-    @property
-    def limit(self) -> float:
-        return self.rows.limit
-
-    @property
-    def reach(self) -> float:
-        return self.rows.reach
-
-    def chosen(self, trains: NDArray[Any]) -> "Columns":
-        """Return the shafts of some trains, by their positions."""
-        position = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
-        rows = replace(
-            self.rows,
-            **{name: column[position.ravel()] for name, column in self.rows.columns.items()},
-        )
-        return Columns(rows, position.shape[1])
-
-    def at(self, square: NDArray[Any]) -> Pi:
-        return self._pi(square[None])
-
-    def rounding(self, square: FloatArray) -> FloatArray:
-        return self.rows.rounding(square)
-
-    def _pi(self, s: NDArray[Any]) -> Pi:
-        rows = self.rows._pi(np.broadcast_to(s, (self.size, self.trains)).reshape(-1, 1))
-        h, inner, outer = (values.reshape(self.size, self.trains) for values in rows)
-        return h, inner, outer
 
 
 @dataclass(frozen=True)

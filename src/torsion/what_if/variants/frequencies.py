@@ -18,7 +18,7 @@ from torsion.primitives import Bar
 from torsion.study import Variation
 from torsion.train import Train
 from torsion.what_if.variants.one_by_one import Answers, reason, solved
-from torsion.what_if.variants.train_rows import chord_rows, distributed_factors, rows_on_tree
+from torsion.what_if.variants.train_rows import chord_rows, rows_on_tree
 
 ROUNDS = 3  # with the segments that lumped shafts have for the last mode of a variant
 ONE_SEGMENT = 4.0 * SHARE_OF_ERROR  # relative, over segments: as far may one segment move a mode
@@ -89,7 +89,7 @@ def certified(
         raise NotInColumns("a stiffness follows a table")
     base = modes(system, count).system
     if base.bars is not None:
-        return _as_divided(base, train, variants, count)
+        raise NotInColumns("distributed shafts are solved variant by variant")
     hertz_found = np.full((count, variants), np.nan)
     refined = tuple(bar for bar in train.bars if is_refined(bar))
     travel = np.array([_travel(bar) + np.zeros(variants) for bar in refined])
@@ -142,7 +142,6 @@ def _as_divided(
     """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
     rows = rows_on_tree(system, train, variants)
     (begin, end), chord = chord_rows(system, rows)
-    factors = distributed_factors(system, train, variants)
     tree = undamped_tree(system)
     is_root = (tree.parent < 0)[:, None]
     flexibility, inertia = (
@@ -150,12 +149,11 @@ def _as_divided(
         rows.inertia[:, places],
     )
     try:
-        if len(chord) or factors is not None:
+        if len(chord):
             from torsion.kernels.variant_networks import network_modes
 
-            chosen = None if factors is None else factors[:, places]
             modes_found = network_modes(
-                tree, flexibility, inertia, count, (begin, end), chord[:, places], chosen
+                tree, flexibility, inertia, count, (begin, end), chord[:, places]
             )
         else:
             from torsion.kernels.variant_modes import variant_modes

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.analyses.undamped_modes import chord_spans
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import IntArray
 from torsion.assembly.shafts import GAUSS, is_uniform
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
@@ -78,30 +78,6 @@ def chord_rows(system: System, rows: TrainRows) -> tuple[tuple[IntArray, IntArra
     chords, node = chord_spans(system), system.condensed.node
     ends = node[system.driving[chords]], node[system.driven[chords]]
     return ends, rows.closing[0][np.isin(system.condensed.extra, chords)]
-
-
-def distributed_factors(system: System, train: Train, variants: int) -> FloatArray | None:
-    """Return the figures of the laws of distributed shafts over those of the system; None without such shafts.
-
-    (figures, variants) in the order of `UniformShafts`: flexibility, half the inertia, square of the time of travel.
-    """
-    if system.bars is None:
-        return None
-    pieces = system.bars.pieces
-    if system.bars.degree or not all(is_uniform(piece.bar) for piece in pieces):
-        raise NotInColumns("finite elements and cones are no uniform continua")
-    bars = {bar.name: bar for bar in train.bars}
-    factors = np.ones((3, len(pieces), variants))
-    for position, piece in enumerate(pieces):
-        for sign, bar in ((1.0, bars[piece.bar.name]), (-1.0, piece.bar)):
-            if not is_uniform(bar):
-                raise NotInColumns("a shaft becomes a cone")
-            area = polar_area_moment(plain(bar.outer[0]), plain(bar.bore[0]))
-            length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
-            factors[0, position] *= (length / (modulus * area)) ** sign
-            factors[1, position] *= (density * length * area) ** sign
-            factors[2, position] *= (length * length * density / modulus) ** sign
-    return factors.reshape(-1, variants)
 
 
 def bar_spans(system: System, bar: Bar) -> IntArray:
