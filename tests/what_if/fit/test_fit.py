@@ -357,9 +357,6 @@ def test_slopes_are_the_closed_forms_of_both_energies() -> None:
         [0.0124017846521365989, -0.000361471028907385519],
     ]
     assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=1e-15)
-    assert train.by_reading().mode_slopes(np.zeros(2), range(3)) == pytest.approx(
-        np.array(exact), abs=1e-10
-    )
 
 
 def two_discs() -> Train:
@@ -392,7 +389,6 @@ def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
     by_inertia = -((w**4 * first - w**2 * stiffness) * second / below).real
     exact = np.stack([by_stiffness, by_inertia], axis=1)
     assert train.slopes(np.zeros(2), ()) == pytest.approx(exact, rel=1e-13)
-    assert train.by_reading().slopes(np.zeros(2), ()) == pytest.approx(exact, rel=2e-8)
 
 
 def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:

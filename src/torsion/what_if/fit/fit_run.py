@@ -98,7 +98,7 @@ class Problem:
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
         """Yield figures (figures,) as near as can be at which a measured mode and a neighbour swap, by slopes."""
         numbers = self.pairs.number
-        frequency = self.train.frequencies(self.factors(values)) if numbers else np.empty(0)
+        frequency = self.train.modes(self.factors(values)).frequency if numbers else np.empty(0)
         for mode in sorted({number - below for number in numbers for below in (0, 1)}):
             if not 0 <= mode < len(frequency) - 1:
                 continue

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.study import Study
 from torsion.two_columns import Columns, pairs
@@ -50,6 +51,18 @@ class Curve:
     unused: int = (
         0  # windows of a signal outside the speeds, or in which the order does not stand out
     )
+
+    def of_response(
+        self, system: System, speed: FloatArray, angle: ComplexArray, torque: ComplexArray
+    ) -> ComplexArray:
+        """Return the amplitudes (speeds,) in SI, from the angles (speeds, stations) and torques (speeds, spans)."""
+        if self.quantity == "torque":
+            parts = (system.train.parts[span.part].name for span in system.spans)
+            return torque[:, list(parts).index(self.at)]
+        stations = [station.name for station in system.stations]
+        own_angle = angle[:, stations.index(self.at)]
+        is_speed = self.quantity == "speed"
+        return np.asarray(1j * float(self.order) * speed * own_angle) if is_speed else own_angle
 
     @property
     def deviation(self) -> FloatArray:

@@ -44,7 +44,7 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     ]
     if not places:
         return Pairs((), (), np.empty(0), np.empty(0))
-    nominal = train.frequencies(np.ones(len(deviation)).tolist())
+    nominal = train.modes(np.ones(len(deviation)).tolist()).frequency
     lower, upper = _bands(train, deviation, len(nominal))
     numbers = dict[int, int]()
     for index in places:
@@ -131,5 +131,5 @@ def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray,
         corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
         for corner in np.unique(corners, axis=0):
             chosen = np.flatnonzero((corners == corner).all(axis=1))
-            ends[row, chosen] = train.frequencies(corner.tolist())[chosen]
+            ends[row, chosen] = train.modes(corner.tolist()).frequency[chosen]
     return ends[0], ends[1]

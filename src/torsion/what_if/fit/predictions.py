@@ -1,8 +1,7 @@
-"""What the train gives in place of what was measured, with its parameters at given factors, and its slopes."""
+"""What a train has of what was measured, at any values of its parameters: frequencies, amplitudes and their slopes."""
 
 import math
-from collections.abc import Callable, Sequence
-from copy import copy
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -12,13 +11,15 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import as_divided, of_train, resolving
 from torsion.assembly.system import System
+from torsion.columns import NotInColumns
 from torsion.errors import InputError, SolveError
 from torsion.kernels.tree_response import Status
 from torsion.study import Study, Variation
-from torsion.what_if.fit.closed_forms import closed_forms, no_value, target_position
+from torsion.what_if.fit.exact_slopes import ExactSlopes
 from torsion.what_if.fit.measurements import Curve
 
 STEP = 1e-5  # of the logarithm of a factor: a central difference errs by some 1e-10 of its square and 1e-11 of rounding
+Factors = tuple[float, ...]
 
 
 class Train:
@@ -30,18 +31,18 @@ class Train:
         self.variation, self.curves, self.count = variation, curves, count
         self.system = system  # of the file, as finely as all that was measured needs
         self._assembled = lru_cache(maxsize=64)(self._read)
-        self.closed = closed_forms(variation, system, curves, count)
+        self._modes = lru_cache(maxsize=64)(
+            lambda factors: modes_as_discretised(self._assembled(factors)[1], count)
+        )
 
-    def by_reading(self) -> "Train":
-        """Return the same train with its file read again for all parameters."""
-        train = copy(self)
-        train.closed = None
-        return train
-
-    def _read(self, factors: tuple[float, ...]) -> tuple[Study, System]:
-        """Read the file with these factors; raises SolveError if it is at fault."""
+    def _read(self, factors: Factors) -> tuple[Study, System]:
+        """Return study and system with these factors; raises SolveError if the file is at fault."""
         try:
-            study = self.variation.study(factors)
+            try:
+                train = self.variation.in_columns(np.array([factors]))
+                study = self.variation.studies(train)(0)
+            except NotInColumns:
+                study = self.variation.study(factors)
         except InputError as error:
             message = "; ".join(fault.message for fault in error.faults)
             raise SolveError(
@@ -51,42 +52,31 @@ class Train:
             return study, as_divided(self.system, study.train)
         return study, of_train(self.system, study.train)
 
-    def modes(self, factors: Sequence[float]) -> Modes:
-        """Return the lowest modes of the file read with these factors."""
-        return modes_as_discretised(self._assembled(tuple(factors))[1], self.count)
-
-    def frequencies(self, factors: Sequence[float]) -> FloatArray:
-        """Return the lowest frequencies (modes,) Hz."""
-        if self.closed is None:
-            return self.modes(factors).frequency
-        modes = self.closed.evaluated(tuple(factors)).modes
-        return np.asarray(modes.frequency / (2.0 * math.pi))
+    def modes(self, factors: Iterable[float]) -> Modes:
+        """Return the lowest modes with these factors."""
+        return self._modes(tuple(factors))
 
     def amplitudes(
-        self, factors: Sequence[float], curve: Curve, speed: FloatArray | None = None
+        self, factors: Iterable[float], curve: Curve, speed: FloatArray | None = None
     ) -> ComplexArray:
         """Return amplitudes (speeds,) in SI; raises SolveError if the response has no value there."""
         study, system = self._assembled(tuple(factors))
-        response = response_of_orders(
-            study, system, [curve.order], curve.speed if speed is None else speed
-        )
+        speeds = curve.speed if speed is None else speed
+        response = response_of_orders(study, system, [curve.order], speeds)
         line = [line.order for line in response.lines].index(curve.order)
         if (response.status[:, line] == Status.SINGULAR).any():
-            raise no_value(curve)
-        values = response.torque if curve.quantity == "torque" else response.angle
-        amplitudes = values[:, line, target_position(system, curve)]
-        if curve.quantity == "speed":
-            amplitudes = amplitudes * (2j * math.pi * response.frequency[:, line])
-        return np.asarray(amplitudes)
-
-    def logarithms(self, factors: Sequence[float], numbers: Sequence[int]) -> FloatArray:
-        """Return ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
-        rows = [np.log(self.frequencies(factors)[list(numbers)])] if len(numbers) else []
-        closed = None if self.closed is None else self.closed.evaluated(tuple(factors))
-        for position, curve in enumerate(self.curves):
-            values = np.log(
-                self.amplitudes(factors, curve) if closed is None else closed.amplitude(position)
+            raise SolveError(
+                f"the response of order {curve.order} has no finite value at a speed",
+                "give damping",
             )
+        return curve.of_response(system, speeds, response.angle[:, line], response.torque[:, line])
+
+    def logarithms(self, factors: Iterable[float], numbers: Sequence[int]) -> FloatArray:
+        """Return ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
+        at = tuple(factors)
+        rows = [np.log(self.modes(at).frequency[list(numbers)])] if len(numbers) else []
+        for curve in self.curves:
+            values = np.log(self.amplitudes(at, curve))
             rows += [values.real, values.imag] if curve.has_phase else [values.real]
         return np.concatenate(rows)
 
@@ -103,35 +93,52 @@ class Train:
 
     def slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """Return d `logarithms`/d ln factor (measurements, figures)."""
-        if self.closed is None:
-            return self._differences(
-                logs, lambda factors: self.logarithms(factors, numbers), len(numbers)
-            )
-        closed = self.closed.evaluated(tuple(np.exp(logs).tolist()))
-        rows = [closed.mode_slopes(numbers)] if len(numbers) else []
-        for position, curve in enumerate(self.curves):
-            slopes = closed.amplitude_slopes(position)
-            rows += [slopes.real, slopes.imag] if curve.has_phase else [slopes.real]
-        return np.vstack(rows)
+
+        def exact(slopes: ExactSlopes) -> FloatArray:
+            rows = [self._slopes_of_modes(slopes, logs, numbers)] if len(numbers) else []
+            for curve in self.curves:
+                by_figure = slopes.of_curve(curve)
+                rows += [by_figure.real, by_figure.imag] if curve.has_phase else [by_figure.real]
+            return np.vstack(rows)
+
+        def changed(low: Factors, high: Factors) -> FloatArray:
+            difference = self.logarithms(high, numbers) - self.logarithms(low, numbers)
+            return self.wrapped(difference, len(numbers))
+
+        return self._slopes(logs, exact, changed)
 
     def mode_slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """Return d ln frequency/d ln factor (modes, figures)."""
-        if self.closed is not None:
-            return self.closed.evaluated(tuple(np.exp(logs).tolist())).mode_slopes(numbers)
-        return self._differences(
-            logs, lambda factors: np.log(self.frequencies(factors)[list(numbers)]), None
+        return self._slopes(
+            logs,
+            lambda slopes: self._slopes_of_modes(slopes, logs, numbers),
+            lambda low, high: np.log(
+                self.modes(high).frequency[list(numbers)] / self.modes(low).frequency[list(numbers)]
+            ),
         )
 
-    def _differences(
-        self, logs: FloatArray, values: Callable[[Sequence[float]], FloatArray], modes: int | None
+    def _slopes_of_modes(
+        self, slopes: ExactSlopes, logs: FloatArray, numbers: Sequence[int]
     ) -> FloatArray:
-        """Return central differences; the phases of curves lie behind so many modes, None for no curves."""
-        columns = []
-        for step in STEP * np.eye(len(logs)):
-            low, high = (values(np.exp(logs + sign * step).tolist()) for sign in (-1.0, 1.0))
-            change = high - low if modes is None else self.wrapped(high - low, modes)
-            columns.append(change / (2.0 * STEP))
-        return np.stack(columns, axis=1)
+        return slopes.of_modes(self.modes(np.exp(logs).tolist()))[list(numbers)]
+
+    def _slopes(
+        self,
+        logs: FloatArray,
+        exact: Callable[[ExactSlopes], FloatArray],
+        changed: Callable[[Factors, Factors], FloatArray],
+    ) -> FloatArray:
+        """Return slopes (values, figures): exact where they are known, by central differences of all others."""
+        factors = np.exp(logs)
+        slopes = ExactSlopes(self.variation, factors, *self._assembled(tuple(factors.tolist())))
+        columns = {}
+        if slopes.figures.size:
+            columns = dict(zip(slopes.figures.tolist(), exact(slopes).T, strict=True))
+        for figure, step in enumerate(STEP * np.eye(len(logs))):
+            if figure not in columns:
+                ends = (tuple(np.exp(logs + sign * step).tolist()) for sign in (-1.0, 1.0))
+                columns[figure] = changed(*ends) / (2.0 * STEP)
+        return np.stack([columns[figure] for figure in range(len(logs))], axis=1)
 
 
 def resolved_for(system: System, curves: Sequence[Curve]) -> System:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.discretisation import highest_excited
-from torsion.analyses.undamped_modes import modes, undamped_tree
+from torsion.analyses.undamped_modes import chord_spans, modes, undamped_tree
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import as_divided, of_train
 from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
@@ -18,7 +18,7 @@ from torsion.primitives import Bar
 from torsion.study import Variation
 from torsion.train import Train
 from torsion.what_if.variants.one_by_one import Answers, reason, solved
-from torsion.what_if.variants.train_rows import chord_rows, rows_on_tree
+from torsion.what_if.variants.train_rows import rows_on_tree
 
 ROUNDS = 3  # with the segments that lumped shafts have for the last mode of a variant
 ONE_SEGMENT = 4.0 * SHARE_OF_ERROR  # relative, over segments: as far may one segment move a mode
@@ -140,21 +140,17 @@ def _as_divided(
     places: IntArray | slice = slice(None),
 ) -> FloatArray:
     """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
-    rows = rows_on_tree(system, train, variants)
-    (begin, end), chord = chord_rows(system, rows)
-    tree = undamped_tree(system)
-    is_root = (tree.parent < 0)[:, None]
-    flexibility, inertia = (
-        np.where(is_root, 0.0, rows.flexibility)[:, places],
-        rows.inertia[:, places],
+    tree, chords, node = undamped_tree(system), chord_spans(system), system.condensed.node
+    flexibility, inertia, chord = (
+        rows[:, places] for rows in rows_on_tree(system, train, variants)
     )
+    flexibility = np.where((tree.parent < 0)[:, None], 0.0, flexibility)
     try:
         if len(chord):
             from torsion.kernels.variant_networks import network_modes
 
-            modes_found = network_modes(
-                tree, flexibility, inertia, count, (begin, end), chord[:, places]
-            )
+            ends = node[system.driving[chords]], node[system.driven[chords]]
+            modes_found = network_modes(tree, flexibility, inertia, count, ends, chord)
         else:
             from torsion.kernels.variant_modes import variant_modes
 

@@ -1,13 +1,12 @@
-"""The numbers of a train in columns on the tree of a system: the rows that kernels of many trains take."""
+"""The numbers of a train in columns, at the stations and spans of a system and on its tree."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsion.analyses.undamped_modes import chord_spans
-from torsion.arrays import IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.shafts import GAUSS, is_uniform
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
@@ -18,30 +17,12 @@ from torsion.train import Train
 Numbers = NDArray[Any]  # float, or complex with the step of a slope
 
 
-@dataclass(frozen=True)
-class TrainRows:
-    """A column for each variant, referred to one speed as in `System.condensed`."""
-
-    flexibility: Numbers  # (tree stations, variants) rad/(N m)
-    inertia: Numbers  # (tree stations, variants) kg m2; 0 where fixed
-    viscous: Numbers  # (tree stations, variants) N m s/rad
-    loss_factor: Numbers  # (tree stations, variants)
-    closing: (
-        Numbers  # (3, extra, variants) flexibility, viscous, loss factor of spans that close loops
-    )
-
-    @property
-    def rows(self) -> Numbers:
-        """(rows, variants) all of them, one below the other."""
-        on_tree = (self.flexibility, self.inertia, self.viscous, self.loss_factor)
-        return np.concatenate([*on_tree, *self.closing])
-
-
-def rows_on_tree(
+def numbers_of_system(
     system: System, train: Train, variants: int, dtype: type[Any] = float
-) -> TrainRows:
-    """Return the rows of a train in columns, its shafts in as many pieces as in the system of its layout.
+) -> tuple[Numbers, Numbers]:
+    """Return the numbers of a train in columns, its shafts in as many pieces as in the system of its layout.
 
+    Inertia kg m2 (stations, variants); flexibility rad/(N m), damper N m s/rad and loss factor (3, spans, variants).
     Raises NotInColumns if the train has a shaft that the system does not have in these pieces.
     """
     inertia = np.zeros((len(system.stations), variants), dtype=dtype)
@@ -56,28 +37,26 @@ def rows_on_tree(
         flexibility, lumps = _segments(bar, len(spans))
         elastic[0, spans] = flexibility.reshape(len(spans), -1)
         elastic[2, spans] = plain(bar.loss_factor)
-        if system.bars is None:
-            stations = np.append(system.driving[spans], system.driven[spans[-1]])
-            inertia[stations] += lumps.reshape(len(stations), -1)
+        stations = np.append(system.driving[spans], system.driven[spans[-1]])
+        inertia[stations] += lumps.reshape(len(stations), -1)
+    return inertia, elastic
 
-    condensed, ratio2 = system.condensed, system.span_ratio[:, None] ** 2
-    with np.errstate(invalid="ignore"):  # an infinite flexibility has no complex step
-        elastic *= np.array([1.0 / ratio2, ratio2, np.ones_like(ratio2)])
-    on_tree = np.zeros((3, condensed.tree.size, variants), dtype=dtype)
+
+def rows_on_tree(
+    system: System, train: Train, variants: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return flexibility and inertia (tree stations, variants) of a train in columns, and flexibility of chords.
+
+    At one speed, as in `System.condensed`; the inertia of a fixed station is 0. The chords are those of `chord_spans`.
+    """
+    inertia, elastic = numbers_of_system(system, train, variants)
+    condensed, flexibility = system.condensed, elastic[0] / system.span_ratio[:, None] ** 2
+    on_tree, moving = np.zeros((2, condensed.tree.size, variants))
     kept = condensed.span >= 0
-    on_tree[:, condensed.span[kept]] = elastic[:, kept]
-    moving = np.zeros((condensed.tree.size, variants), dtype=dtype)
-    with np.errstate(invalid="ignore"):
-        moving[condensed.node] = inertia * system.speed_ratio[:, None] ** 2
+    on_tree[condensed.span[kept]] = flexibility[kept]
+    moving[condensed.node] = inertia * system.speed_ratio[:, None] ** 2
     moving[condensed.tree.held] = 0.0
-    return TrainRows(on_tree[0], moving, on_tree[1], on_tree[2], elastic[:, condensed.extra])
-
-
-def chord_rows(system: System, rows: TrainRows) -> tuple[tuple[IntArray, IntArray], Numbers]:
-    """Return the stations of the tree at both ends of the chords with a stiffness, and their flexibility."""
-    chords, node = chord_spans(system), system.condensed.node
-    ends = node[system.driving[chords]], node[system.driven[chords]]
-    return ends, rows.closing[0][np.isin(system.condensed.extra, chords)]
+    return on_tree, moving, flexibility[chord_spans(system)]
 
 
 def bar_spans(system: System, bar: Bar) -> IntArray:
