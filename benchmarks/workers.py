@@ -100,7 +100,12 @@ def _answers(out: Path) -> object:
     from torsion.sweeping.parts import read_part
 
     found = json.loads((out / "results.json").read_text(encoding="utf-8"))["sweep"]
-    parts = [read_part(path)[0] for path in sorted((out / "parts").glob("part-*"))]
+    sums = out / "parts" / "SHA256SUMS"
+    lines = sums.read_text(encoding="utf-8").split("\n")[:-1] if sums.exists() else []
+    names = sorted(
+        (name, checksum) for checksum, _, name in (line.partition("  ") for line in lines)
+    )
+    parts = [read_part(out / "parts" / name, checksum)[0] for name, checksum in names]
     return found, [
         {name: own.tobytes() for name, own in part.items() if own.dtype != object} for part in parts
     ]
@@ -112,7 +117,7 @@ def _times(scenes: Mapping[str, Path], folder: Path) -> str:
         known, first = None, 0.0
         for name, word, more in (
             ("`solve`", "solve", ()),
-            ("no workers", "sweep", ()),
+            ("1 worker", "sweep", ("--workers", "1")),
             ("2 workers", "sweep", ("--workers", "2")),
         ):
             out, load = folder / f"{what} {name}", os.getloadavg()[0]
@@ -210,7 +215,7 @@ def _ended(scene: Path, folder: Path) -> str:
 def _children(process: int) -> Iterator[int]:
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
-            is_worker = b"spawn_main" in status.with_name("cmdline").read_bytes()
+            is_worker = b"torsion" in status.with_name("cmdline").read_bytes()
             if int(status.read_text().rpartition(")")[2].split()[1]) == process and is_worker:
                 yield int(status.parent.name)
         except OSError:
@@ -261,11 +266,11 @@ def _by_tls(scene: Path, folder: Path) -> str:
         *files,
     ]
     workers = ["worker", f"tls://{address}", "--nthreads", "1", "--nworkers", "2", *files]
-    own = [
-        word
-        for name in ("ca", "cert", "key")
-        for word in (f"--tls-{name}", str(here / f"{name}.pem"))
-    ]
+    names = {"CA_FILE": "ca", "CLIENT__CERT": "cert", "CLIENT__KEY": "key"}
+    tls = {
+        f"DASK_DISTRIBUTED__COMM__TLS__{key}": str(here / f"{name}.pem")
+        for key, name in names.items()
+    }
     with _process(here, scheduler), _process(here, workers):
         plain = subprocess.run(
             _command(scene, folder / "plain", "--scheduler", f"tcp://{address}"),
@@ -273,7 +278,8 @@ def _by_tls(scene: Path, folder: Path) -> str:
             text=True,
             check=False,
         )
-        _run(scene, out, "--scheduler", f"tls://{address}", *own)
+        os.environ.update(tls)
+        _run(scene, out, "--scheduler", f"tls://{address}")
     equal = "yes" if _answers(out) == _answers(folder / "whole") else "NO"
     return (
         "## TLS\n\nA scheduler and two workers of their own with TLS: equal to the last bit to a run without: "

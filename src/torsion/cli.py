@@ -119,8 +119,9 @@ def sweep(
     out: Out = None,
     *,
     workers: Annotated[
-        int, typer.Option("--workers", min=1, help="Processes of this machine (above 1: dask).")
-    ] = 1,
+        int | None,
+        typer.Option("--workers", min=1, help="Processes of this machine (default: all cores)."),
+    ] = None,
     scheduler: Annotated[
         str, typer.Option("--scheduler", help="Address of a dask scheduler: tls://host:8786.")
     ] = "",
@@ -128,13 +129,6 @@ def sweep(
         Path | None,
         typer.Option("--scheduler-file", help="File that a scheduler wrote its address to."),
     ] = None,
-    tls_ca: Annotated[
-        Path | None, typer.Option("--tls-ca", help="Certificate of the authority, PEM.")
-    ] = None,
-    tls_cert: Annotated[
-        Path | None, typer.Option("--tls-cert", help="Certificate of this client, PEM.")
-    ] = None,
-    tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key, PEM.")] = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")
     ] = False,
@@ -153,13 +147,13 @@ def sweep(
     """
     from torsion import commands
     from torsion.sweeping import swept
-    from torsion.sweeping.cluster import Scheduler
+    from torsion.sweeping.cluster import Workplace
 
     solved = partial(
         swept.swept,
         file,
         out,
-        scheduler=Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key),
+        workplace=Workplace(workers, scheduler, scheduler_file),
         fresh=fresh,
         csv=csv,
         case=case,

@@ -1,5 +1,6 @@
 """One function called many times, shared out to processes of this machine; the answers come in order."""
 
+import ctypes
 import multiprocessing
 import os
 import signal
@@ -15,6 +16,7 @@ from torsion.errors import SolveError
 
 FEWEST = 24  # calls for which processes are begun: that takes as long as a few calls
 CHUNKS = 16  # of calls sent to each process, so that none waits long for another at the end
+SET_DEATH_SIGNAL = 1  # of prctl: what a process gets when its parent has ended
 LONGEST_CHUNK = 16  # calls between two answers
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -24,20 +26,24 @@ _task: "tuple[Callable[[Any], Any], Sequence[Any]] | None" = (
 
 
 def shared_out(
-    function: Callable[[Item], Answer], items: Sequence[Item], *, fewest: int = FEWEST
+    function: Callable[[Item], Answer],
+    items: Sequence[Item],
+    *,
+    fewest: int = FEWEST,
+    most: int | None = None,
 ) -> Iterator[Answer]:
     """Yield the answer to every item in order, from as many processes as this one may use processors.
 
     The processes are copies of this one (fork): they know the function and the items, and send back the answers
     alone, which must be picklable. An exception of the function is raised here. Where there are fewer items than
-    `fewest`, one processor, other threads, or no fork, this process answers alone. Raises SolveError where a process
-    is killed.
+    `fewest`, one processor (or `most` is 1), other threads, or no fork, this process answers alone. Raises SolveError
+    where a process is killed.
 
     >>> list(shared_out(abs, [-1, 2, -3]))
     [1, 2, 3]
     """
     global _task  # noqa: PLW0603 - the copies find the task there
-    workers = min(processors(), len(items))
+    workers = min(most or processors(), len(items))
     if len(items) < fewest or workers < 2 or not _may_copy():
         yield from map(function, items)
         return
@@ -46,7 +52,7 @@ def shared_out(
     pool = ProcessPoolExecutor(
         workers,
         multiprocessing.get_context("fork"),
-        lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        _begin,
     )
     _task = function, items
     try:
@@ -81,6 +87,12 @@ def _may_copy() -> bool:
         and threading.active_count() == 1
         and not multiprocessing.current_process().daemon
     )
+
+
+def _begin() -> None:
+    """Begin a copy: Ctrl-C and the end of this process are heard by this one, which ends its copies."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGKILL)
 
 
 def _call(position: int) -> Any:

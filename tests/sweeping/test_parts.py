@@ -17,7 +17,7 @@ from torsion.cli import app
 from torsion.columns import NotInColumns
 from torsion.errors import BAD_INPUT, Fault, InputError, SolveError
 from torsion.sweeping import cluster, parts, sweeper, worker_task
-from torsion.sweeping.cluster import Scheduler, checked, unprotected
+from torsion.sweeping.cluster import Workplace, check_workplace, unprotected
 from torsion.sweeping.sweep_folder import SweepFolder
 from torsion.sweeping.sweeper import Stopped, Sweeper
 from torsion.what_if.sweep import sweep_run
@@ -189,7 +189,7 @@ def test_parts_of_another_table_or_program_are_refused(
 
     solve()
     monkeypatch.setattr("torsion.sweeping.sweep_folder.version", lambda name: "0.9")
-    with pytest.raises(Stopped, match=r"torsion was 0\.1\.0 and is 0\.9"):
+    with pytest.raises(Stopped, match=r"`torsion` was 0\.1\.0 and is 0\.9"):
         solve()
     monkeypatch.undo()
     (tmp_path / "rows.csv").write_text(rows % 3, encoding="utf-8")
@@ -366,29 +366,26 @@ def test_errors_come_whole_from_another_process() -> None:
 @for_all(
     ("given", "words"),
     [
-        (Scheduler(2, "tcp://a:1"), "--workers are of this machine"),
-        (Scheduler(1, "tcp://a:1", Path("a")), "name two schedulers"),
-        (Scheduler(1, "tls://a:1"), "needs --tls-ca, --tls-cert, --tls-key"),
-        (Scheduler(1, "tcp://a:1", ca=Path(__file__)), "--tls-ca is of a scheduler tls://"),
-        (Scheduler(1, "tls://a:1", ca=Path("none.pem")), "no such file"),
-        (Scheduler(1, "", Path(__file__)), "is not a file of a scheduler"),
+        (Workplace(2, "tcp://a:1"), "--workers are of this machine"),
+        (Workplace(None, "tcp://a:1", Path("a")), "name two schedulers"),
+        (Workplace(None, "", Path("none.json")), "no such file"),
     ],
 )
 def test_options_of_a_scheduler_that_clash_are_refused(
-    given: Scheduler, words: str, monkeypatch: pytest.MonkeyPatch
+    given: Workplace, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "find_spec", lambda name: name)
     with pytest.raises(InputError, match=words):
-        checked(given)
+        check_workplace(given)
 
 
-def test_workers_without_dask_are_refused_with_how_to_install_it(
+def test_a_scheduler_without_dask_is_refused_with_how_to_install_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "dask" else name)
-    with pytest.raises(InputError, match=r"workers need dask \(pip install '\.\[sweep\]'\)"):
-        checked(Scheduler(2))
-    assert not checked(Scheduler(1)).is_needed
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "distributed" else name)
+    with pytest.raises(InputError, match=r"a scheduler needs dask \(pip install '\.\[sweep\]'\)"):
+        check_workplace(Workplace(None, "tcp://a:1"))
+    check_workplace(Workplace(2))
 
 
 def test_a_scheduler_without_tls_gets_a_warning_beyond_this_machine() -> None:
@@ -399,33 +396,14 @@ def test_a_scheduler_without_tls_gets_a_warning_beyond_this_machine() -> None:
         "tcp://[::1]:8786",
         "tls://10.0.0.1:8786",
     ):
-        assert unprotected(Scheduler(1, address)) == ""
+        assert unprotected(Workplace(None, address)) == ""
     for address in (
         "tcp://10.0.0.1:8786",
         "10.0.0.1:8786",
         "tcp://cluster:8786",
         "ws://cluster:8786",
     ):
-        assert "has no TLS" in unprotected(Scheduler(1, address))
-
-
-def test_a_worker_with_another_version_is_named() -> None:
-    class Client:
-        def get_versions(self, packages: list[str]) -> dict:
-            return {
-                "workers": {
-                    "tcp://b:1": {"packages": {"torsion": "0.0.9", "numpy": np.__version__}}
-                }
-            }
-
-    errand = worker_task.Errand(
-        b"", (), (("torsion", "0.1.0"), ("numpy", np.__version__), ("scipy", "1"))
-    )
-    with pytest.raises(
-        InputError,
-        match=r"tcp://b:1.*torsion 0\.1\.0 is needed and 0\.0\.9 is there, scipy 1 .* none",
-    ):
-        cluster._compare(Client(), errand)
+        assert "has no TLS" in unprotected(Workplace(None, address))
 
 
 def test_the_command_writes_report_and_parts_and_says_what_was_there(

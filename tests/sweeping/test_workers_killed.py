@@ -15,7 +15,7 @@ import torsion
 from torsion.sweeping.sweeper import Sweeper
 from torsion.what_if.sweep.sweep_results import Sweep
 
-pytest.importorskip("distributed", reason="workers need pip install -e '.[sweep]'")
+pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
 NAME = "toleranced_drive"
 BY_ITSELF = "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which every variant is solved alone
 
@@ -32,10 +32,7 @@ def workers_of(process: int) -> list[int]:
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
             words = status.read_text().rpartition(")")[2].split()
-            if (
-                int(words[1]) == process
-                and b"spawn_main" in status.with_name("cmdline").read_bytes()
-            ):
+            if int(words[1]) == process and b"torsion" in status.with_name("cmdline").read_bytes():
                 found.append(int(status.parent.name))
         except OSError:  # it has ended
             continue
@@ -72,11 +69,18 @@ def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> No
     workers = workers_of(began.pid)
     assert len(workers) == 2, began.stderr and began.stderr.read1().decode()
     os.kill(workers[0], signal.SIGKILL)
-    until(4)
+    assert b"ended from outside" in began.communicate(timeout=60)[1]
+    first = parts(tmp_path)
+    assert 1 <= len(first) < 8
+    began = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    until(len(first) + 1)
+    workers = workers_of(began.pid)
     began.kill()
     began.communicate(timeout=60)
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        time.sleep(0.01)  # they end with the command
     before = parts(tmp_path)
-    assert 4 <= len(before) < 8
+    assert len(first) < len(before) < 8
     with_workers = Sweeper(tmp_path)
     found = torsion.run(torsion.read(scene), answered=with_workers).need(Sweep)
     unchanged = before.items() & parts(tmp_path).items()
@@ -89,38 +93,6 @@ def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> No
     for mine, others in zip(found.checks, whole.checks, strict=True):
         assert np.array_equal(mine.utilisation, others.utilisation)
         assert np.array_equal(mine.fails, others.fails)
-
-
-LISTENING = """
-import os, psutil, socket
-from torsion.sweeping.cluster import Scheduler, Workers
-
-if __name__ == "__main__":
-    taken = socket.socket()  # the port that dask takes by itself, at which it warns where another program has it
-    try:
-        taken.bind(("0.0.0.0", 8787))
-        taken.listen()
-    except OSError:
-        pass
-    with Workers(Scheduler(2)) as workers:
-        client = workers._started(lambda words: None)
-        listening = [
-            connection.laddr.ip
-            for process in (os.getpid(), *client.run(os.getpid).values())
-            for connection in psutil.Process(process).net_connections()
-            if connection.status == "LISTEN" and connection.laddr.port != 8787
-        ]
-    print(*sorted(set(listening)))
-"""
-
-
-def test_workers_of_this_machine_listen_to_it_only_and_warn_of_no_port(tmp_path: Path) -> None:
-    (tmp_path / "listening.py").write_text(LISTENING, encoding="utf-8")
-    command = [sys.executable, "listening.py"]
-    done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120
-    )
-    assert (done.stdout, done.stderr) == ("127.0.0.1\n", "")
 
 
 def test_no_command_of_the_documentation_opens_a_dashboard_to_the_network() -> None:

@@ -3,6 +3,7 @@
 Names may be wrapped, numbers never.
 """
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import zip_longest
@@ -40,6 +41,7 @@ HEADS = (  # of the box, in the summary
     "For information",
 )
 SHORTEST_NAME, LONGEST_VERDICT = 4, 12  # letters; the longest word of "! PASS with restrictions"
+REDRAWN = 0.1  # s between two drawings of the progress
 WIDTH, GAP = 80, 2  # columns of a narrow terminal; between two columns of a table
 
 
@@ -175,9 +177,21 @@ def _plain(text: str) -> str:
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """Show on the error stream what is being done; nothing where that is no terminal."""
-    console = Console(stderr=True)
+    """Show on the error stream what is being done; nothing where that is no terminal.
+
+    No thread draws it: beside one, a process begins no copies of itself to share work out.
+    """
+    console, drawn = Console(stderr=True), 0.0
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    is_off = not console.is_terminal
+    with Bar(*columns, console=console, transient=True, disable=is_off, auto_refresh=False) as bar:
         task = bar.add_task("", total=1.0)
-        yield lambda what, share: bar.update(task, description=escape(what), completed=share)
+
+        def show(what: str, share: float) -> None:
+            nonlocal drawn
+            now = time.monotonic()
+            is_due = now - drawn > REDRAWN
+            bar.update(task, description=escape(what), completed=share, refresh=is_due)
+            drawn = now if is_due else drawn
+
+        yield show

@@ -26,7 +26,7 @@ from torsion.what_if.variants.chunks import Chunk, Part
 OF = "sweep.json"  # what the parts are of
 SUMS = "SHA256SUMS"  # of the parts, beside them; `sha256sum -c` reads it
 UNFINISHED = re.compile(r"part-\d{6}\.\w+\.part")
-OWN = re.compile(r"part-\d{6}\.(parquet|npz)")  # .npz: of an earlier version
+OWN = re.compile(r"part-\d{6}\.parquet")
 MOST_SAID = 4  # differences from another sweep
 LIBRARIES = ("torsion", "numpy", "scipy")  # which may change the last bits of the answers
 
@@ -205,12 +205,10 @@ def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
         stored = json.loads(path.read_text(encoding="utf-8"))
         if stored.pop("hash") == hash_of(identity) == hash_of(stored):
             return
-        first, *further = _differences(stored, json.loads(json.dumps(identity))) or [
-            "it was changed"
-        ]
-        words = "; ".join([first, *further[: MOST_SAID - 1]]) + (
-            f"; and {len(further) + 1 - MOST_SAID} more" if len(further) >= MOST_SAID else ""
-        )
+        differences = list(_differences(stored, json.loads(json.dumps(identity))))
+        further = len(differences) - MOST_SAID
+        words = "; ".join(differences[:MOST_SAID] or ["it was changed"])
+        words += f"; and {further} more" if further > 0 else ""
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"
     message = f"{path} is of another sweep: {words}"
@@ -220,42 +218,20 @@ def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
 
 
 def _differences(
-    stored: Mapping[str, Any], current: Mapping[str, Any], above: str = ""
-) -> list[str]:
-    """What differs, in words; of another scene that alone."""
-    if not above and stored.get("scene") != current.get("scene"):
-        return [
-            f"of the model file {_in_words(stored.get('scene'))}, and this is {_in_words(current.get('scene'))}"
-        ]
-    return list(_each_difference(stored, current, above))
-
-
-def _each_difference(
-    stored: Mapping[str, Any], current: Mapping[str, Any], above: str
+    stored: Mapping[str, Any], current: Mapping[str, Any], section: str = ""
 ) -> Iterator[str]:
+    """Yield what differs, in words."""
     for key in dict.fromkeys((*stored, *current)):
         before, after = stored.get(key), current.get(key)
         if before == after:
             continue
         if isinstance(before, Mapping) and isinstance(after, Mapping):
             yield from _differences(before, after, key)
-        elif above == "files":
-            change = (
-                "is new"
-                if before is None
-                else "is no longer read"
-                if after is None
-                else "was changed"
-            )
-            yield f"the file {key} {change}"
+        elif section == "files":
+            yield f"the file {key} was changed"
         else:
-            name = {"settings": f"`{key}`", "versions": key}.get(above, key)
-            yield f"{name} was {_in_words(before)} and is {_in_words(after)}"
+            yield f"`{key}` was {_in_words(before)} and is {_in_words(after)}"
 
 
 def _in_words(value: object) -> str:
-    return (
-        "not given"
-        if value is None
-        else printable(value if isinstance(value, str) else json.dumps(value))
-    )
+    return "not given" if value is None else printable(str(value))

@@ -1,13 +1,14 @@
 """Answers the chunks of a sweep from the parts of its folder, and solves those that are not there yet."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from torsion.errors import InputError, SolveError
-from torsion.findings import Work
+from torsion.findings import Work, silent
+from torsion.processes import shared_out
 from torsion.study import Variation
-from torsion.sweeping.cluster import Workers
+from torsion.sweeping.cluster import Workplace, answers_of_workers
 from torsion.sweeping.folder_lock import alone
 from torsion.sweeping.sweep_folder import SweepFolder, identity
 from torsion.sweeping.worker_task import errand
@@ -28,10 +29,9 @@ class Sweeper:
     """What `run` takes as `answered`: the parts of each case in a folder of its own."""
 
     folder: Path
-    workers: Workers | None = None  # None: this process alone
+    workplace: Workplace = Workplace()  # noqa: RUF009 - frozen
     fresh: bool = False
     csv: bool = False
-    notice: Callable[[str], object] = print
     kept: int = 0  # parts that were there
     solved: int = 0
     begun: set[Path] = field(default_factory=set)
@@ -43,7 +43,7 @@ class Sweeper:
         is_new = sweep_folder.folder not in self.begun
         self.begun.add(sweep_folder.folder)
         try:
-            with alone(sweep_folder.folder, self.notice):
+            with alone(sweep_folder.folder):
                 sweep_folder.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
                 self.kept += (
                     sum(sweep_folder.part_path(chunk) is not None for chunk in chunks)
@@ -73,11 +73,17 @@ class Sweeper:
     def _answers(
         self, work: Work, variation: Variation, left: Sequence[Chunk], pace: Pace
     ) -> Iterator[tuple[Chunk, Part]]:
-        if self.workers is not None and left:
-            share = pace.kept / pace.count
-            yield from self.workers.answers(
-                errand(work, variation), left, lambda words: work.progress(words, share)
+        if self.workplace.is_elsewhere and left:
+            share, sent = pace.kept / pace.count, errand(work, variation)
+            yield from answers_of_workers(
+                self.workplace, sent, left, lambda words: work.progress(words, share)
             )
             return
-        for chunk in left:
-            yield chunk, answered(replace(work, progress=pace.within(chunk)), variation, chunk)
+
+        quiet = replace(work, progress=silent)
+
+        def answer_of(chunk: Chunk) -> Part:
+            return answered(quiet, variation, chunk)
+
+        processes = self.workplace.processes
+        yield from zip(left, shared_out(answer_of, left, fewest=2, most=processes), strict=True)

@@ -8,7 +8,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Progress, silent
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
-from torsion.sweeping.cluster import Scheduler, Workers, checked, unprotected
+from torsion.sweeping.cluster import Workplace, check_workplace, unprotected
 from torsion.sweeping.sweeper import Stopped, Sweeper
 
 
@@ -16,7 +16,7 @@ def swept(
     file: str | Path,
     out: str | Path | None = None,
     *,
-    scheduler: Scheduler | None = None,
+    workplace: Workplace = Workplace(),  # noqa: B008 - frozen
     fresh: bool = False,
     csv: bool = False,
     case: str | None = None,
@@ -25,11 +25,12 @@ def swept(
 ) -> Findings:
     """Read, solve and judge a scene as `commands.solved`; what its variants answer is kept in `out` as it comes.
 
-    Parts that are there are not solved again; `fresh`: they are removed first. csv: all variants as a table too.
-    notice: is given what the user should know. Raises InputError, also where the file names no sweep or the parts are
-    of another one, and SolveError.
+    Parts that are there are not solved again; `fresh`: they are removed first. workplace: who answers the chunks. csv:
+    all variants as a table too. notice: is given what the user should know. Raises InputError, also where the file
+    names no sweep or the parts are of another one, and SolveError.
     """
-    workplace, scene = checked(scheduler or Scheduler()), read(file)
+    check_workplace(workplace)
+    scene = read(file)
     study = scene if case is None else one_case(scene, case)
     if not any("sweep" in each_study.variations for each_study in (study, *study.cases.values())):
         hint = "`analyses: {sweep: {vary: {disc-1.inertia: {uniform: 5 %}}}}`"
@@ -37,15 +38,14 @@ def swept(
     if warning := unprotected(workplace):
         notice(warning)
     folder = folder_of(file, out, study.case)
-    with Workers(workplace) as workers:
-        sweeper = Sweeper(folder, workers if workplace.is_needed else None, fresh, csv, notice)
-        try:
-            findings = run(study, progress=progress, answered=sweeper)
-        except Stopped as stopped:
-            raise stopped.error from None
-        except OSError as error:
-            message = f"the parts cannot be written to {folder}: {error.strerror or error}"
-            raise InputError([Fault((), message)], message + OTHER_FOLDER) from None
+    sweeper = Sweeper(folder, workplace, fresh, csv)
+    try:
+        findings = run(study, progress=progress, answered=sweeper)
+    except Stopped as stopped:
+        raise stopped.error from None
+    except OSError as error:
+        message = f"the parts cannot be written to {folder}: {error.strerror or error}"
+        raise InputError([Fault((), message)], message + OTHER_FOLDER) from None
     if sweeper.kept:
         notice(f"{sweeper.kept} of {sweeper.kept + sweeper.solved} parts were there already")
     return findings
