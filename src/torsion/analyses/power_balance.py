@@ -24,7 +24,7 @@ Answer = TypeVar("Answer")
 def keeping_last(function: Callable[..., Answer]) -> Callable[..., Answer]:
     """Return the function with its last answer kept, for the same objects as arguments.
 
-    What a run needs of the mean torque follows from its train and operation alone, and ten steps of it ask.
+    The mean torque follows from the train and the operation alone, and ten steps of a run need it.
 
     >>> keeping_last(lambda left, right: left + right)(1, 2)
     3
