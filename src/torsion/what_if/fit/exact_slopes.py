@@ -98,7 +98,6 @@ def _is_linear(study: Study, system: System) -> bool:
     return not (
         system.tables
         or system.bars is not None
-        or system.groups is not None
         or train.modal_damping
         or train.has_nonlinear_couplings
         or train.has_tables_over("vibratory torque")
