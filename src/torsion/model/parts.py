@@ -263,7 +263,7 @@ class Held(Generic[Kind]):
 class Part:
     """A component as placed in the train, with the records that it left for analyses, rules and reports.
 
-    A rule asks for a record by its type: `part.get(CouplingRatings)`. Records that many ask for have a name too.
+    A rule reads a record by its type: `part.get(CouplingRatings)`. Records that many rules read have a name too.
     """
 
     name: str
