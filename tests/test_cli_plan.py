@@ -5,10 +5,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from tests.contracts.frozen import SCENES
+from tests.contracts.frozen import SCENES, solved
 from typer.testing import CliRunner
 
-import torsion
 from torsion import commands
 from torsion.analyses import ANALYSES
 from torsion.cli import app
@@ -26,7 +25,7 @@ def call(*words: str):
 )
 def test_what_is_planned_is_what_is_computed(scene: str) -> None:
     """Every step of the plan is one that `solve` takes, of the same size; what it leaves out has no result."""
-    planned, found = commands.plan(SCENES[scene]), torsion.run(torsion.read(SCENES[scene]))
+    planned, found = commands.plan(SCENES[scene]), solved(scene)
     done = {line.what: line for line in found.plan.done}
     titles = {analysis.title: analysis for analysis in ANALYSES.values()}
     for what, size, _ in planned.steps:

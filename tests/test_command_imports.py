@@ -31,10 +31,10 @@ def _last_line(scene, **environment):
     return done.stderr.splitlines()[-1]
 
 
-@pytest.mark.parametrize("scene", ["usv", "two_stroke_ship", "wind_gearbox"])
+@pytest.mark.parametrize("scene", ["two_stroke_ship", "wind_gearbox"])
 def test_solving_loads_no_search_of_scipy_and_one_thread_of_blas(scene):
     assert _last_line(scene) == "1"
 
 
 def test_a_number_of_threads_that_the_user_sets_stays():
-    assert _last_line("usv", OPENBLAS_NUM_THREADS="2") == "2"
+    assert _last_line("two_discs", OPENBLAS_NUM_THREADS="2") == "2"

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import yaml
 from tests import notebook_example
+from tests.contracts.frozen import solved
 from tests.for_all import for_all
 
 import torsion
@@ -58,11 +59,6 @@ def test_two_results_are_compared_in_python() -> None:
 ROOT = Path(__file__).parents[1]
 SPECS = ROOT / "shafting_specs"
 SMALL = ("usv", "pump_1200kw", "rubber_damper", "twin_motor_ferry", "joint_run_up", "ferry_cases")
-
-
-@cache
-def solved(name: str) -> torsion.Findings:
-    return torsion.run(torsion.read(SPECS / f"{name}.yaml"))
 
 
 @pytest.mark.parametrize("name", SMALL)
@@ -445,16 +441,14 @@ def test_the_notebook_prints_what_it_shows(tmp_path: Path, monkeypatch: pytest.M
     assert not outcome.failed
 
 
-@pytest.mark.parametrize("source", ["notebook", "page"])
-def test_the_examples_are_typed(source: str, tmp_path: Path) -> None:
+def test_the_examples_are_typed(tmp_path: Path) -> None:
     api = pytest.importorskip("mypy.api")
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     examples = doctest.DocTestParser().get_examples(notebook_example.__doc__ or "")
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    code = (
-        "".join(example.source for example in examples) if source == "notebook" else "".join(blocks)
-    )
-    (tmp_path / "example.py").write_text(code, encoding="utf-8")
+    files = {"notebook": [example.source for example in examples], "page": blocks}
+    for name, code in files.items():
+        (tmp_path / f"{name}.py").write_text("".join(code), encoding="utf-8")
     printed, _, status = api.run(
         [
             "--strict",
@@ -464,7 +458,7 @@ def test_the_examples_are_typed(source: str, tmp_path: Path) -> None:
             "silent",
             "--disable-error-code",
             "func-returns-value",
-            str(tmp_path / "example.py"),
+            *(str(tmp_path / f"{name}.py") for name in files),
         ]
     )
     assert status == 0, printed

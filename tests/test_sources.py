@@ -5,9 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.contracts.frozen import solved
 from typer.testing import CliRunner
 
-import torsion
 from torsion.cli import app
 from torsion.findings import UsedSource
 from torsion.output.blocks import Paragraph
@@ -20,8 +20,7 @@ CITED = re.compile(r'\b(?:source|note)\("([\w-]+)"')
 
 
 def used(name: str) -> dict[str, UsedSource]:
-    findings = torsion.run(torsion.read(ROOT / "shafting_specs" / f"{name}.yaml"))
-    return {record.key: record for record in findings.plan.sources}
+    return {record.key: record for record in solved(name).plan.sources}
 
 
 def test_every_key_that_the_code_cites_is_recorded_and_every_record_is_cited() -> None:
@@ -62,7 +61,7 @@ def test_an_example_lists_the_source_of_its_formula(name: str, key: str) -> None
 
 
 def test_results_have_the_sources_under_a_key() -> None:
-    findings = torsion.run(torsion.read(ROOT / "shafting_specs" / "usv.yaml"))
+    findings = solved("usv")
     rows = json.loads(text(findings))["sources"]
     assert {"key", "words", "where", "compared"} == set(rows[0])
     assert [row["key"] for row in rows] == [record.key for record in findings.plan.sources]
@@ -93,7 +92,7 @@ def test_the_command_prints_all_sources_and_a_bibliography() -> None:
 
 
 def test_the_report_lists_the_sources_of_the_formulas() -> None:
-    blocks = chapters(torsion.run(torsion.read(ROOT / "shafting_specs" / "usv.yaml")))
+    blocks = chapters(solved("usv"))
     (text,) = (
         block.text
         for block in blocks

@@ -298,7 +298,7 @@ PIECES = st.sampled_from(
 TEXTS = st.text(max_size=30) | st.lists(PIECES, max_size=12).map("".join)
 
 
-@settings(max_examples=120, deadline=None, derandomize=True)
+@settings(max_examples=60, deadline=None, derandomize=True)
 @given(
     text=TEXTS | TEXTS.map(lambda text: "2 " + text), unit=st.sampled_from([*units._KINDS, "W/K"])
 )

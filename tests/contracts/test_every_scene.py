@@ -27,7 +27,23 @@ LAWS = (
 )
 
 
-@pytest.mark.parametrize("scene", SCENES)
+# Half of the time of all: tests/scenes/test_slow_scenes.py holds the same laws for these.
+SLOW = (
+    "diesel_misfire",
+    "ice_thruster",
+    "idling_gearbox",
+    "locked_train",
+    "small_truck",
+    "six_stations",
+    "tripod_drive",
+    "truck_gears",
+    "twin_diesel_ferry",
+    "two_stroke_ship",
+    "v12_generator_set",
+)
+
+
+@pytest.mark.parametrize("scene", [name for name in SCENES if name not in SLOW])
 @for_all("law", LAWS)
 def test_a_scene_holds_every_law(law: Callable[[str], None], scene: str) -> None:
     law(scene)

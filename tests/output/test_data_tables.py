@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from tests.contracts.frozen import solved as scene_solved
 from typer.testing import CliRunner
 
 import torsion
@@ -15,7 +16,6 @@ from torsion.findings import Findings
 from torsion.output.data_tables import DataTable, csv_of, data_tables
 from torsion.output.results_json import results
 
-SCENES = Path(__file__).parents[2] / "shafting_specs"
 TRAIN = """
 name: "=1+1"
 operation: {speeds: {from: 300 rpm, to: 1800 rpm}, rated: {speed: 1500 rpm, power: 100 kW}}
@@ -29,7 +29,7 @@ rules: [coupling-maker]
 
 @pytest.fixture(scope="module")
 def usv() -> Findings:
-    return torsion.run(torsion.read(SCENES / "usv.yaml"))
+    return scene_solved("usv")
 
 
 def by_name(findings: Findings) -> dict[str, DataTable]:

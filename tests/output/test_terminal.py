@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
+from tests.contracts.frozen import solved
 
-import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table
 from torsion.output.check_words import rank
@@ -173,9 +173,7 @@ def test_no_word_of_a_verdict_is_cut_at_80_columns(bare: Findings) -> None:
     "scene", ["usv", "haixun_06402", "v12_generator_set", "toleranced_drive", "fan_start", "rao"]
 )
 def test_the_summary_has_at_most_25_lines_of_80_columns_with_the_verdict_first(scene: str) -> None:
-    findings = torsion.run(
-        torsion.read(Path(__file__).parents[2] / "shafting_specs" / f"{scene}.yaml")
-    )
+    findings = solved(scene)
     stream = io.StringIO()
     show(
         document(findings),

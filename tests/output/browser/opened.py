@@ -6,15 +6,14 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-import torsion
-from torsion.commands import solved
+from tests.contracts.frozen import solved
+
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.figures.figure import Figure
 from torsion.output.html import html
 from torsion.output.results_json import results
 
-SCENES = Path(torsion.__file__).parents[2] / "shafting_specs"
 EVERY = ("usv", "cardan_bearings", "six_cylinder")
 
 
@@ -42,7 +41,7 @@ class Report:
 
 def report(scene: str, folder: Path) -> Report:
     """Solved and written."""
-    findings = solved(SCENES / f"{scene}.yaml")
+    findings = solved(scene)
     made = document(findings, is_full=True)
     file = folder / f"{scene}.html"
     file.write_text(html(made), encoding="utf-8")

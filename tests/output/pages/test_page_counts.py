@@ -1,17 +1,15 @@
 """The length of the printed report: what a surveyor reads in one sitting, with every other number in results.json."""
 
 import re
-from pathlib import Path
 
 import pytest
+from tests.contracts.frozen import solved
 
-import torsion
 from torsion.output.blocks import Figure, Heading, Table
 from torsion.output.document import document
 from torsion.output.pdf import pdf
 
 pytest.importorskip("typst")
-SCENES = Path(__file__).parents[3] / "shafting_specs"
 
 
 @pytest.mark.parametrize(
@@ -25,7 +23,7 @@ SCENES = Path(__file__).parents[3] / "shafting_specs"
     ],
 )
 def test_a_report_has_at_most_so_many_pages(scene: str, pages: int) -> None:
-    made = pdf(document(torsion.run(torsion.read(SCENES / f"{scene}.yaml"))))
+    made = pdf(document(solved(scene)))
     count = max(
         int(number) for number in re.findall(rb"/Type\s*/Pages.*?/Count\s+(\d+)", made, re.DOTALL)
     )
@@ -33,7 +31,7 @@ def test_a_report_has_at_most_so_many_pages(scene: str, pages: int) -> None:
 
 
 def test_the_full_report_has_all_of_the_report_and_its_further_appendices() -> None:
-    findings = torsion.run(torsion.read(SCENES / "two_stroke_ship.yaml"))
+    findings = solved("two_stroke_ship")
     brief, full = (
         [item.block for item in document(findings, is_full=is_full).body]
         for is_full in (False, True)
