@@ -214,7 +214,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_clutch_that_never_slips_is_a_linear_coupling(name: str) -> None:
     text, body = CASES[name]
-    linear, found = (moved(text.format(one), duration=0.4, **body) for one in (LINEAR, NEVER))
+    linear, found = (moved(text.format(one), duration=0.2, **body) for one in (LINEAR, NEVER))
     assert found.steps > 0
     assert np.abs(found.torque - linear.torque).max() <= 1e-8 * linear.peak.max()
     assert np.abs(found.speed - linear.speed).max() <= 1e-9 * np.abs(linear.speed).max()
@@ -264,12 +264,12 @@ def with_shafts(
 def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square_of_their_length() -> (
     None
 ):
-    fem = with_shafts("", PLAY, "fem", SHAKEN, duration=0.1)
+    fem = with_shafts("", PLAY, "fem", SHAKEN, duration=0.05)
     assert fem.switching is not None
     assert fem.residual < 1e-12
     errors = []
     for segments in (8, 16, 32):
-        lumped = with_shafts(f", segments: {segments}", PLAY, "lumped", SHAKEN, duration=0.1)
+        lumped = with_shafts(f", segments: {segments}", PLAY, "lumped", SHAKEN, duration=0.05)
         assert lumped.switching is not None
         pairs = zip(lumped.switching.events, fem.switching.events, strict=True)
         errors.append(max(abs(one.time - other.time) / other.time for one, other in pairs))
@@ -284,7 +284,7 @@ def test_a_coupling_that_never_slips_is_linear_beside_finite_elements() -> None:
         {"at": "e", "load": {"law": "propeller", "torque": 100, "speed": "500 rpm"}},
     ]
     linear, found = (
-        with_shafts("", one, "fem", events, duration=0.1, tolerance=1e-8, modes=80)
+        with_shafts("", one, "fem", events, duration=0.03, tolerance=1e-8, modes=80)
         for one in ("viscous: 0", "capacity: 1e6")
     )
     assert linear.modes == found.modes + 1  # all of both: the clutch parts the train
