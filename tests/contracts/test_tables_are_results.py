@@ -15,10 +15,10 @@ from tests.contracts.frozen import solved, written
 from tests.contracts.printed import SLACK, Interval, Row, printed, rows
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import NOTHING
 from torsion.output.blocks import Column, Table
 from torsion.output.chapters import chapters
 from torsion.output.numbers import ROUNDING, symbols
-from torsion.output.reported_values import NOTHING
 from torsion.output.selection import elements
 
 Found = dict[str, Any]
@@ -293,10 +293,6 @@ COLUMNS: dict[
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
     ("Critical speeds, order by mode", "Mode"): key(f"critical_speeds[].{RPM}"),
     ("Critical speeds, order by mode", "Order"): key("critical_speeds[].order"),
-    ("Critical speeds in", "Critical speed"): key(f"critical_speeds[].{RPM}"),
-    ("Critical speeds in", "Order"): key("critical_speeds[].order"),
-    ("Critical speeds in", "Frequency"): key("critical_speeds[].frequency_Hz"),
-    ("Critical speeds in", "Distance"): distances,
     ("Natural frequencies within", "Mode"): modes_counted,
     ("Natural frequencies within", "Frequency"): key("tolerances.frequency_Hz"),
     ("Natural frequencies within", "Minimum"): key("tolerances.lower_Hz"),
@@ -387,13 +383,6 @@ COLUMNS: dict[
     ("Best candidates", "Frequency"): key("design.best[].frequency_Hz"),
     ("Best candidates", "Mass"): key("design.best[].mass_kg"),
     ("Best candidates", "Cost"): key("design.best[].cost"),
-    ("Power balance", "Speed"): key("machines[].speed_rad_per_s"),
-    ("Power balance", "Power"): key("machines[].power_W"),
-    ("Power balance", "Torque"): key("machines[].torque_Nm"),
-    ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
-    ("Mean torque at", "Maximum"): lambda found, row: (
-        abs(one) for one in at(found, "mean.torque_Nm")
-    ),
     ("Maximum vibratory torque", "Total"): largest("synthesis.half_range_Nm"),
     ("Maximum vibratory torque", "Speed"): key(f"response.{RPM}"),
     ("Maximum vibratory torque", "Torque of this"): amplitudes("torque"),
@@ -462,41 +451,6 @@ COLUMNS: dict[
         "lateral.shafts[].tilting.transverse_inertia_kgm2"
     ),
     ("Rigid shafts that tilt", "Polar"): key("lateral.shafts[].tilting.polar_inertia_kgm2"),
-    ("Inertia and deflection of pendulums", "Order"): key("pendulums.each[].at_orders[].order"),
-    ("Inertia and deflection of pendulums", "Inertia"): key(
-        "pendulums.each[].at_orders[].inertia_kgm2"
-    ),
-    ("Inertia and deflection of pendulums", "Deflection"): key(
-        "pendulums.each[].at_orders[].deflection_rad"
-    ),
-    ("Inertia and deflection of pendulums", "Speed"): key(
-        "pendulums.each[].at_orders[].speed_rad_per_s"
-    ),
-    ("Couplings and dampers with tables: input", "k own"): key(
-        "coupling_tables.tables[].stiffness_Nm_per_rad"
-    ),
-    ("Couplings and dampers with tables: input", "Loss factor"): key(
-        "coupling_tables.tables[].loss_factor"
-    ),
-    ("Couplings and dampers with tables: input", "Viscous"): key(
-        "coupling_tables.tables[].viscous_Nms_per_rad"
-    ),
-    ("Couplings and dampers with tables: values", "Mode"): key("coupling_tables.at_modes[].mode"),
-    ("Couplings and dampers with tables: values", "Frequency"): key(
-        "coupling_tables.at_modes[].frequency_Hz"
-    ),
-    ("Couplings and dampers with tables: values", "k own"): key(
-        "coupling_tables.at_modes[].stiffness_Nm_per_rad"
-    ),
-    ("Couplings and dampers with tables: values", "Loss factor"): key(
-        "coupling_tables.at_modes[].loss_factor"
-    ),
-    ("Couplings and dampers with tables: values", "Share of"): key(
-        "coupling_tables.at_modes[].elastic_share"
-    ),
-    ("Couplings and dampers with tables: values", "Modal loss"): key(
-        "coupling_tables.modal_loss_factor"
-    ),
     ("Natural frequencies over the speed", "Speed"): key("frequencies_over_speed.speed_rad_per_s"),
     ("Natural frequencies over the speed", "Mean torque"): key(
         "frequencies_over_speed.couplings[].torque_Nm"
@@ -505,27 +459,6 @@ COLUMNS: dict[
         "frequencies_over_speed.couplings[].stiffness_Nm_per_rad"
     ),
     ("Natural frequencies over the speed", "Mode"): key("frequencies_over_speed.frequency_Hz"),
-    ("Couplings with a table over", "Speed"): key("vibratory_torques[].speed_rad_per_s"),
-    ("Couplings with a table over", "T"): key("vibratory_torques[].torque_Nm"),
-    ("Couplings with a table over", "Solutions"): key("vibratory_torques[].number"),
-    ("Couplings with a table over", "Smallest"): key("vibratory_torques[].smallest_Nm"),
-    ("Couplings with a table over", "k own"): key("vibratory_torques[].stiffness_Nm_per_rad"),
-    ("Couplings with a table over", "Loss factor"): key("vibratory_torques[].loss_factor"),
-    ("Couplings with a table over", "Residual"): key("vibratory_torques[].residual"),
-    ("Couplings with a table over", "Rounds"): key("vibratory_torques[].rounds"),
-    ("Equilibrium temperatures", "Speed"): key(
-        "coupling_temperatures[].equilibria[].speed_rad_per_s"
-    ),
-    ("Equilibrium temperatures", "Temperature"): key(
-        "coupling_temperatures[].equilibria[].temperature_degC"
-    ),
-    ("Equilibrium temperatures", "Power loss"): key("coupling_temperatures[].equilibria[].heat_W"),
-    ("Equilibrium temperatures", "k own"): key(
-        "coupling_temperatures[].equilibria[].stiffness_Nm_per_rad"
-    ),
-    ("Equilibrium temperatures", "Loss factor"): key(
-        "coupling_temperatures[].equilibria[].loss_factor"
-    ),
     ("Torque amplitudes at the peaks", "Speed"): key("nonlinear_peaks[].speed_rad_per_s"),
     ("Torque amplitudes at the peaks", "Response"): key("nonlinear_peaks[].response_Nm"),
     ("Torque amplitudes at the peaks", "Exact"): key("nonlinear_peaks[].exact_Nm"),
@@ -601,9 +534,9 @@ INPUT = (
     "Changes of the input",
 )
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
+    "Couplings and dampers with tables: values": ("Modal loss",),
     "Components": ("Rated speed",),
     "Barred ranges": ("λ",),
-    "Mean torque at": ("Speed of", "Power"),
     "Maximum stress amplitude": ("Maximum stress", "τ_{C}", "τ_{T}", "Maximum τ / τ_{C}"),
     "Vibratory torque (": ("Maximum vibratory / mean",),
     "Torque and power loss": ("T_{", "Power loss", "P_{KW}"),

@@ -158,7 +158,7 @@ ANALYSES: dict[str, Analysis] = {
         "mean torque",
         "torsion.analyses.steady",
         needs=("damped",),
-        results={"mean": "Steady", "machines": "PowerBalance"},
+        results={"mean": "Steady", "machines": "PowerBalance", "mean_loads": "MeanLoads"},
         wanted=always,
         chapters=("mean_torques",),
         place=("operation",),

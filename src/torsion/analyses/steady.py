@@ -14,6 +14,7 @@ from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
 from torsion.analyses.power_balance import keeping_last, power_balance
 from torsion.analyses.speed_tables import uncovered
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
@@ -131,6 +132,24 @@ class MachinePower:
 
 
 @reported
+class MeanLoad:
+    """Mean torque of one elastic element at the rated speed, else at the highest, at its own speed."""
+
+    component: str = result("", "its name")
+    speed: float = result("rad/s", "its own speed")
+    torque: float = result("N*m", "mean torque at its driving end")
+    power: float = result("W", "power that it transmits")
+    largest: float = result("N*m", "largest magnitude over the speed range")
+
+
+@reported
+class MeanLoads:
+    """Mean torques of all elastic elements."""
+
+    each: tuple[MeanLoad, ...] = result("", "mean torque of every elastic element", key="")
+
+
+@reported
 class PowerBalance:
     """The balance of power, machine by machine."""
 
@@ -223,12 +242,24 @@ def run(work: Work) -> None:
         mean = steady(study.train, work.system, operation, grid)
         point = int(np.argmin(np.abs(mean.speed - (operation.speed or float(grid[-1])))))
         machines = tuple(_machines(balance, work.system, mean, point))
-        work.put(mean=mean, machines=PowerBalance(machines))
+        loads = mean_loads(work.system, mean, point)
+        work.put(mean=mean, machines=PowerBalance(machines), mean_loads=loads)
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
     for name, slope, key in slopes_without_vibration(study):
         why = f"its {slope:.6g} N m s/rad act on the mean speed alone; `{key}` lets it damp vibration too"
         work.log.without(f"slope of '{name}' in vibration", why)
+
+
+def mean_loads(system: System, mean: Steady, point: int) -> MeanLoads:
+    """Return the mean torque of every elastic element at one of the computed speeds."""
+    loads = []
+    for element in elements(system):
+        speed = float(mean.speed[point]) * element.ratio
+        torque = float(mean.torque[element.spans[0], point])
+        largest = float(np.abs(mean.torque[list(element.spans)]).max())
+        loads.append(MeanLoad(element.name, speed, torque, torque * speed, largest))
+    return MeanLoads(tuple(loads))
 
 
 def _machines(balance: Balance, system: System, mean: Steady, point: int) -> Iterator[MachinePower]:

@@ -56,6 +56,7 @@ SHOWN = {  # unit of a column: the unit of its values, and the factor between th
     "mm": ("m", 1e3),
     "cm²": ("m**2", 1e4),
     "ms": ("s", 1e3),
+    "°C": ("degC", 1.0),
     "kW": ("W", 1e-3),
     "GPa": ("Pa", 1e-9),
     "mm³": ("m**3", 1e9),

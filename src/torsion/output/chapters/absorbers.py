@@ -60,21 +60,11 @@ def pendulums(findings: Findings) -> Iterator[Block]:
         result.each,
         "Pendulums, at the speed of their shaft",
     )
-    rows = [
-        (
-            pendulum.pendulum,
-            order.order,
-            "fixed" if order.inertia is None else order.inertia,
-            order.deflection,
-            order.speed,
-        )
-        for pendulum in result.each
-        for order in pendulum.at_orders
-    ]
+    rows = [(pendulum, order) for pendulum in result.each for order in pendulum.at_orders]
     if rows:
         yield table(
-            "< Pendulum -> | Order of the shaft:o -> order | Inertia [kg m²]:7 | Deflection [deg] -> deg | "
-            "Speed [rpm] -> rpm",
+            "pendulum: < Pendulum -> | order: Order of the shaft:o -> order | inertia: Inertia [kg m²]:7 | "
+            "deflection: Deflection [deg] -> deg | speed: Speed [rpm] -> rpm",
             rows,
             "Inertia and deflection of pendulums by order",
         )

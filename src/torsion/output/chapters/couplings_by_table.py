@@ -1,7 +1,6 @@
 """Chapters: couplings and dampers whose stiffness follows a table or law, and what follows over the speed."""
 
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.coupling_table import coupling_table
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.figures.ranges import SPEED
-from torsion.output.numbers import RPM, given, number, rpm, scale
+from torsion.output.numbers import RPM, number, rpm, scale
+from torsion.output.records import along
 
 LINEAR = "Stiffness k and loss factor η are interpolated linearly between the points of a table."
 BEYOND = {True: "constant outside the table", False: "not computed outside the table"}
@@ -93,20 +93,10 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
         yield Paragraph(BY_VIBRATION)
 
     yield table(
-        "< Coupling -> | < Over -> | At -> | k own [N m/rad]:8g -> k | Loss factor η:8g -> η | "
-        "Viscous c [N m s/rad]:8g",
-        [
-            (
-                law.coupling,
-                law.over,
-                f"{given(x, 8)} {AXES[law.over].unit}",
-                k,
-                eta or None,
-                c or None,
-            )
-            for law in tables
-            for x, k, eta, c in np.transpose([law.at, law.stiffness, law.loss_factor, law.viscous])
-        ],
+        "coupling: < Coupling -> | over: < Over -> | at: At, Hz or N m:8g -> at | "
+        "stiffness: k own [N m/rad]:8g -> k | loss_factor: Loss factor η:8g? -> η | "
+        "viscous: Viscous c [N m s/rad]:8g?",
+        [point for law in tables for point in along(law, "point")],
         "Couplings and dampers with tables: input data",
     )
     for count, law in enumerate(tables, 1):
@@ -137,18 +127,11 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
     if result.at_modes:
         yield Paragraph(LOSS + NO_COMPLEX * any(not law.is_complex for law in tables))
         yield table(
-            "Mode -> | Frequency [Hz]:7 -> Hz | < Component -> | k own [N m/rad]:7 -> k | Loss factor η -> η | "
-            "Share of the elastic energy [%]:4 -> share, % | Modal loss factor of the train -> modal η",
+            "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | coupling: < Component -> | "
+            "stiffness: k own [N m/rad]:7 -> k | loss_factor: Loss factor η -> η | "
+            "share: Share of the elastic energy [%]:4 -> share, % | Modal loss factor of the train -> modal η",
             [
-                (
-                    mode.mode,
-                    mode.frequency,
-                    mode.coupling,
-                    mode.stiffness,
-                    mode.loss_factor,
-                    mode.share,
-                    result.modal_loss_factor[mode.mode - 1],
-                )
+                (mode, result.modal_loss_factor[mode.mode - 1])
                 for mode in sorted(result.at_modes, key=lambda mode: mode.mode)
             ],
             "Couplings and dampers with tables: values at the modes",
@@ -158,21 +141,24 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
 def frequencies(findings: Findings) -> Iterator[Block]:
     """Yield the natural frequencies at speeds evenly through the range."""
     result = findings.need(FrequenciesOverSpeed)
-    couplings, modes = result.couplings, result.frequency[:MOST_MODES]
+    couplings = result.couplings
     yield Heading("Frequencies over the speed")
     yield Paragraph(OVER_SPEED if couplings else OF_PENDULUMS)
     chosen = np.linspace(0, len(result.speed) - 1, MOST_SPEEDS).round().astype(int)
-    columns = [result.speed]
-    columns += chain.from_iterable((coupling.torque, coupling.stiffness) for coupling in couplings)
-    titles = ["Speed [rpm] -> rpm"]
+    titles = ["speed: Speed [rpm] -> rpm"]
     titles += [
         f"Mean torque of {coupling.coupling} [~N m] | k of {coupling.coupling} [N m/rad]:7"
         for coupling in couplings
     ]
-    titles += [f"Mode {mode} [Hz]:7" for mode in range(1, len(modes) + 1)]
+    shown = range(1, min(len(result.frequency), MOST_MODES) + 1)
+    titles += [f"frequency@{mode}: Mode {mode} [Hz]:7" for mode in shown]
+    values = [[coupling.torque, coupling.stiffness] for coupling in couplings]
     yield table(
         " | ".join(titles),
-        np.transpose([*columns, *modes])[np.unique(chosen)],
+        [
+            (place, *(array[place.index] for pair in values for array in pair))
+            for place in along(result, "speed", np.unique(chosen).tolist())
+        ],
         "Natural frequencies over the speed",
     )
 
@@ -188,21 +174,9 @@ def temperatures(findings: Findings) -> Iterator[Block]:
             text = f"{coupling.coupling} overheats at {hot.size} of {coupling.speed.size} speeds, from "
             yield Paragraph(f"{text}{rpm(float(hot[0]))} to {rpm(float(hot[-1]))} rpm.", "note")
     yield table(
-        "< Coupling -> | Speed [rpm] -> rpm | Temperature [°C]:6 -> °C | Power loss [W] -> W | "
-        "k own [N m/rad]:7 | Loss factor η | < Equilibrium -> is",
-        [
-            (
-                coupling.coupling,
-                state.speed,
-                state.temperature,
-                state.heat,
-                state.stiffness,
-                state.loss_factor,
-                "stable" if state.is_stable else "unstable",
-            )
-            for coupling in couplings
-            for state in coupling.equilibria
-        ],
+        "coupling: < Coupling -> | speed: Speed [rpm] -> rpm | temperature: Temperature [°C]:6 -> °C | "
+        "heat: Power loss [W] -> W | stiffness: k own [N m/rad]:7 | loss_factor: Loss factor η | is_stable: Stable ->",
+        [(coupling, state) for coupling in couplings for state in coupling.equilibria],
         "Equilibrium temperatures of couplings, at the worst speed and at speeds with several equilibria",
         short="Temperatures of couplings",
     )
@@ -233,23 +207,13 @@ def vibratory_torques(findings: Findings) -> Iterator[Block]:
             text = f"{coupling.coupling}: {lost} of {coupling.speed.size} speeds did not converge."
             yield Paragraph(text, "note")
     yield table(
-        "< Coupling -> | Speed [rpm] -> rpm | T [~N m] -> T | Solutions -> solutions | Smallest [~N m] | "
-        "k own [N m/rad]:7 -> k | Loss factor η -> η | Residual:2 | Rounds | < Status",
+        "coupling: < Coupling -> | speed: Speed [rpm] -> rpm | torque: T [~N m] -> T | "
+        "number: Solutions -> solutions | smallest: Smallest [~N m] | stiffness: k own [N m/rad]:7 -> k | "
+        "loss_factor: Loss factor η -> η | residual: Residual:2 | rounds: Rounds | settled: Converged",
         [
-            (
-                coupling.coupling,
-                coupling.speed[k],
-                coupling.torque[k],
-                coupling.number[k],
-                coupling.smallest[k],
-                coupling.stiffness[k],
-                coupling.loss_factor[k],
-                coupling.residual[k],
-                coupling.rounds[k],
-                "converged" if coupling.settled[k] else "not converged",
-            )
+            place
             for coupling in couplings
-            for k in _telling_speeds(coupling)
+            for place in along(coupling, "speed", _telling_speeds(coupling))
         ],
         "Couplings with a table over vibratory torque, at the worst speeds and over the range",
         short="Couplings with a table over vibratory torque",

@@ -124,22 +124,12 @@ def _in_range(findings: Findings, inside: list[CriticalSpeed]) -> Table:
     ]
     if len(inside) > MOST_IN_SUMMARY:
         lowest[-1] += f", and {len(inside) - MOST_IN_SUMMARY} more"
-    has_rated = rated_rpm(findings) is not None
     omitted = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
+    margin = "margin: Distance from rated [%]:3 | " * (rated_rpm(findings) is not None)
     return table(
-        f"Critical speed [rpm] -> rpm | Order:o -> | Mode -> | Frequency [Hz] | "
-        f"{'Distance from rated [%]:3 | ' * has_rated}< Excited by ->",
-        [
-            (
-                crossing.speed,
-                crossing.order,
-                crossing.mode,
-                crossing.frequency,
-                *[crossing.margin] * has_rated,
-                name,
-            )
-            for crossing, name in zip(inside[:MOST_ROWS], names, strict=False)
-        ],
+        "speed: Critical speed [rpm] -> rpm | order: Order:o -> | mode: Mode -> | frequency: Frequency [Hz] | "
+        f"{margin}< Excited by ->",
+        list(zip(inside[:MOST_ROWS], names, strict=False)),
         IN_RANGE + omitted,
         short=IN_RANGE,
         summary=f"{IN_RANGE}: {', '.join(lowest)}",

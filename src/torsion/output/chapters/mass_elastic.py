@@ -9,7 +9,7 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.system_data import SystemData, system_data
 from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, table
 from torsion.output.numbers import given_rpm, number, symbols
 from torsion.output.reported_values import rated, reference
 from torsion.output.selection import damps, elements
@@ -107,6 +107,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
         ),
     )
     yield from (table(*sheet) for sheet in tables if sheet[1])
+    for part in findings.study.train.parts:
+        if part.data_sheet and part.engine is None and part.compressor is None:
+            yield KeyValues((("Component", part.name), *part.data_sheet))
     yield from _damping(findings, data)
     yield from _excitations(findings, data)
 

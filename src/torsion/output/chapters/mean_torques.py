@@ -4,50 +4,30 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.steady import PowerBalance, Steady
+from torsion.analyses.steady import MeanLoads, PowerBalance, Steady
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.numbers import rpm
-from torsion.output.reported_values import rated
-from torsion.output.selection import elements
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Yield nothing without a mean torque."""
-    steady, speed = findings.get(Steady), rated(findings)
-    if steady is None or not np.any(steady.torque):
+    steady, loads = findings.get(Steady), findings.get(MeanLoads)
+    if steady is None or loads is None or not np.any(steady.torque):
         return
-    point = len(steady.speed) - 1 if speed is None else int(np.argmin(np.abs(steady.speed - speed)))
-    rows = []
-    for element in elements(findings.system):
-        own_speed, torque = (
-            steady.speed[point] * element.ratio,
-            steady.torque[element.spans[0], point],
-        )
-        largest = np.abs(steady.torque[list(element.spans)]).max()
-        rows.append((element.name, own_speed, torque, torque * own_speed, largest))
     yield Heading("Mean torque")
-    yield Paragraph(steady.sharing)
+    yield Paragraph(f"{steady.sharing} Values are for the rated speed, or the highest without one.")
     yield table(
-        "< Component | Speed of the component [rpm] | Mean torque [~N m] | Power [kW] | "
-        "Maximum over the speed range [~N m]",
-        rows,
-        f"Mean torque at {rpm(float(steady.speed[point]))} rpm, each at the speed of the component",
+        "component: < Component | speed: Speed of the component [rpm] | torque: Mean torque [~N m] | "
+        "power: Power [kW] | largest: Maximum over the speed range [~N m]",
+        loads.each,
+        "Mean torque, each at the speed of the component",
     )
-    if (balance := findings.get(PowerBalance)) is not None:
-        yield table(
-            "< Machine | < Power | Speed [rpm] | Power [kW] | Torque [~N m] | < Law of load | < Its power is",
-            [
-                (
-                    machine.name,
-                    "delivers" if machine.enters else "absorbs",
-                    machine.speed,
-                    machine.power,
-                    machine.torque,
-                    machine.law or None,
-                    "computed" if machine.free else "stated",
-                )
-                for machine in balance.machines
-            ],
-            "Power balance of the machines, each at its speed",
-        )
+    yield table(
+        "name: < Machine | < Power | speed: Speed [rpm] | power: Power [kW] | torque: Torque [~N m] | "
+        "law: < Law of load:? | free: Power computed",
+        [
+            (machine, "delivers" if machine.enters else "absorbs")
+            for machine in findings.need(PowerBalance).machines
+        ],
+        "Power balance of the machines, each at its speed",
+    )
