@@ -196,19 +196,19 @@ def test_a_solver_past_its_time_is_stopped_and_the_next_one_solves(
 def test_an_overtaken_picture_is_given_up_for_the_later_request(
     page: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole_of, ended = sessions.pictures.whole_of, list[str]()
+    drawn, ended = sessions.pictures.drawn, list[str]()
 
     def waiting(study: Any, moved: Any, progress: Progress) -> Any:
         if dict(moved) != {"link.stiffness": 1.05}:
-            return whole_of(study, moved, progress)
+            return drawn(study, moved, progress)
         page.session.move({"link.stiffness": 1.08})
         try:
-            return whole_of(study, moved, progress)
+            return drawn(study, moved, progress)
         except sessions.OvertakenError:
             ended.append("overtaken")
             raise
 
-    monkeypatch.setattr(sessions.pictures, "whole_of", waiting)
+    monkeypatch.setattr(sessions.pictures, "drawn", waiting)
     page.move(link_stiffness=1.05)
     page.until(shown(1.08 * 12e3, 2, 3))
     page.until("solved", key="state")
@@ -223,7 +223,7 @@ def test_a_fault_of_the_program_is_said_and_the_next_picture_is_made(
         raise ZeroDivisionError("no number")
 
     with monkeypatch.context() as faulty:
-        faulty.setattr(sessions.pictures, "whole_of", fail)
+        faulty.setattr(sessions.pictures, "drawn", fail)
         page.save(9)
         page.until("torsion has failed: ZeroDivisionError: no number", key="faults")
     page.save(9.5)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from torsion.analyses import ANALYSES
 from torsion.analyses.undamped_modes import Modes
-from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Progress, silent
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
 from torsion.output.chapters import (
@@ -17,7 +16,6 @@ from torsion.output.chapters import (
 from torsion.output.document import numbered
 from torsion.output.figures.figure import Figure
 from torsion.output.html import fragment
-from torsion.output.reported_values import barred
 from torsion.results import listed
 from torsion.rules import rule
 from torsion.runner import run
@@ -57,18 +55,10 @@ def _is_wanted(study: Study, name: str) -> bool:
     return name in study.analyses or (name in ANALYSES and ANALYSES[name].wanted(study))
 
 
-def modes_of(study: Study, progress: Progress = silent) -> Fragment:
-    """Return the natural frequencies and the Campbell diagram of a study, solved alone; or why there are none."""
-    try:
-        return _modes(run(replace(study, cases={}), only=("critical",), progress=progress))
-    except (InputError, SolveError):  # where the whole has no answer either, that is reported
-        return fragment([*numbered([Paragraph("No natural frequencies.", "note")])])
-
-
-def whole_of(
-    study: Study, moved: Iterable[str], progress: Progress
-) -> tuple[Fragment, Fragment | None]:
-    """Return first page and response; and the frequencies again if barred ranges belong into the Campbell diagram.
+def drawn(
+    study: Study, moved: Iterable[str], progress: Progress = silent
+) -> tuple[Fragment, Fragment]:
+    """Return frequencies with the Campbell diagram, and the first page with the response.
 
     moved: figures that are not those of the file.
     """
@@ -89,7 +79,7 @@ def whole_of(
         *forced_response.without_tables(findings),
     ]
     page = fragment([*numbered([block for block in blocks if not isinstance(block, PageEnd)])])
-    return page, _modes(findings) if barred(findings) else None
+    return _modes(findings), page
 
 
 def _modes(findings: Findings) -> Fragment:

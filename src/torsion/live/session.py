@@ -123,11 +123,8 @@ class Session:
         self._show(sliders={"turn": turn, "each": sliders.shown(variation, positions)})
         self._show(notes={"text": notes})
         solved = sliders.moved_study(study, variation, positions)
-        self._show(modes={"turn": turn, **pictures.modes_of(solved, progress)})
-        report, modes = pictures.whole_of(solved, positions, progress)
-        if modes is not None:
-            self._show(modes={"turn": turn, **modes})
-        self._show(report={"turn": turn, **report})
+        modes, report = pictures.drawn(solved, positions, progress)
+        self._show(modes={"turn": turn, **modes}, report={"turn": turn, **report})
 
     def _open(self) -> tuple[Study, Variation]:
         """Read the file, and note every file that is opened for it, also in vain, as it was then."""
