@@ -106,8 +106,6 @@ def test_marks_colour_the_last_cell_of_their_row(source) -> None:
     assert marked.endswith('(left, right, ), 7.5pt, ("1", marked("#b3261e", "2"), "3", "4", ))')
     _, plain = source(Table(columns, (("1", "2"), ("3", "4"), ("5", "6"))))[0]
     assert plain.endswith('7.5pt, ("1", "2", "3", "4", "5", "6", ))')
-    with pytest.raises(ValueError, match="argument 2 is shorter"):
-        source(Table(columns, (("1", "2"), ("3", "4")), marks=("fail",)))
 
 
 def test_every_figure_is_drawn_in_a_file_of_its_own(source, bare) -> None:

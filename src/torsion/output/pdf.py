@@ -1,28 +1,20 @@
 """The report as PDF on A4, set by Typst from the same blocks."""
 
+import itertools
 import json
 import tempfile
 from base64 import b64decode
 from collections.abc import Iterable
-from itertools import repeat
 from pathlib import Path
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
 from torsion.errors import Fault, InputError
-from torsion.output.blocks import (
-    Block,
-    Box,
-    Heading,
-    KeyValues,
-    PageEnd,
-    Paragraph,
-    Points,
-    Table,
-    Verbatim,
-)
-from torsion.output.document import Document, Numbered
+from torsion.output.document import Document
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure
+from torsion.output.page_files import TEMPLATES, template_text
 
 COLOURS = {
     "fail": "#b3261e",
@@ -32,7 +24,6 @@ COLOURS = {
     "restricted": "#8a6500",
     "note": "#8a6500",
 }
-WIDE = 8  # columns from which a table is set smaller
 
 
 def pdf(document: Document) -> bytes:
@@ -57,12 +48,27 @@ def _set(source: str, folder: Path) -> bytes:
 
 def source(document: Document, folder: Path) -> str:
     """Return the source for Typst; the figures and the logo are written into the folder."""
-    style, figures = (
-        (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"),
-        list[Path](),
+    count = itertools.count()
+
+    def drawn(figure: Figure) -> str:
+        file = folder / f"figure-{next(count)}.svg"
+        file.write_text(svg(figure), encoding="utf-8")
+        return file.name
+
+    templates = Environment(
+        loader=FileSystemLoader(TEMPLATES), undefined=StrictUndefined, trim_blocks=True
     )
-    body = [_block(item, document, folder, figures) for item in document.body]
-    return "\n".join([_running_head(document), style, _cover(document, folder), *body])
+    templates.filters |= {"quoted": text, "words": words, "longest": longest}
+    templates.filters["kind"] = lambda block: type(block).__name__
+    return templates.get_template("report_blocks.typ").render(
+        style=template_text("report.typ"),
+        cover=document.cover,
+        logo=_logo(document.cover.logo, folder),
+        body=document.body,
+        has_first_page=document.has_first_page,
+        colours=COLOURS,
+        drawn=drawn,
+    )
 
 
 def text(value: str) -> str:
@@ -91,79 +97,16 @@ def _try_logo(folder: Path) -> None:
             raise InputError([fault]) from None
 
 
-def _running_head(document: Document) -> str:
-    cover = document.cover
-    return f"#let running = ({text(f'{cover.title} · {cover.identity}')}, {text(cover.origin)})"
+def _logo(logo: str, folder: Path) -> str:
+    """Write the logo, a data URI, into a file beside the source; return its name, empty if there is none."""
+    if not logo:
+        return ""
+    kind, _, content = logo.partition(";base64,")
+    name = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
+    (folder / name).write_bytes(b64decode(content))
+    return name
 
 
-def _cover(document: Document, folder: Path) -> str:
-    """Return the cover, with its logo in a file beside the source."""
-    cover, logo = document.cover, ""
-    if cover.logo:
-        kind, _, content = cover.logo.partition(";base64,")
-        logo = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
-        (folder / logo).write_bytes(b64decode(content))
-    basis = "none" if document.has_first_page else _basis(document)
-    return f"#cover({text(cover.title)}, {text(cover.subtitle)}, {text(logo)}, {basis})"
-
-
-def _basis(document: Document) -> str:
-    """Return what is stated of the report itself."""
-    cover = document.cover
-    pairs = (*cover.facts_by_length, cover.signatures)
-    short, long, signed = (
-        "".join(f"({text(key)}, {text(value)}), " for key, value in some) for some in pairs
-    )
-    return f"basis(({short}), ({long}), {text(cover.disclaimer)}, ({signed}))"
-
-
-def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]) -> str:
-    block: Block = item.block
-    match block:
-        case Box(sign=sign, text=title, kind=kind, lines=lines):
-            pairs_text = "".join(f"({text(head)}, {words(line)}), " for head, line in lines)
-            return f"#verdict({text(kind)}, {text(sign)}, {words(title)}, ({pairs_text}))"
-        case PageEnd():
-            return f"#page-end({_basis(document)})"
-        case Heading(text=title, level=level):
-            return f"#title({level}, {text(item.number)}, {words(title)})"
-        case Paragraph(text=sentences, kind=kind):
-            return f"#sentences({text(kind)}, {words(sentences)})"
-        case Points(items=items):
-            return f"#points(({''.join(f'{words(point)}, ' for point in items)}))"
-        case KeyValues(pairs=pairs):
-            return f"#facts(({''.join(f'({text(key)}, {text(value)}), ' for key, value in pairs)}))"
-        case Table():
-            return _table(block, item.number)
-        case Figure():
-            path = folder / f"figure-{len(figures)}.svg"
-            path.write_text(svg(block), encoding="utf-8")
-            figures.append(path)
-            return f"#drawing({text(path.name)}, {text(item.number)}, {words(block.caption)})"
-        case Verbatim(text=lines):
-            return f"#verbatim({text(lines)})"
-
-
-def _longest(texts: Iterable[str]) -> str:
+def longest(texts: Iterable[str]) -> str:
     """Return the longest word of all texts."""
     return max((word for sentence in texts for word in sentence.split()), key=len, default="")
-
-
-def _table(table: Table, number: str) -> str:
-    head = "".join(
-        f"({words(c.title)}, {words(c.unit)}, {words(_longest([c.title]))}, {text(_longest(cells))}), "
-        for c, cells in zip(
-            table.columns, zip(*table.rows, strict=True) if table.rows else repeat(()), strict=False
-        )
-    )
-    align = "".join(f"{c.align}, " for c in table.columns)
-    marks = table.marks or ("",) * len(table.rows)
-    cells = []
-    for row, mark in zip(table.rows, marks, strict=True):
-        colour = COLOURS.get(mark)
-        *plain, last = (text(cell) for cell in row)
-        cells.extend(plain)
-        cells.append(f'marked("{colour}", {last})' if colour else last)
-    size = "7pt" if len(table.columns) >= WIDE else "7.5pt"
-    caption, content = words(table.caption), "".join(f"{c}, " for c in cells)
-    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({content}))"
