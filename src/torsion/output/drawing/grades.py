@@ -4,21 +4,20 @@ import math
 from collections.abc import Iterable
 
 from torsion.output.drawing.frame import END, MIDDLE, WIDTH
-from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, MARKED, MARKS, Stroke
+from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, MARKED, Stroke
 from torsion.output.drawing.plot import hatching
-from torsion.output.drawing.text import shown, words
+from torsion.output.drawing.text import clean, plain, shown, words
 from torsion.output.drawing.words import GROWTH, SIZE, fitted, width
 from torsion.output.figures.figure import Grade, Share, Shares, Use
 
 Box = tuple[float, float, float, float]
-SAMPLE, KEY_ROW = 24.0, 16.0  # px
+SAMPLE, KEY_ROW = 24.0, 16.0  # px: length of a sample; height of a row of a key
 LEFT, RIGHT, ROW, HEAD = (
     240.0,
     430.0,
     13.2,
     16.0,
 )  # px: of the shares, whose names and words stand beside them
-SIGN = 6.5  # px: radius of the disc around a sign
 FEWEST = 30.0  # px of a name that stands before a very long clause
 MOST = 2.0  # times the limit: a larger share is cut
 BEYOND = 1.05  # times the largest share: as far the axis goes
@@ -41,34 +40,41 @@ def area(box: Box, grade: Grade) -> str:
     return f'<rect {edges} fill="{GRADES[grade].fill}" stroke="{INK}" stroke-width="8"/>{inside}'
 
 
-def marked(x: float, y: float, sign: str) -> str:
-    """Return the sign of a failed limit in a disc, in px."""
-    disc = f'<circle cx="{shown(x)}" cy="{shown(y)}" r="{SIGN:g}" fill="#ffffff" stroke="{BAD}"/>'
-    return disc + words(x, y + 3.7, sign, f'{MIDDLE}{BOLD} fill="{BAD}"')
-
-
 def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
     """Return height in px and elements of the key of the grades and marks that are there."""
     known_uses = list(uses)
-    grades, marks = {use.grade for use in known_uses}, {use.mark for use in known_uses}
+    grades = {use.grade for use in known_uses}
     box = (0.0, -50.0, 10 * SAMPLE, 50.0)
-    entries = [(area(box, grade), "", GRADES[grade].words) for grade in GRADES if grade in grades]
-    outline = f'<path d="M0-50h{10 * SAMPLE:g}v100h-{10 * SAMPLE:g}z" fill="none" {MARKED.attributes(10.0)}/>'
-    entries += [
-        (outline, marked(SAMPLE / 2, 0.0, sign), MARKS[sign]) for sign in MARKS if sign in marks
+    entries = [(area(box, grade), GRADES[grade].words) for grade in GRADES if grade in grades]
+    if any(use.mark for use in known_uses):
+        outline = f'<path d="M0-50h{10 * SAMPLE:g}v100h-{10 * SAMPLE:g}z" fill="none" {MARKED.attributes(10.0)}/>'
+        entries.append((outline, "a limit of any kind fails"))
+    samples = [
+        (SAMPLE, f'<g transform="scale(.1)">{sample}</g>', label) for sample, label in entries
     ]
-    x, y, made = 4.0, top + KEY_ROW / 2, list[str]()
-    for sample, sign, label in entries:
-        need = SAMPLE + 5 + GROWTH * width(label) + 10
-        if x + need > WIDTH and x > 4.0:
-            x, y = 4.0, y + KEY_ROW
-        group = f'<g transform="translate({shown(x)} {shown(y)})">'
-        made.append(
-            f'{group}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, label)}</g>'
-        )
+    foot, text = key_rows(samples, 4.0, top + KEY_ROW / 2, "grades")
+    return foot - top, text
+
+
+def key_rows(
+    entries: Iterable[tuple[float, str, str]], left: float, middle: float, kind: str = "key"
+) -> tuple[float, str]:
+    """Return foot in px and elements of samples with their names, in rows from the middle of the first.
+
+    entries: width in px of a sample, its elements around the middle of a row, its name.
+    """
+    x, y, made = left, middle, list[str]()
+    for wide, sample, name in entries:
+        need = wide + 5 + GROWTH * width(plain(name)) + 12
+        if x + need > WIDTH and x > left:
+            x, y = left, y + KEY_ROW
+        group = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
+        made.append(f"{group}{sample}{words(wide + 5, 3.7, name)}</g>")
         x += need
-    text = f'<g class="key" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
-    return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
+    if not made:
+        return middle - KEY_ROW / 2, ""
+    text = f'<g class="{kind}" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
+    return y + KEY_ROW / 2, text
 
 
 def shares(panel: Shares, top: float) -> tuple[float, str]:

@@ -51,10 +51,7 @@ class Page:
             data["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
         if (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS:
             data["moving"] = {
-                "x": self.array(moving.x),
-                "row": self.array(moving.row),
-                "angle": self.array(moving.angle),
-                "ends": self.array(moving.ends.ravel()),
+                **self._arrays_of(moving, "x", "row", "angle", "ends"),
                 "marked": self.array(np.flatnonzero(moving.marked)),
             }
         return packed(data)
@@ -75,15 +72,16 @@ class Page:
         """Return the place of an array among those of the page."""
         return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
 
+    def _arrays_of(self, record: Any, *names: str) -> dict[str, int]:
+        """Return the places of the arrays of a record by their names."""
+        return {name: self.array(getattr(record, name)) for name in names}
+
     def _criticals(self, criticals: Criticals) -> dict[str, Any]:
-        arrays = {
-            key: self.array(getattr(criticals, key)) for key in ("x", "frequency", "mode", "order")
-        }
         return {
             "of": criticals.of,
             "rated": criticals.rated,
             "orders": self._listed(criticals.orders),
-            **arrays,
+            **self._arrays_of(criticals, "x", "frequency", "mode", "order"),
         }
 
     def _listed(self, names: tuple[str, ...]) -> int:
@@ -97,7 +95,7 @@ class Page:
             "y": _axis(panel.y, frame.y),
         }
         plot["lines"] = [
-            {"name": plain(line.name), "x": self.array(line.x), "y": self.array(line.y)}
+            {"name": plain(line.name), **self._arrays_of(line, "x", "y")}
             for line in panel.lines
             if _is_read(line) and not panel.x.places
         ]
@@ -112,8 +110,7 @@ class Page:
         ]
         if (stops := panel.stops) is not None and _is_short(stops):
             plot["stops"] = {
-                "x": self.array(stops.x),
-                "y": self.array(stops.y),
+                **self._arrays_of(stops, "x", "y"),
                 "names": self._listed(stops.names),
             }
         if not panel.lines and panel.cells is None and not panel.x.places:
@@ -131,9 +128,8 @@ class Page:
                 return piece
             case Cells():
                 return {
-                    "x": self.array(piece.x),
-                    "y": self.array(piece.y),
-                    "cells": self.array(piece.values.ravel()),
+                    **self._arrays_of(piece, "x", "y"),
+                    "cells": self.array(piece.values),
                 }
         return [self.array(column) for column in piece]
 

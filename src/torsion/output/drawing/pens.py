@@ -81,7 +81,6 @@ GRADES: dict[Grade, Pattern] = {  # from light to dark in gray too
     "not judged": Pattern("#ffffff", "stress or torque not judged", "#888888", 3.0, (1,), "1 2.5"),
 }
 MARKED = Stroke(BAD, 2.2)  # outline of what does not keep a limit, of whatever kind
-MARKS = {"✗": "a limit of any kind fails"}
 SYMBOLS = {  # path around (0, 0) in tenths of px, filled or not; about 6 px wide
     "disc": ("m-30 0a30 30 0 1 0 60 0a30 30 0 1 0-60 0z", True),
     "ring": ("m-65 0a65 65 0 1 0 130 0a65 65 0 1 0-130 0z", False),

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from torsion.output.drawing.frame import MIDDLE, WIDTH
-from torsion.output.drawing.grades import BOLD, marked
+from torsion.output.drawing.grades import BOLD
 from torsion.output.drawing.pens import BAD, INK
 from torsion.output.drawing.sheet import Sheet, height
 from torsion.output.drawing.text import HALO, shown, words
@@ -18,7 +18,6 @@ REACH = {1: 2, -1: 3}  # rows of names of points above an axis, of words of link
 WAYS = {1: (0, 1, 2), -1: (5, 6, 7)}  # directions of both from their component
 SOFT = "#33506b"
 COLOURS = {"✓": SOFT, "!": SOFT, "?": SOFT, "✗": BAD}  # of a row, by the sign of its verdict
-APART = 13.0  # px between two signs
 WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
 Spread = tuple[float, float]  # px of the highest and the lowest
@@ -53,7 +52,7 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
         sentence = f"Not labelled for want of room: {counted(omitted, 'component')}"
         sentence += f" (of these {failures} fail)." if failures else "."
         texts.append(words(4.0, low - 3.0, sentence, f' fill="{SOFT}"'))
-    return (high, low), lines + _marks(sheet, sketch) + texts
+    return (high, low), lines + texts
 
 
 def _words(link: Link) -> Iterator[str]:
@@ -67,20 +66,6 @@ def _words(link: Link) -> Iterator[str]:
     worst = next(failed, "")
     if worst and worst != use.words:
         yield f"{link.label}\n{worst.removesuffix(':')}"
-
-
-def _marks(sheet: Sheet, sketch: Sketch) -> list[str]:
-    """Return signs in the components that fail, the worst of those that lie too close."""
-    placed, signs = list[tuple[float, float]](), list[str]()
-    for link in sorted(sketch.links, key=_rank):
-        if link.use is None or not link.use.is_bad:
-            continue
-        middle, row = _middle(link)
-        x, y = sheet.at(middle, height(row))
-        if all(abs(x - a) > APART or abs(y - b) > SIZE for a, b in placed):
-            placed.append((x, y))
-            signs.append(marked(x, y, link.use.mark))
-    return signs
 
 
 def _rank(link: Link) -> tuple[float, ...]:

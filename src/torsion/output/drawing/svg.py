@@ -7,10 +7,10 @@ import numpy as np
 from torsion.output.drawing import grades, sketch
 from torsion.output.drawing.frame import RIGHT, TOP, WIDTH, Frame, horizontal, margin, vertical
 from torsion.output.drawing.image import palette
-from torsion.output.drawing.pens import BANDS, INK, stroke
+from torsion.output.drawing.pens import BANDS, stroke
 from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
 from torsion.output.drawing.text import clean, plain, shown, words
-from torsion.output.drawing.words import GROWTH, SIZE, width
+from torsion.output.drawing.words import GROWTH, width
 from torsion.output.figures.figure import (
     Band,
     Cells,
@@ -25,7 +25,7 @@ from torsion.output.figures.figure import (
 from torsion.output.numbers import number
 
 FONTS = "Arial, Liberation Sans, Helvetica, sans-serif"
-SAMPLE, KEY_ROW = 27.0, 15.5  # px: length of a sample of a line; height of a row of the key
+SAMPLE = 27.0  # px: length of a sample of a line
 Keyed = Line | Level | Band | Marks
 
 
@@ -60,7 +60,7 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
     )
     paper = f'<rect class="paper" width="{shown(WIDTH)}" height="{shown(foot)}" fill="#ffffff"/>'
     text = "".join(
-        [head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"]
+        [head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, key, "</svg>"]
     )
     return text, frames
 
@@ -116,7 +116,7 @@ def _framed(panel: Panel, left: float, foot: float) -> Frame:
     )
 
 
-def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
+def _key(frames: list[Frame], foot: float) -> tuple[str, float]:
     """Return samples with their names in rows below the plots, and where they end."""
     entries: dict[str, tuple[float, str]] = {}
     for frame in frames:
@@ -128,16 +128,10 @@ def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
         if panel.cells is not None:
             entries.setdefault(*_colours(panel.cells))
     if not entries:
-        return [], foot + 2.0
-    x, y, made = frames[0].left, foot + 11.0, [f'<g class="key" font-size="{SIZE:g}" fill="{INK}">']
-    for name, (long, sample) in entries.items():
-        need = long + 5 + GROWTH * width(plain(name)) + 12
-        if x + need > WIDTH and x > frames[0].left:
-            x, y = frames[0].left, y + KEY_ROW
-        group = f'<g data-name="{clean(plain(name))}" transform="translate({shown(x)} {shown(y)})">'
-        made.append(f"{group}{sample}{words(long + 5, 3.7, name)}</g>")
-        x += need
-    return [*made, "</g>"], y + 9.0
+        return "", foot + 2.0
+    rows = [(wide, sample, name) for name, (wide, sample) in entries.items()]
+    foot, text = grades.key_rows(rows, frames[0].left, foot + 11.0)
+    return text, foot + 1.0
 
 
 def _name(frame: Frame, entry: Keyed) -> str:

@@ -94,19 +94,19 @@ class Room:
         """Set the box; curves: (points, 2) px, which words should not cover."""
         self.box = np.array(box)
         self.taken: list[Box] = []
-        finite = np.isfinite(curves).all(axis=1)
-        places = ((curves[finite] - self.box[:2]) / MESH).astype(np.int64)
+        finite = curves[np.isfinite(curves).all(axis=1)]
+        # An infinite box of no curves has no mesh.
         size = (
-            np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH).astype(np.int64) + 1, 1)
-            if finite.any()
-            else (1, 1)
+            np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH) + 1, 1)
+            if len(finite)
+            else [1, 1]
         )
-        inside = ((places >= 0) & (places < size)).all(axis=1)
-        number = np.zeros(size)
-        np.add.at(number, tuple(places[inside].T), 1.0)
-        self.before = np.pad(
-            number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0))
-        )  # points to the left and above
+        mesh = [
+            np.arange(count + 1) * MESH + start for count, start in zip(size, box, strict=False)
+        ]
+        number, _, _ = np.histogram2d(*finite.T, bins=mesh)
+        # Points to the left and above.
+        self.before = np.pad(number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
 
     def place(
         self,
