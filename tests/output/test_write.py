@@ -85,18 +85,6 @@ def test_no_file_that_a_report_cannot_have_is_removed_though_the_results_name_it
     assert (tmp_path / name).read_text(encoding="utf-8") == "a user's"
 
 
-def test_nothing_is_removed_if_the_results_were_changed_by_hand(
-    bare: Findings, tmp_path: Path
-) -> None:
-    write(bare, tmp_path)
-    file = tmp_path / "results.json"
-    text = file.read_text(encoding="utf-8").replace('"files": [', '"files": ["report.pdf", ')
-    file.write_text(text, encoding="utf-8")
-    (tmp_path / "report.pdf").write_bytes(b"a user's")
-    write(bare, tmp_path)
-    assert (tmp_path / "report.pdf").read_bytes() == b"a user's"
-
-
 def test_nothing_is_removed_through_a_symbolic_link(bare: Findings, tmp_path: Path) -> None:
     own, out = tmp_path / "own", tmp_path / "out"
     own.mkdir()

@@ -11,7 +11,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,10 +36,10 @@ SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
 MOST_LISTED = 3_000_000  # of all arrays that are written as lists, about 60 MB of text; of later ones MOST_OF_A_CASE
 MOST_TEXT = 100_000_000  # bytes of results that are printed
+LEAST_TEXT = 3  # bytes of a number in a list
 MOST_OF_A_CASE = (
     2_000  # the same in `cases`, so that many of them do not make a file of many times the size
 )
-BLOCK = 10_000  # numbers turned into text at once
 
 
 def listed(values: Any) -> Any:
@@ -64,41 +63,17 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
     return values
 
 
-class Written(str):
-    """What is JSON text already."""
-
-
-def pieces(values: Any) -> Iterator[str]:
-    """Yield the data as JSON text, piece by piece, so that long arrays are never in memory as text or lists."""
-    if isinstance(values, Written):
-        yield values
-    elif not _has_long(values):
-        yield _dumped(values)
-    elif isinstance(values, Mapping):
-        yield from _joined(
-            "{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items())
-        )
-    elif isinstance(values, np.ndarray) and values[0].size <= BLOCK:
-        rows = (
-            BLOCK // values[0].size
-        )  # of a pair of numbers a text of its own would take longer than the numbers
-        blocks = (values[start : start + rows] for start in range(0, len(values), rows))
-        yield from _joined("[]", ([_dumped(block)[1:-1]] for block in blocks))
-    else:
-        yield from _joined("[]", map(pieces, values))
-
-
 def write_json(
     parts: Mapping[str, Callable[[], Any]],
     file: Path,
     most: int = MOST_NUMBERS,
-    report: Callable[[str], str] | None = None,
+    ending: Callable[[str, Iterable[str]], str] | None = None,
 ) -> list[Path]:
     """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
 
     Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name; so do those
-    of more than a few thousand once MOST_LISTED numbers of all arrays are written. Last come the names of the files
-    that stand beside it by then, and the `report`, made of the SHA-256 of all before it.
+    of more than a few thousand once MOST_LISTED numbers of all arrays are written. Last come the lines that `ending`
+    makes of the SHA-256 of all before them and of the names of the files that stand beside it by then.
     """
     series, opened, before = file.with_name(SERIES), ExitStack(), sha256()
     archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
@@ -118,35 +93,23 @@ def write_json(
             np.lib.format.write_array(member, array, allow_pickle=False)
         return {"file": SERIES, "array": name, "shape": list(array.shape)}
 
-    def made() -> Iterator[tuple[str, Any]]:
-        yield from ((key, replaced(make(), stored, key)) for key, make in parts.items())
-        if report is not None:
-            yield (
-                reports.FILES,
-                sorted(
-                    path.relative_to(file.parent).as_posix() for path in file.parent.rglob("*.*")
-                ),
-            )
-            yield reports.KEY, Written(report(before.hexdigest()))
-
     with opened, file.open("wb") as target:
-        for piece in lines(made()):
-            data = piece.encode()
-            before.update(data)
-            target.write(data)
+        for line in lines((key, replaced(make(), stored, key)) for key, make in parts.items()):
+            before.update(line.encode())
+            target.write(line.encode())
+        paths = file.parent.rglob("*.*")
+        names = [path.relative_to(file.parent).as_posix() for path in paths]
+        target.write(
+            (reports.END if ending is None else ending(before.hexdigest(), names)).encode()
+        )
     return [file, series] if series.exists() else [file]
 
 
 def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
-    """Yield the text of a JSON object, one line for each key, piece by piece."""
+    """Yield the text of a JSON object, one line for each key, without its end."""
     for position, (key, value) in enumerate(parts):
-        yield f"{',' if position else '{'}\n{json.dumps(key)}: "
-        yield from pieces(value)
-    yield "\n}\n"
-
-
-def _dumped(values: Any) -> str:
-    return json.dumps(values, default=_listed, allow_nan=False)
+        text = json.dumps(value, default=_listed, allow_nan=False)
+        yield f"{',' if position else '{'}\n{json.dumps(key)}: {text}"
 
 
 def _listed(array: NDArray[Any]) -> Any:
@@ -155,29 +118,6 @@ def _listed(array: NDArray[Any]) -> Any:
         array = array.astype(object)
         array[~finite] = None
     return array.tolist()
-
-
-def _has_long(values: Any) -> bool:
-    """Whether an array of more than BLOCK numbers is among the data."""
-    if isinstance(values, np.ndarray):
-        return values.size > BLOCK
-    inside = (
-        values.values()
-        if isinstance(values, Mapping)
-        else values
-        if isinstance(values, list | tuple)
-        else ()
-    )
-    return any(map(_has_long, inside))
-
-
-def _joined(brackets: str, parts: Iterable[Iterable[str]]) -> Iterator[str]:
-    yield brackets[0]
-    for position, part in enumerate(parts):
-        if position:
-            yield ", "
-        yield from part
-    yield brackets[1]
 
 
 FORMAT = 1
@@ -249,17 +189,23 @@ def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEX
 
     It is for a stream, which has no file beside it for long series. Raises InputError for more than `largest` bytes.
     """
-    written, size = list[str](), 0
-    for piece in lines((key, make()) for key, make in _made(findings, only).items()):
-        size += len(piece)
-        if size > largest:
-            message = (
-                f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
-            )
-            hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
-            raise InputError([Fault((), message, hint)])
-        written.append(piece)
-    return "".join(written)
+    message = f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
+    hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
+    excess = InputError([Fault((), message, hint)])
+    sizes = list[int]()
+
+    def count(_: str, array: NDArray[Any]) -> NDArray[Any]:
+        sizes.append(LEAST_TEXT * array.size)
+        if sum(sizes) > largest:
+            raise excess
+        return array
+
+    made = _made(findings, only)
+    written = lines((key, replaced(make(), count)) for key, make in made.items())
+    text = "".join([*written, reports.END])
+    if len(text) > largest:
+        raise excess
+    return text
 
 
 def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[Path]]:
@@ -267,7 +213,7 @@ def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[
     from torsion.output.stored_report import stored
 
     return partial(
-        write_json, _made(findings, document.report.keys), report=partial(stored, document)
+        write_json, _made(findings, document.report.keys), ending=partial(stored, document)
     )
 
 

@@ -17,7 +17,7 @@ from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS, Report
 from torsion.output.results_json import SERIES
 from torsion.output.scene import pressure_files, signal_files
-from torsion.output.stored_report import named, naming
+from torsion.output.stored_report import names_in, naming
 from torsion.primitives import SectionMesh
 from torsion.study import Study
 
@@ -80,7 +80,7 @@ def write_place(findings: Findings, place: str | Path) -> list[Path]:
     target = Path(place)
     if not target.suffix or target.is_dir():
         write(findings, target)
-        return sorted(target / name for name in named(target / "results.json"))
+        return sorted(target / name for name in names_in(target / "results.json"))
     outputs = {output.suffix: output for output in OUTPUTS.values() if output.suffix[:1] == "."}
     if target.suffix not in outputs:
         raise refusal(
@@ -109,7 +109,7 @@ def earlier_files(folder: Path, report: Report) -> set[Path]:
         rf"figure-[\w.-]+\.csv|motion(-[\w.-]+)?\.csv|{report.stem}-(table-[\w.]+\.csv|input\.yaml)"
     )
     paths = set()
-    for relative in map(PurePosixPath, named(folder / OUTPUTS["json"].file_of("json", report))):
+    for relative in map(PurePosixPath, names_in(folder / OUTPUTS["json"].file_of("json", report))):
         *case, name = relative.parts or ("",)
         is_ours = (name in {*names, SERIES} or family.fullmatch(name)) and len(case) <= 1
         path = folder / relative
@@ -167,7 +167,6 @@ def redraw(
             f"{target} holds the results of another report", "choose another folder with -o"
         )
     try:
-        OUTPUTS["terminal"](document)
         contents = files(document, also=also)
     except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as error:
         message = f"the report cannot be drawn: {type(error).__name__}, {error}"
@@ -179,7 +178,7 @@ def redraw(
 
 def _name_files(results: Path, target: Path) -> list[Path]:
     """Write the results with the names of the finished files next to the target, unless they name them already."""
-    known_names = named(results)
+    known_names = names_in(results)
     names = known_names.union(os.listdir(target.parent))
     if names == known_names:
         return []
@@ -214,14 +213,9 @@ def write_texts(
 
 
 def _finish(path: Path, content: Content) -> list[Path]:
-    """Write the files of a content and return them after all of them are on the disk."""
+    """Write the files of a content and return them."""
     path.parent.mkdir(exist_ok=True)
     if callable(content):
-        paths = content(path)
-    else:
-        path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-        paths = [path]
-    for written in paths:
-        with written.open("rb+") as file:
-            os.fsync(file.fileno())
-    return paths
+        return content(path)
+    path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+    return [path]

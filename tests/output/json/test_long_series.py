@@ -13,11 +13,11 @@ from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.output import results_json
 from torsion.output.plain import numbers
+from torsion.output.reports import END
 from torsion.output.results_json import (
     SERIES,
     lines,
     listed,
-    pieces,
     text,
     write_json,
 )
@@ -50,29 +50,13 @@ def _data() -> dict:
     }
 
 
-def test_text_in_pieces_is_that_of_the_lists():
+def test_the_text_of_a_key_is_that_of_the_lists():
     data = _data()
-    assert "".join(pieces(data)) == json.dumps(listed(data), allow_nan=False)
+    assert "".join(lines([("a", data)])) == f'{{\n"a": {json.dumps(listed(data), allow_nan=False)}'
     back = listed(data)
     assert back["long"][0]["torque"][1][5] is None
     assert back["status"] == ["ok", "singular", "near-singular"]
     assert np.shape(back["long"][0]["complex"]) == (7001, 2)
-
-
-def test_no_piece_of_a_long_array_is_long():
-    assert max(map(len, pieces(np.ones((40, 5000))))) < 60_000
-    assert max(map(len, pieces(np.ones(200_000)))) < 60_000
-
-
-@pytest.mark.parametrize(
-    ("size", "lengths"), [(10_000, [1]), (10_001, [1, 1]), (20_000, [1, 1]), (20_001, [1, 1, 1])]
-)
-def test_at_most_ten_thousand_numbers_are_text_at_once(size: int, lengths: list[int]) -> None:
-    values = np.arange(size) % 7
-    found = [piece for piece in pieces(values) if any(letter.isdigit() for letter in piece)]
-    assert len(found) == len(lengths)
-    assert max(piece.count(",") for piece in found) == 9_999
-    assert json.loads("".join(pieces(values))) == values.tolist()
 
 
 def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
@@ -141,19 +125,10 @@ def test_without_long_arrays_there_is_one_file_of_a_line_for_each_key(tmp_path):
     assert (
         file.read_text()
         == '{\n"a": [1, 2],\n"b": {"c": [1.0, 1.0]}\n}\n'
-        == "".join(lines((key, make()) for key, make in parts.items()))
+        == "".join(lines((key, make()) for key, make in parts.items())) + END
     )
 
 
 def test_an_infinite_number_outside_of_arrays_is_refused():
     with pytest.raises(ValueError, match="not JSON compliant"):
-        list(pieces({"a": float("inf")}))
-
-
-@pytest.mark.parametrize("shape", [(3, 7_001, 2), (20_001, 2), (2, 2, 10_001), (9, 5_000, 1)])
-def test_pairs_are_written_in_texts_of_many_and_as_nested_lists(shape: tuple[int, ...]) -> None:
-    array = np.random.default_rng(1).uniform(size=shape)
-    array.flat[5] = np.nan
-    made = list(pieces({"x": array}))
-    assert "".join(made) == json.dumps({"x": listed(array)})
-    assert len(made) < 100
+        list(lines([("a", float("inf"))]))
