@@ -62,12 +62,6 @@ def test_few_points_all_stand_in_the_path_to_a_tenth() -> None:
         assert np.abs(drawn - place).max(axis=1).min() <= 1.0
 
 
-def test_points_on_a_straight_line_are_its_two_ends_and_a_turning_point_is_kept() -> None:
-    x = np.arange(0.0, 1000.0, 10.0)
-    assert path(x, np.full(x.size, 7.0), 100) == "M0 7l990 0"
-    back = np.array([0.0, 100.0, 50.0])
-    assert path(back, np.zeros(3), 100) == "M0 0l100 0-50 0"
-
 
 def test_a_line_is_broken_where_there_is_no_value_and_a_lone_point_is_a_dash() -> None:
     y = np.array([1.0, 2.0, np.nan, 5.0, np.nan, np.inf, 8.0, 6.0])

@@ -60,17 +60,14 @@ def _whole(values: FloatArray) -> IntArray:
 
 
 def _piece(x: IntArray, y: IntArray) -> str:
-    """Return one line without a gap, by steps; points on the way between their neighbours are left out."""
+    """Return one line without a gap, by steps."""
     across, down = np.diff(x), np.diff(y)
     moves = (across != 0) | (down != 0)
     across, down = across[moves], down[moves]
     if across.size == 0:
         return f"M{x[0] - 5} {y[0]}h10"
-    turns = np.append(across[:-1] * down[1:] != down[:-1] * across[1:], True)
-    turns[:-1] |= (across[:-1] * across[1:] < 0) | (down[:-1] * down[1:] < 0)
-    ends = np.flatnonzero(turns)
-    steps = [np.diff(np.concatenate([[0], np.cumsum(moved)[ends]])) for moved in (across, down)]
-    return outline([(int(x[0]), int(y[0])), *np.column_stack(steps).tolist()])
+    steps = np.column_stack([across, down]).tolist()
+    return outline([(int(x[0]), int(y[0])), *steps])
 
 
 def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
