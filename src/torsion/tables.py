@@ -22,7 +22,6 @@ _NO_VALUE = r"#(?:[A-Z]+[!?]|DIV/0!|N/A|NV)"  # what a spreadsheet writes for a 
 FORMULA_ERROR = re.compile(rf"{_NO_VALUE}|Err:\d+|##+")
 _COMMENT = re.compile(rf' *"?#(?!(?:{_NO_VALUE[1:]})"?[ \t]*(?:[\t;,\r\n]|$))')
 _STATED = re.compile(r'"?sep=(.)"?[ \t]*(?:\r\n?|\n)', re.IGNORECASE)
-_QUOTED = re.compile(r' *"((?:[^"]|"")*)" *')
 _BREAK = re.compile(r"\r\n?|\n")
 _NUL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
@@ -103,7 +102,8 @@ class Table:
         self._has_points = False  # some number has a decimal point
         stated = _STATED.match(text)
         self.separator = stated[1] if stated else _separator(text)
-        self._plain = re.compile(rf"[^{re.escape(self.separator)}\r\n]*")
+        plain = rf"[^{re.escape(self.separator)}\r\n]*"
+        self._cell = re.compile(rf' *"((?:[^"]|"")*)" *({plain})|({plain})')
         self.rows: list[list[Cell]] = []
         for row in self._rows(text, stated.end() if stated else 0):
             if any(map(itemgetter(0), row)):
@@ -120,54 +120,33 @@ class Table:
     def _rows(self, text: str, start: int) -> Iterator[list[Cell]]:
         """Every row with its cells, from a position in the text on; a comment has none."""
         line = 1 + len(_BREAK.findall(text, 0, start))
-        ends = [ending.span() for ending in _BREAK.finditer(text, start)]
-        for end, following in (*ends, (len(text), len(text) + 1)):
-            words, row = text[start:end], list[Cell]()
-            if end < start:  # a break of lines within quotes
-                continue
-            is_comment = "#" in words and _COMMENT.match(words)
-            if '"' in words and not is_comment:
-                row, start, line = self._quoted_row(text, start, line)
-            else:  # a measured signal of millions of rows would take half a minute cell by cell
-                column = 1
-                for part in [] if is_comment else words.split(self.separator):
-                    row.append(Cell(part.strip(), line, column + len(part) - len(part.lstrip())))
-                    column += len(part) + 1
-                start = following
+        while start <= len(text):
+            row, position = list[Cell](), start
+            is_comment = _COMMENT.match(text, start)
+            while written := None if is_comment else self._cell.match(text, position):
+                quoted, following, words = written.groups()
+                column = position - start + 1
+                if quoted is None:
+                    if words.lstrip().startswith('"'):
+                        self.fault(Cell("", line, column), "this quote is not closed")
+                    blanks = len(words) - len(words.lstrip())
+                    row.append(Cell(words.strip(), line, column + blanks))
+                else:
+                    if following:
+                        hint = "quotes within a cell are doubled"
+                        cell = Cell("", line, column)
+                        self.fault(cell, "text follows the closing quote", hint)
+                    inner = _BREAK.sub(" ", quoted.replace('""', '"'))
+                    row.append(Cell(inner.strip(), line, column))
+                    for ending in _BREAK.finditer(text, position, written.end(1)):
+                        line, start = line + 1, ending.end()
+                position = written.end() + 1
+                if text[written.end() : position] != self.separator:
+                    break
             yield row
+            behind = _BREAK.search(text, start if is_comment else position - 1)
+            start = behind.end() if behind else len(text) + 1
             line += 1
-
-    def _quoted_row(self, text: str, start: int, line: int) -> tuple[list[Cell], int, int]:
-        """A row of which cells stand in quotes, where the row behind it begins, and the line in which it ends."""
-        row, position = list[Cell](), start
-        while True:
-            beginning = line, position - start + 1
-            quoted = _QUOTED.match(text, position)
-            if quoted:
-                row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *beginning))
-                for ending in _BREAK.finditer(text, position, quoted.end()):
-                    line, start = line + 1, ending.end()
-                position = quoted.end()
-            words = self._plain.match(text, position)
-            following = words[0] if words else ""
-            position += len(following)
-            if quoted and following:
-                hint = "quotes within a cell are doubled"
-                self.fault(Cell("", *beginning), "text follows the closing quote", hint)
-            elif not quoted:
-                if following.lstrip().startswith('"'):
-                    self.fault(Cell("", *beginning), "this quote is not closed")
-                row.append(
-                    Cell(
-                        following.strip(),
-                        beginning[0],
-                        beginning[1] + len(following) - len(following.lstrip()),
-                    )
-                )
-            if text[position : position + 1] != self.separator:
-                behind = _BREAK.match(text, position)
-                return row, behind.end() if behind else len(text) + 1, line
-            position += 1
 
     def plain(self, text: str) -> str:
         """A number with a decimal point for its decimal comma; of a list in brackets every number."""
