@@ -110,15 +110,6 @@ def test_one_prefix_suits_the_largest_value(values: list[float], unit: str) -> N
     assert numbers.scale("N m", values).unit == unit
 
 
-@for_all(
-    ("angle", "digits"),
-    [(89.0, 5), (89.999, 5), (89.9999, 6), (89.99999, 7), (89.9999999999, 12), (90.0, 5)],
-)
-def test_an_angle_below_a_right_one_does_not_read_as_a_right_one(angle: float, digits: int) -> None:
-    assert numbers.below_right(math.radians(angle)) == digits
-    assert (float(f"{angle:.{digits - 1}e}") < 90.0) == (angle < 90.0)
-
-
 def test_a_prefix_does_not_change_the_value() -> None:
     scale = numbers.scale("N m", [25e3])
     assert (scale.text(12345.0), scale.text(None), scale.text(12345.0, 3)) == (

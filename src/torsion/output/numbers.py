@@ -149,14 +149,6 @@ def cell(value: Any) -> str:
     return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
 
 
-def below_right(angle: float, digits: int = DIGITS) -> int:
-    """Return so many significant digits, or as many as keep an angle in rad below 90 deg from reading 90 deg."""
-    value = math.degrees(angle)
-    while value < 90.0 <= float(f"{value:.{digits - 1}e}"):
-        digits += 1
-    return digits
-
-
 @dataclass(frozen=True)
 class Scale:
     """A unit with its prefix, and what an SI value is multiplied with."""

@@ -12,7 +12,6 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table, filled, table
 from torsion.output.numbers import (
     RPM,
-    below_right,
     degrees,
     given,
     number,
@@ -35,7 +34,7 @@ def geometry(joints: Joints) -> Table:
             (
                 joint.name,
                 joint.kind,
-                degrees(joint.angle, below_right(joint.angle)),
+                degrees(joint.angle),
                 None if k in leading else joint.plane,
                 joint.phase,
                 settled(math.remainder(joint.yoke, math.tau), math.tau),
@@ -210,7 +209,7 @@ def _percent(value: float) -> str:
 
 def _angle(value: float) -> str:
     """A resultant angle; its square is the amplitude that rounding is judged by."""
-    return number(math.degrees(value), below_right(value)) if value * value > STILL else "0"
+    return number(math.degrees(value)) if value * value > STILL else "0"
 
 
 def columns(findings: Findings) -> list[Series]:

@@ -12,7 +12,7 @@ from torsion.findings import Findings
 from torsion.model.parts import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
-from torsion.output.numbers import below_right, degrees, given_rpm
+from torsion.output.numbers import degrees, given_rpm
 from torsion.output.reported_values import NOT_STATED, rated, reference
 from torsion.output.station_layout import Layout, label, layout
 from torsion.primitives import Bar, Constraint
@@ -127,7 +127,7 @@ def _link(
     """A link, with the lines down to its row where it begins a branch or closes a loop."""
     kind, options = looks
     if part.joint is not None:
-        name += f" ({degrees(part.joint.angle, below_right(part.joint.angle, 3))}°)"
+        name += f" ({degrees(part.joint.angle, 3)}°)"
     driving, driven = part.stations
     drawn = _between(positions, driving, driven, kind, label=name, **options)
     (x0, row0), (x1, row1) = drawn.start, drawn.end
