@@ -3,8 +3,6 @@
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
-from torsion.schema.scene_tables import with_tables
-from torsion.schema.yaml_source import parse_source
 from torsion.what_if.design.design_results import Design
 
 
@@ -21,17 +19,6 @@ def designed(document: Document, findings: Findings) -> str | None:
     head = [
         f"{findings.study.name}, with the values that its design chose for {design.aim}:",
         *words,
+        "Paths of other files count from the folder of the model file.",
     ]
-    if _names_files(findings, text):
-        head.append("It refers to other files: put it into the folder of the model file.")
     return "".join(f"# {one_line(line)}\n" for line in head) + text
-
-
-def _names_files(findings: Findings, text: str) -> bool:
-    """Whether the text names a table, a mesh or another file that the scene was read from."""
-    from torsion.output.write import inputs
-
-    study = findings.study
-    tables = dict(study.tables)
-    still = with_tables(parse_source(text, study.file), tables).tables
-    return len(inputs(study)) > len(tables) - len(still) + bool(study.file)
