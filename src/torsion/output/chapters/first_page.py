@@ -36,7 +36,7 @@ from torsion.rules.verdict_line import Check, Checks
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES = 5  # checks that are drawn
 HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
-KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
+KEY = "Train with the utilisation of stress or torque; a red outline marks a failed check. Not to scale"
 ALWAYS_GRADED, GRADED_IF_JUDGED = ("shaft", "coupling", "joint"), ("gear", "crank")  # links
 
 
