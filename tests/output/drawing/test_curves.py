@@ -62,7 +62,6 @@ def test_few_points_all_stand_in_the_path_to_a_tenth() -> None:
         assert np.abs(drawn - place).max(axis=1).min() <= 1.0
 
 
-
 def test_a_line_is_broken_where_there_is_no_value_and_a_lone_point_is_a_dash() -> None:
     y = np.array([1.0, 2.0, np.nan, 5.0, np.nan, np.inf, 8.0, 6.0])
     assert path(10.0 * np.arange(8), y, 100) == "M0 1l10 1M25 5h10M60 8l10-2"
