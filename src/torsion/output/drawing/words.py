@@ -104,7 +104,7 @@ class Room:
         mesh = [
             np.arange(count + 1) * MESH + start for count, start in zip(size, box, strict=False)
         ]
-        number, _, _ = np.histogram2d(*finite.T, bins=mesh)
+        number, _, _ = np.histogram2d(finite[:, 0], finite[:, 1], bins=mesh)
         # Points to the left and above.
         self.before = np.pad(number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
 
