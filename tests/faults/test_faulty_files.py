@@ -129,7 +129,10 @@ def test_several_faults_of_one_component_are_told_at_once():
             "speeds",
         ),
         ("name: a\ntrain: [disc: {inertia: 1}]\nexcitations: {at: disc-1}", "mapping list"),
-        ("name: a\ntrain: [disc: {inertia: 1}]\nlinks: [{between: [a, b]}]", "`between` kind"),
+        (
+            "name: a\ntrain: [disc: {inertia: 1}]\nlinks: [{between: [a, b]}]",
+            "`coupling` or `shaft` missing",
+        ),
         ("name: a\ntrain: [gear: {ratio: 2, branches: [{teeth: 4}]}]", "teeth"),
         (
             f"{SPEEDS}train: [joint: {{angle: 5 deg}}]\nanalyses: {{stability: }}",

@@ -61,7 +61,7 @@ def test_a_faulty_link_or_component_hides_no_unknown_name():
   - {between: [disc-2, b], coupling: {stiffness: 1}}
 excitations: [{at: disc-9, order: 1, torque: 5}]
 """
-    wanted = (10, "names of two points"), (11, "called 'z'"), (13, "called 'disc-9'")
+    wanted = (10, "names of the two points"), (11, "called 'z'"), (13, "called 'disc-9'")
     assert of(stated(TRAIN + links), *wanted), stated(TRAIN + links)
     faulty = (
         (TRAIN + links)

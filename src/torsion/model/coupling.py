@@ -46,7 +46,7 @@ Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_
 
 
 Angle = Annotated[float, Quantity("rad", above=0, usual="clearance")]
-Torque = Annotated[float, Quantity("N*m", above=0)]
+Torque = fields.PositiveTorque
 NONLINEAR = ("clearance", "hysteresis_torque", "stages", "capacity")
 TABLES = ("table", "prony", "fractional")  # what gives stiffness and damping over something
 STIFFNESSES = ("stiffness", "flexibility", *TABLES)

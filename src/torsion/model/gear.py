@@ -13,10 +13,9 @@ from torsion.model.component import Arrival, Component, Line, Lowering, lower_br
 from torsion.model.coupling import Pair
 from torsion.model.differential import Differential
 from torsion.model.parts import GearRating, Part, Symbol
-from torsion.model.planetary import Planetary
+from torsion.model.planetary import Planetary, Teeth
 from torsion.primitives import Constraint, Spring, Toothing
 
-Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
 Module = Annotated[float, Quantity("m", above=0, usual="module")]

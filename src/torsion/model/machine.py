@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.fields import Declared, Quantity, exclusive, given, refuse, required
+from torsion.fields import Declared, exclusive, given, refuse, required
 from torsion.model.component import Lowering
 from torsion.model.disc import Rotor
 from torsion.model.machine_torques import EXPONENTS, DriveLaw, Harmonic, Load, LoadLaw, Ripple
@@ -74,9 +74,7 @@ class Machine(Rotor, symbol=Symbol("load")):
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
     )
     power: fields.Power | None = given("power that it absorbs or delivers at `speed`")
-    torque: Annotated[float, Quantity("N*m", above=0)] | None = given(
-        "the torque there, in place of `power`"
-    )
+    torque: fields.PositiveTorque | None = given("the torque there, in place of `power`")
     speed: fields.Speed | None = given(
         "its own speed at that power (default: at `operation.rated.speed`)"
     )

@@ -244,7 +244,7 @@ class DriveLaw(Declared):
     """
 
     slip: Share | None = given("rated slip of an asynchronous machine, of its synchronous speed")
-    pull_out: Annotated[float | None, Quantity("N*m", above=0)] = given(
+    pull_out: fields.PositiveTorque | None = given(
         "pull-out torque, with which the slope at `slip` is that of Kloss in place of a straight line"
     )
     at_slip: Share | None = given("slip at the pull-out torque")

@@ -17,7 +17,6 @@ Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Radius = Annotated[float, Quantity("m", above=0, usual="size of a gear")]
 # Teeth, and share of the teeth that fit, by which profile shift may change those of a planet.
 PROFILE_SHIFT = 2, 0.1
-Mass = Annotated[float, Quantity("kg", at_least=0)]
 ROUNDING = 2.0**-50  # relative, of the difference of two flexibilities of a few roundings each
 
 
@@ -55,7 +54,7 @@ class Planetary(Declared):
     ring_inertia: fields.Inertia = given("of the ring", 0.0)
     carrier_inertia: fields.Inertia = given("of the carrier, without the planets", 0.0)
     planet_inertia: fields.Inertia = given("of one planet about its own axis", 0.0)
-    planet_mass: Mass = given("of one planet", 0.0)
+    planet_mass: fields.Mass = given("of one planet", 0.0)
     radius: Radius | None = given("of the circle of the planets' axes, for their mass")
     sun_mesh: fields.Stiffness | None = given(
         "of the sun's meshes together, torsional at the sun (default: rigid)"
@@ -106,10 +105,9 @@ class Planetary(Declared):
         if stiffness is None:
             hint = f"give `{mesh}_mesh` too, or {hint}"
         else:
-            smallest = stiffness * self._mesh_ratio
-            step = 10.0 ** (math.floor(math.log10(smallest)) - 4)
-            rounded_up = step * math.ceil(smallest / step * (1.0 - ROUNDING))
-            hint = f"at least {rounded_up:.5g} N*m/rad with this `{mesh}_mesh`, or {hint}"
+            # The rounding to five digits leads no lower.
+            enough = 1.000051 * stiffness * self._mesh_ratio
+            hint = f"at least {enough:.5g} N*m/rad with this `{mesh}_mesh`, or {hint}"
         raise refuse(
             f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {mesh}: the program has no "
             "model of such planets",

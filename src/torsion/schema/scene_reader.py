@@ -3,14 +3,14 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, VARYING
 from torsion.errors import Fault, InputError, Path
-from torsion.fields import Declared, given, required, shown
+from torsion.fields import Declared, exclusive, given, required, shown
 from torsion.model import KINDS
 from torsion.model.component import STEEL, Material
 from torsion.model.machine_torques import Excitation
@@ -18,8 +18,14 @@ from torsion.primitives import SectionMesh, StepForm
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.component_names import possible_names, repeated_names
-from torsion.schema.component_reader import components, empty_lists, one_component
-from torsion.schema.declaration_reader import declared, entries_of, unknown_word
+from torsion.schema.declaration_reader import (
+    components,
+    declared,
+    empty_lists,
+    entries_of,
+    one_component,
+    unknown_word,
+)
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
@@ -65,6 +71,16 @@ class Scene(Declared):
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
     rules: Any = given("the rules that are checked")
     cases: Any = given("variants of this file, solved in addition to it")
+
+
+class LinkKeys(Declared):
+    """An entry of `links`: two points, and what joins them."""
+
+    clashes = (exclusive(*LINKS, hint="`{between: [a, b], coupling: {...}}`", needed=True),)
+
+    between: tuple[str, str] = required("names of the two points that the link joins")
+    coupling: Any = given("a coupling that closes the loop")
+    shaft: Any = given("a shaft that closes the loop")
 
 
 def read(path: str | FilePath) -> Study:
@@ -176,7 +192,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     """The study, where its train can be looked at; its faulty sections are left empty."""
     data = source.data
     top: list[Fault] = []
-    scene = declared(Scene, _top(data), (), top)
+    scene = declared(Scene, _shallow(data, ("name", "description", "steps")), (), top)
     faults += map(_outside_train, top)
     if not isinstance(data, dict):
         return None
@@ -232,13 +248,13 @@ def _outside_train(fault: Fault) -> Fault:
     return replace(fault, hint=hint) if kind in KINDS else fault
 
 
-def _top(data: object) -> object:
-    """The keys of the top level alone: `present` stands for a section."""
+def _shallow(data: object, read_here: Sequence[str]) -> object:
+    """The keys of a mapping alone: `present` stands for what is read by itself."""
     if not isinstance(data, dict):
-        return {} if data is None else data
-    plain = ("name", "description", "steps")
+        return data
     return {
-        key: value if key in plain or value is None else "present" for key, value in data.items()
+        key: value if key in read_here or value is None else "present"
+        for key, value in data.items()
     }
 
 
@@ -262,34 +278,13 @@ def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]
 
 
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
-    kinds = [key for key in entry if key != "between"] if isinstance(entry, dict) else []
-    if not isinstance(entry, dict) or len(kinds) != 1:
-        faults.append(
-            Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`")
-        )
+    """A link with the component that closes the loop, which is read in the words of its kind."""
+    keys = declared(LinkKeys, _shallow(entry, ("between",)), path, faults)
+    kind = next((kind for kind in LINKS if isinstance(entry, dict) and entry.get(kind)), None)
+    if kind is None:
         return None
-    before = len(faults)
-    ends = entry.get("between")
-    if (
-        not isinstance(ends, list)
-        or len(ends) != 2
-        or not all(isinstance(end, str) for end in ends)
-    ):
-        where = (*path, "between") if "between" in entry else path
-        faults.append(
-            Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`")
-        )
-    kind = kinds[0]
-    if kind in ("gear", "joint"):
-        message = f"a {kind} cannot close a loop"
-        faults.append(Fault((*path, kind), message, "a coupling or a shaft can", at_key=True))
-    elif kind not in LINKS:
-        faults.append(unknown_word((*path, kind), "link", kind, list(LINKS)))
-    else:
-        read = one_component(kind, entry[kind], (*path, kind), faults)
-        if read is not None and len(faults) == before and isinstance(ends, list):
-            return Link((ends[0], ends[1]), read)
-    return None
+    component = one_component(kind, entry[kind], (*path, kind), faults)  # type: ignore[index]
+    return Link(keys.between, component) if keys and component else None
 
 
 def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:

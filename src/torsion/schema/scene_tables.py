@@ -27,7 +27,7 @@ from torsion.schema.table_rows import (
     Rows,
     list_node,
 )
-from torsion.tables import MOST_ROWS, first_comment, table_text
+from torsion.tables import first_comment, table_text
 
 BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS,
@@ -36,7 +36,6 @@ BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "tables"): BY_LOAD,
     ("measured", TORSIOGRAM): TORSIOGRAM,
 }
-DEEPEST = 10  # tables within each other
 INNER = ("tables", "measured")  # lists whose mappings name files
 
 
@@ -116,11 +115,8 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
-    if where.value in reading.opened or len(reading.opened) >= DEEPEST:
-        what = f"more than {DEEPEST} tables are nested"
-        if where.value in reading.opened:
-            what = f"the table {shown(where.value)} contains itself"
-        _end(where, what, "write its rows out", reading)
+    if reading.in_table:
+        _end(where, "a row of a table names a table", "write it in the model file", reading)
         return []
     table = _opened(where.value, where, reading)
     if table is None:
@@ -128,12 +124,9 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     if (where.value, key) not in reading.rows:
         reading.rows[where.value, key] = Rows(table, key).nodes(reading)
     entries = reading.rows[where.value, key]
-    reading.inner_rows += len(entries) * bool(reading.opened)
-    if reading.inner_rows > MOST_ROWS:
-        _end(where, f"tables within tables have more than {MOST_ROWS} rows", "", reading)
-    before, reading.opened = reading.opened, (*reading.opened, where.value)
+    reading.in_table = True
     nodes = [_spliced(entry, "", reading) for entry in entries if not reading.is_ended]
-    reading.opened = before
+    reading.in_table = False
     return nodes
 
 

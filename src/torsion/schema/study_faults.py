@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import Any
 
@@ -12,7 +13,28 @@ from torsion.train import fixed_point_faults
 
 _SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
 _RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
-Check = Callable[[Study], Iterable[Fault]]
+
+
+@dataclass(frozen=True)
+class _Check:
+    """A check between sections: a function, or one of an analysis (module:name) that is imported where it applies."""
+
+    function: str | Callable[..., Iterable[Fault]]
+    reads: str  # sections
+    # An analysis that the file names, or what holds.
+    applies: str | Callable[[Study], Any] = lambda study: True
+    arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,)
+
+    def faults(self, study: Study) -> Iterable[Fault]:
+        """Return the faults of a study."""
+        needed = self.applies
+        if not (needed in study.analyses if isinstance(needed, str) else needed(study)):
+            return ()
+        function = self.function
+        if isinstance(function, str):
+            function = resolve_name(f"torsion.{function}")
+        faults: Iterable[Fault] = function(*self.arguments(study))
+        return faults
 
 
 def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
@@ -22,9 +44,9 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
     """
     return [
         fault
-        for check, reads in _CHECKS
-        if not set(reads.split()) & set(faulty)
-        for fault in check(study)
+        for check in _CHECKS
+        if not set(check.reads.split()) & set(faulty)
+        for fault in check.faults(study)
     ]
 
 
@@ -128,102 +150,62 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
         yield Fault(path, "this needs the mean torque, and the rated power is not given", _RATED)
 
 
-def _of_analysis(
-    function: str,
-    applies: Callable[[Study], bool],
-    arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,),
-) -> Check:
-    """Return the check by a function of an analysis (module:name), which is imported where it applies."""
-
-    def check(study: Study) -> Iterable[Fault]:
-        if not applies(study):
-            return ()
-        faults: Iterable[Fault] = resolve_name(f"torsion.{function}")(*arguments(study))
-        return faults
-
-    return check
-
-
 def _needs_motion(study: Study) -> bool:
     method = study.setting("analyses", "response", "method")
     return "stability" in study.analyses or method == "harmonic-balance"
 
 
-_CHECKS: tuple[tuple[Check, str], ...] = (  # with the sections that each reads
-    (lambda study: fixed_point_faults(study.train), "train links"),
-    (_model_faults, "train links analyses"),
-    (_damping_faults, "train links damping materials analyses rules"),
-    (
-        _of_analysis(
-            "analyses.compare.shaft_divisions:loop_faults",
-            lambda study: "check" in study.analyses,
-            lambda study: (study, ("analyses", "check")),
-        ),
+_CHECKS = (
+    _Check(lambda study: fixed_point_faults(study.train), "train links"),
+    _Check(_model_faults, "train links analyses"),
+    _Check(_damping_faults, "train links damping materials analyses rules"),
+    _Check(
+        "analyses.compare.shaft_divisions:loop_faults",
         "train links analyses",
+        "check",
+        lambda study: (study, ("analyses", "check")),
     ),
-    (_response_faults, "train operation analyses rules"),
-    (
-        _of_analysis(
-            "analyses.response.over_speed:order_faults",
-            lambda study: "response" in study.analyses,
-        ),
-        "train excitations analyses",
-    ),
-    (
-        _of_analysis("analyses.steady:power_faults", lambda study: study.has_mean_torque),
-        "train operation",
-    ),
-    (
-        _of_analysis(
-            "analyses.law_slopes:drive_faults",
-            lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
-        ),
+    _Check(_response_faults, "train operation analyses rules"),
+    _Check("analyses.response.over_speed:order_faults", "train excitations analyses", "response"),
+    _Check("analyses.steady:power_faults", "train operation", lambda study: study.has_mean_torque),
+    _Check(
+        "analyses.law_slopes:drive_faults",
         "train operation analyses",
+        lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
     ),
-    (
-        _of_analysis(
-            "analyses.joints.joint_analysis:settings_faults",
-            lambda study: "joints" in study.analyses,
-            lambda study: (study.train, study.analyses["joints"]),
-        ),
+    _Check(
+        "analyses.joints.joint_analysis:settings_faults",
         "train analyses",
+        "joints",
+        lambda study: (study.train, study.analyses["joints"]),
     ),
-    (
-        _of_analysis("analyses.stability.requested_motion:requested_motion_faults", _needs_motion),
+    _Check(
+        "analyses.stability.requested_motion:requested_motion_faults",
         "train links operation analyses",
+        _needs_motion,
     ),
-    (
-        _of_analysis(
-            "analyses.modes.coupling_tables:table_faults", lambda study: study.train.has_tables
-        ),
+    _Check(
+        "analyses.modes.coupling_tables:table_faults",
         "train links operation analyses damping",
+        lambda study: study.train.has_tables,
     ),
-    (_growth_faults, "train links operation analyses"),
-    (
-        _of_analysis(
-            "analyses.engine.engine_analysis:engine_faults",
-            lambda study: any(part.engine is not None for part in study.train.parts),
-        ),
+    _Check(_growth_faults, "train links operation analyses"),
+    _Check(
+        "analyses.engine.engine_analysis:engine_faults",
         "train operation",
+        lambda study: any(part.engine for part in study.train.parts),
     ),
-    (
-        _of_analysis(
-            "analyses.motion.transient_settings:transient_faults",
-            lambda study: "transient" in study.analyses,
-        ),
+    _Check(
+        "analyses.motion.transient_settings:transient_faults",
         "train operation analyses",
+        "transient",
     ),
-    (
-        _of_analysis("what_if.fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses),
-        "train operation analyses excitations",
-    ),
-    (
-        _of_analysis(
-            "analyses.lateral.shaft_bending:lateral_faults",
-            lambda study: "lateral" in study.analyses or study.has_supports,
-            lambda study: (study.train, study.analyses.get("lateral")),
-        ),
+    _Check("what_if.fit.fit_faults:fit_faults", "train operation analyses excitations", "fit"),
+    _Check(
+        "analyses.lateral.shaft_bending:lateral_faults",
         "train materials operation analyses",
+        lambda study: "lateral" in study.analyses or study.has_supports,
+        lambda study: (study.train, study.analyses.get("lateral")),
     ),
-    (lacking, "train links materials operation analyses rules excitations"),
+    _Check(lacking, "train links materials operation analyses rules excitations"),
 )

@@ -167,8 +167,7 @@ class Reading:
     tables: dict[str, Source]
     faults: list[Fault]
     is_ended: bool = False  # a table whose rows cannot be read was met
-    opened: tuple[str, ...] = ()  # tables being read, each named by a row of the one before it
-    inner_rows: int = 0  # of all tables that a row of a table names
+    in_table: bool = False  # what a row of a table states is being read
     rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # by table and key
 
 

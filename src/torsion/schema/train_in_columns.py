@@ -16,8 +16,7 @@ from torsion.fields import Amount, Declared
 from torsion.model import KINDS
 from torsion.model.component import Material
 from torsion.model.machine_torques import Excitation
-from torsion.schema.component_reader import one_component
-from torsion.schema.declaration_reader import declared
+from torsion.schema.declaration_reader import declared, one_component
 from torsion.schema.fault_text import Source
 from torsion.schema.figures_by_name import overlay_of
 from torsion.schema.overlay import node_at

@@ -12,7 +12,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.columns import NotInColumns, picker
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
-from torsion.schema.component_reader import one_component
+from torsion.schema.declaration_reader import one_component
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
 from torsion.schema.overlay import in_words, node_at

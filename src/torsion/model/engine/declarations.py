@@ -225,7 +225,7 @@ class Stated(Declared):
     clashes = (exclusive("imep", "torque", hint="at: {imep: 18 bar}", needed=True),)
 
     imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
-    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
+    torque: fields.PositiveTorque | None = given("mean torque of the engine")
 
 
 class TableAt(Declared):
@@ -236,7 +236,7 @@ class TableAt(Declared):
     )
 
     imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
-    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
+    torque: fields.PositiveTorque | None = given("mean torque of the engine")
     speed: fields.Speed | None = given("speed of the engine; the table then includes the load")
     rows: Rows = required(f"rows {ROW}")
 
