@@ -4,7 +4,6 @@ A column of declared quantities reads them from their records. Any other column 
 its figures come from; a column that names none fails.
 """
 
-import cmath
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -175,68 +174,6 @@ def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
 
 def distances(found: Found, row: Row) -> Iterator[float]:
     return (one["margin"] for one in found["critical_speeds"])
-
-
-def harmonics(what: str, of: Callable[[complex], float] = abs) -> Values:
-    """Of the harmonics of cylinders."""
-    return lambda found, row: (
-        of(complex(*one[what])) for engine in found["engines"] for one in engine["harmonics"]
-    )
-
-
-def phases(found: Found, row: Row) -> Iterator[float]:
-    for what in ("gas_Nm", "masses_Nm", "total_Nm"):
-        yield from harmonics(what, cmath.phase)(found, row)
-
-
-def misfires(per: str = "", times: float = 1.0) -> Values:
-    """Largest half range of every case and element."""
-
-    def values(found: Found, row: Row) -> Iterator[float]:
-        for engine in found["engines"]:
-            for case in engine["misfires"]:
-                yield from (
-                    max(curve) * times / (engine[per] if per else 1.0)
-                    for curve in case["half_range_Nm"]
-                )
-
-    return values
-
-
-def balance(found: Found, row: Row) -> Iterator[float]:
-    for compressor in found.get("compressors") or []:
-        yield from (
-            compressor[name] for name in ("indicated_torque_Nm", "needed_Nm", "mean_torque_Nm")
-        )
-    size = 1e-5 if row["Unit"] == "bar" else 1.0
-    names = (
-        ("imep_Pa", "stated_imep_Pa")
-        if row["Unit"] == "bar"
-        else ("mean_torque_Nm", "balanced_torque_Nm", "gas_mean_Nm")
-    )
-    for engine in found.get("engines") or []:
-        yield from (engine[name] * size for name in names if engine[name] is not None)
-
-
-def throws(found: Found, row: Row) -> Iterator[float]:
-    for compressor in found["compressors"]:
-        rigid = [complex(*one) for one in compressor["sum_of_throws_Nm"]]
-        yield from (size for one in rigid for size in (abs(one), cmath.phase(one)))
-        yield from (
-            abs(complex(*one[what]))
-            for throw in compressor["throws"]
-            for one in throw["harmonics"]
-            for what in ("gas_Nm", "masses_Nm", "total_Nm")
-        )
-
-
-def of_ends(how: Callable[[list[float]], float]) -> Values:
-    return lambda found, row: (
-        how(end["pressure_Pa"])
-        for one in found["compressors"]
-        for throw in one["throws"]
-        for end in throw["ends"]
-    )
 
 
 def modes_counted(found: Found, row: Row) -> Iterator[float]:
@@ -481,52 +418,6 @@ COLUMNS: dict[
     ("Maximum errors against", "Frequency"): key("check.models[].largest_frequency_error"),
     ("Maximum errors against", "1 − MAC"): key("check.models[].largest_shape_error"),
     ("Maximum errors against", "Torques"): key("check.models[].largest_torque_error"),
-    ("Balance of mean torque", "Value"): balance,
-    ("Harmonics of a firing", "Order"): key("engines[].harmonics[].order"),
-    ("Harmonics of a firing", "Gas"): harmonics("gas_Nm"),
-    ("Harmonics of a firing", "Masses"): harmonics("masses_Nm"),
-    ("Harmonics of a firing", "Sum, amplitude"): harmonics("total_Nm"),
-    ("Harmonics of a firing", "phase"): phases,
-    ("Harmonics of a firing", "Sum, tangential"): key("engines[].harmonics[].tangential_Pa"),
-    ("Sums of phasors", "Order"): key("engines[].harmonics[].order"),
-    ("Sums of phasors", "Rigid"): key("engines[].harmonics[].rigid"),
-    **{
-        ("Sums of phasors", word): key("engines[].harmonics[].by_mode")
-        for word in ("First", "Second", "Third")
-    },
-    ("Varying inertia", "Harmonic"): key(
-        "engines[].varying[].harmonic", "compressors[].varying[].harmonic"
-    ),
-    ("Varying inertia", "Variation"): key(
-        "engines[].varying[].share", "compressors[].varying[].share"
-    ),
-    ("Varying inertia", "From"): key(
-        "engines[].varying[].lower_rad_per_s", "compressors[].varying[].lower_rad_per_s"
-    ),
-    ("Varying inertia", "To"): key(
-        "engines[].varying[].upper_rad_per_s", "compressors[].varying[].upper_rad_per_s"
-    ),
-    ("Varying inertia", "Damping ratio of"): key(
-        "engines[].varying[].damping", "compressors[].varying[].damping"
-    ),
-    ("Varying inertia", "Required damping"): key(
-        "engines[].varying[].share", "compressors[].varying[].share", times=0.25
-    ),
-    ("Ends of the cylinders", "Throw"): key("compressors[].throws[].number"),
-    ("Ends of the cylinders", "Area"): key("compressors[].throws[].ends[].area_m2"),
-    ("Ends of the cylinders", "Clearance"): key("compressors[].throws[].ends[].clearance"),
-    ("Ends of the cylinders", "Lowest"): of_ends(min),
-    ("Ends of the cylinders", "Highest"): of_ends(max),
-    ("Ends of the cylinders", "imep"): key("compressors[].throws[].ends[].imep_Pa"),
-    ("Ends of the cylinders", "Indicated"): key("compressors[].throws[].ends[].power_W"),
-    ("Harmonics of", "Order"): key("compressors[].throws[].harmonics[].order"),
-    ("Harmonics of", "Throw"): throws,
-    ("Harmonics of", "All throws"): throws,
-    ("Harmonics of", "Phase"): throws,
-    ("Misfire of one", "All firing"): misfires(),
-    ("Misfire of one", "Worst misfire"): misfires(),
-    ("Misfire of one", "Nominal stress"): misfires("stress_modulus_m3"),
-    ("Misfire of one", "Speed"): key(f"engines[].misfires[].{RPM}"),
 }
 # the figures of the file, checked by their chapters
 INPUT = (
@@ -557,7 +448,6 @@ OF_OTHERS = {  # columns of figures that follow from declared ones by a formula 
     "Speeds with unreliable": ("",),
     "First order against exact": ("",),
     "Orders: maximum amplitude": ("at", "Phase"),
-    "Misfire of one": ("Ratio",),
     "Torques over time": ("",),
     "Resonances passed": ("",),
     "Changes of regime": ("",),

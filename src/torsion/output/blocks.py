@@ -212,10 +212,12 @@ def table(
     if most is not None and len(records) > most:
         caption, records = f"{caption}; the first {most} of {len(records)}", records[:most]
     if records and is_record(records[0]):
-        named = [(column.name, column.unit) for column in columns]
+        # A phase has a unit of its own.
+        named = [(column.name, "" if "p" in column.form else column.unit) for column in columns]
         units, records = values_of_records(named, records, SHOWN)
         columns = tuple(
-            replace(column, unit=unit) for column, unit in zip(columns, units, strict=True)
+            column if "p" in column.form else replace(column, unit=unit)
+            for column, unit in zip(columns, units, strict=True)
         )
     if any(len(row) != len(columns) for row in records):
         raise ValueError(f"a row of the table '{caption}' does not have {len(columns)} cells")

@@ -32,6 +32,16 @@ class EndFound:
     angle: FloatArray = result("rad", ("crank angle",), "from the dead centre of the head end")
     pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
 
+    @derived("Pa", "lowest pressure of the cycle")
+    def lowest(self) -> float:
+        """Lowest pressure of the cycle."""
+        return float(self.pressure.min())
+
+    @derived("Pa", "highest pressure of the cycle")
+    def highest(self) -> float:
+        """Highest pressure of the cycle."""
+        return float(self.pressure.max())
+
 
 @reported
 class ThrowHarmonic:

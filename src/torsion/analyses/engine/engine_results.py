@@ -5,7 +5,11 @@ from dataclasses import field
 from fractions import Fraction
 from typing import Literal
 
+import numpy as np
+
 from torsion.arrays import FloatArray
+from torsion.assembly.elements import elements
+from torsion.assembly.system import System
 from torsion.results import derived, reported, result
 
 
@@ -78,7 +82,7 @@ class VaryingInertia:
     upper: float = result("rad/s", "up to which")
     damping: float | None = result("1", "damping ratio of the mode, or null")
 
-    @property
+    @derived("", "the damping ratio exceeds a quarter of the share")
     def is_stable(self) -> bool:
         """Its damping ratio exceeds a quarter of the share."""
         return self.damping is not None and self.damping > self.share / 4.0
@@ -143,6 +147,59 @@ class EngineFound:
     def misfires(self) -> tuple[MisfireFound, ...]:
         """Superposed where an output first needs them: no verdict reads them."""
         return tuple(self.superposed())
+
+
+@reported
+class MisfireLoad:
+    """Total vibratory torque in one elastic element with every cylinder firing, and with the worst one motored."""
+
+    component: str = result("", "name of the element")
+    firing: float | None = result("N*m", "with every cylinder firing; null if unreliable")
+    firing_speed: float | None = result("rad/s", "reference speed of that")
+    worst: float | None = result("N*m", "with the worst cylinder motored; null if unreliable")
+    speed: float | None = result("rad/s", "reference speed of that")
+    cylinder: int = result("", "number of that cylinder")
+    ratio: float | None = result("1", "worst / firing; null without torque")
+    stress: float | None = result("Pa", "nominal stress of that in a crank; null elsewhere")
+
+
+def misfire_loads(
+    engine: EngineFound, system: System
+) -> tuple[tuple[MisfireLoad, ...], FloatArray]:
+    """Return the loads of the elastic elements of a train, and their torques (elements, cases, speeds) N m."""
+    elastic = [element for element in elements(system) if system.flexibility[element.spans[0]] > 0]
+    cases = engine.misfires
+    torque = np.array(
+        [[element.largest(case.half_range) for case in cases] for element in elastic]
+    ).reshape(len(elastic), len(cases), -1)
+    loads = []
+    for element, curves in zip(elastic, torque, strict=True):
+        case = 1 + int(np.argmax(curves[1:].max(axis=1)))
+        (firing, firing_speed), (worst, speed) = (
+            _peak(curve, cases[0].speed) for curve in curves[[0, case]]
+        )
+        stress = None
+        if element.kind == "crank" and engine.stress_modulus is not None and worst is not None:
+            stress = worst / engine.stress_modulus
+        loads.append(
+            MisfireLoad(
+                component=element.name,
+                firing=firing,
+                firing_speed=firing_speed,
+                worst=worst,
+                speed=speed,
+                cylinder=cases[case].cylinder,
+                ratio=worst / firing if firing and worst else None,
+                stress=stress,
+            )
+        )
+    return tuple(loads), torque
+
+
+def _peak(curve: FloatArray, speed: FloatArray) -> tuple[float | None, float | None]:
+    """Return the largest value (speeds,) and its speed; None where any is not known, which may be larger."""
+    place = int(np.argmax(curve))  # the first NaN, where there is one
+    return (float(curve[place]), float(speed[place])) if np.isfinite(curve[place]) else (None, None)
 
 
 @reported
