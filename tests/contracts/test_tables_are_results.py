@@ -211,13 +211,6 @@ COLUMNS: dict[
     ("Checks, each", "Limit"): of_check("limit"),
     ("Checks, each", "Utilisation"): of_check("utilisation"),
     ("Checks, each", "Speed"): of_check(RPM),
-    ("Barred ranges", "From"): key("checks[].barred[].lower_rad_per_s"),
-    ("Barred ranges", "To"): key("checks[].barred[].upper_rad_per_s"),
-    ("Barred ranges", "Critical speed"): key("checks[].barred[].critical_rad_per_s"),
-    ("Barred ranges", "From by formula"): key("checks[].barred[].formula_lower_rad_per_s"),
-    ("Barred ranges", "To by formula"): key("checks[].barred[].formula_upper_rad_per_s"),
-    ("Barred ranges", "From, tolerances"): key("checks[].barred[].tolerance_lower_rad_per_s"),
-    ("Barred ranges", "To, tolerances"): key("checks[].barred[].tolerance_upper_rad_per_s"),
     ("Checks by case", ""): of_cases("checks[].value", "checks[].limit"),
     ("Cases of the model file", "Checks"): of_cases(
         "checks[].verdict", how=lambda verdicts: [len(verdicts)]
@@ -365,25 +358,6 @@ COLUMNS: dict[
     ("Unstable ranges of the tilt", "Speed"): key(
         "lateral.shafts[].tilting.unstable[].at_rad_per_s"
     ),
-    ("Shafts and their supports", "Length"): key("lateral.shafts[].length_m"),
-    ("Shafts and their supports", "Speed / reference"): key("lateral.shafts[].ratio"),
-    ("Shafts and their supports", "Lowest frequency at rest, y"): key(
-        "lateral.shafts[].at_rest_Hz.y"
-    ),
-    ("Shafts and their supports", "z"): key("lateral.shafts[].at_rest_Hz.z"),
-    ("Critical bending speeds", "Critical speed"): key(f"lateral.shafts[].critical_speeds[].{RPM}"),
-    ("Critical bending speeds", "Frequency"): key(
-        "lateral.shafts[].critical_speeds[].frequency_Hz"
-    ),
-    ("Critical bending speeds", "Damping ratio"): key(
-        "lateral.shafts[].critical_speeds[].damping_ratio"
-    ),
-    ("Critical bending speeds", "Order"): key("lateral.shafts[].critical_speeds[].order"),
-    ("Critical bending speeds", "Mode"): key("lateral.shafts[].critical_speeds[].mode"),
-    ("Whirl over", "Frequency at"): key("lateral.shafts[].whirl.frequency_Hz"),
-    ("Whirl over", "at the highest"): key("lateral.shafts[].whirl.frequency_Hz"),
-    ("Whirl over", "Minimum log"): key("lateral.shafts[].whirl.log_decrement"),
-    ("Whirl over", "Speed"): key(f"lateral.shafts[].whirl.{RPM}"),
     ("Rigid shafts that tilt", "Transverse"): key(
         "lateral.shafts[].tilting.transverse_inertia_kgm2"
     ),
@@ -439,8 +413,7 @@ OF_OTHERS = {  # columns of figures that follow from declared ones by a formula 
     "Secondary couples": ("Mean", "Amplitude"),
     "Optimum phase": ("Phase now", "Optimum", "Non-uniformity"),
     "Response of the train to the order": ("Maximum torque", "Speed", "Estimated model error"),
-    "Response to the secondary": ("Order", "Maximum", "at"),
-    "Forces of the shafts": ("At", "Order", "Maximum", "at"),
+    "Shafts and their": ("Lowest", "z"),
     "Rigid shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"),
     "Natural frequencies of the models": ("",),
     "Maximum errors against": ("Modes",),

@@ -135,7 +135,7 @@ def test_a_resonance_without_damping_has_no_maximum_and_is_marked(undamped: Find
     assert {row[4] for row in table(undamped, "Forces").rows if row[3] == "2"} == {
         "no reliable value"
     }
-    assert row[-1] == f"{bad.sum()} of {len(second.speed)}"
+    assert row[-1] == str(bad.sum())
     assert mark
     drawn = svg(figure(undamped, "bending"))
     assert "singular: no answer" in drawn

@@ -30,6 +30,31 @@ ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one w
 
 
 @reported
+class Largest:
+    """Largest reliable amplitudes of an order along the shaft and over the speed; null at an undamped resonance."""
+
+    order: int = result("", (), "per revolution of the shaft")
+    displacement: float | None = result("m", (), "displacement in any direction")
+    at: float | None = result("m", (), "its place along the shaft")
+    speed: float | None = result("rad/s", (), "its reference speed")
+    moment: float | None = result("N*m", (), "bending moment in any direction")
+    moment_at: float | None = result("m", (), "its place along the shaft")
+    moment_speed: float | None = result("rad/s", (), "its reference speed")
+    unreliable: int = result("", (), "speeds without a reliable value")
+
+
+@reported
+class PointForce:
+    """Largest reliable force of an order on a joint or support; null at an undamped resonance."""
+
+    name: str = result("", (), "joint or support")
+    at: float = result("m", (), "its place along the shaft")
+    order: int = result("", (), "per revolution of the shaft")
+    force: float | None = result("N", (), "largest amplitude in any direction")
+    speed: float | None = result("rad/s", (), "its reference speed")
+
+
+@reported
 class Answer:
     """Complex amplitudes Re[X exp(i order Omega t)] in y and z (last axis); NaN where the status is singular.
 
@@ -71,6 +96,18 @@ class Answer:
     def orbit(self) -> FloatArray:
         """(speeds, places) m, largest displacement in any direction."""
         return extent(self.displacement)
+
+    def reliable(self, values: FloatArray) -> FloatArray:
+        """Return values (speeds, ...) with NaN where the status is not ok."""
+        return np.where(self.status == Status.OK, values.T, np.nan).T
+
+    def peak(self, values: FloatArray) -> tuple[float, int, float] | tuple[None, None, None]:
+        """Return the largest of values (speeds, places), its place and its speed; None if one is not reliable."""
+        reliable = self.reliable(values)
+        if not np.isfinite(reliable).all():
+            return None, None, None
+        row, place = np.unravel_index(int(np.argmax(reliable)), reliable.shape)
+        return float(reliable[row, place]), int(place), float(self.speed[row])
 
 
 def extent(pairs: ComplexArray) -> FloatArray:

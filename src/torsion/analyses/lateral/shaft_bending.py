@@ -14,7 +14,16 @@ from torsion.analyses.lateral.beam_elements import DEGREE
 from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
 from torsion.analyses.lateral.bending_modes import Planes, planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft, bending_shafts
-from torsion.analyses.lateral.couple_response import Answer, answer, couples_at, orders, speeds_for
+from torsion.analyses.lateral.couple_response import (
+    Answer,
+    Largest,
+    PointForce,
+    answer,
+    couples_at,
+    extent,
+    orders,
+    speeds_for,
+)
 from torsion.analyses.lateral.tilt_stability import Tilting, Torques, tilting
 from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
@@ -23,7 +32,8 @@ from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work, silent
-from torsion.results import reported, result
+from torsion.kernels.tree_response import Status
+from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange, states_mean_torque
 from torsion.train import Train
 
@@ -94,6 +104,32 @@ class ShaftFound:
         "", (), "of a driven, nearly rigid shaft on supports with a known torque", default=None
     )
     remark: str = ""  # why its tilting was left out
+
+    @derived("", (), "largest amplitudes, one an order of the secondary couples")
+    def largest(self) -> tuple[Largest, ...]:
+        """Largest displacement and bending moment of every order."""
+        rows = []
+        for response in self.answers:
+            (size, at, speed), (moment, moment_at, moment_speed) = (
+                response.peak(values) for values in (response.orbit, response.largest_moment)
+            )
+            place, moment_place = (
+                None if k is None else float(self.position[k]) for k in (at, moment_at)
+            )
+            count = int((response.status != Status.OK).sum())
+            bending = moment, moment_place, moment_speed
+            rows.append(Largest(response.order, size, place, speed, *bending, count))
+        return tuple(rows)
+
+    @derived("", (), "largest forces on joints and supports, by order of the secondary couples")
+    def forces(self) -> tuple[PointForce, ...]:
+        """Largest force of every order on every joint and support."""
+        rows = []
+        for number, holding in enumerate(self.point):
+            for response in self.answers:
+                force, _, speed = response.peak(extent(response.force)[:, number : number + 1])
+                rows.append(PointForce(holding.name, holding.at, response.order, force, speed))
+        return tuple(rows)
 
 
 @reported

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from torsion.analyses.lateral.bending_modes import EPS, Planes
-from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.results import reported, result
+from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.results import derived, reported, result
 from torsion.sources import source
 
 SPARE_MODES = 8  # modes at rest, beside as many as are reported, among which damped ones are sought
@@ -19,6 +19,29 @@ SETTLED = 1e-8  # relative step after which a root is found: convergence is cubi
 STEPS = 8
 REACH = 0.05  # relative: a root that moves farther than this was not among the few modes
 APART = 1e-9  # relative: roots nearer than this may be one found twice
+
+
+UNSTABLE = -1e-9  # of a logarithmic decrement; what lies between it and 0 is rounding
+
+
+def is_unstable(decrement: FloatArray) -> BoolArray:
+    """Return where a logarithmic decrement says that the motion grows by itself."""
+    return np.asarray(decrement < UNSTABLE)
+
+
+@reported
+class WhirlMode:
+    """One mode over the speed range."""
+
+    number: int = result("", (), "by frequency at the highest speed, from 1")
+    first: float = result("Hz", (), "frequency at the lowest speed")
+    last: float = result("Hz", (), "frequency at the highest speed")
+    direction: float = result("1", (), "1 forward, -1 backward whirl at the highest speed")
+    decrement: float = result("1", (), "least logarithmic decrement; 0 for rounding")
+    speed: float = result("rad/s", (), "reference speed of that")
+    grows_from: float | None = result(
+        "rad/s", (), "lowest reference speed at which it is unstable; null if it is not"
+    )
 
 
 @reported
@@ -35,6 +58,29 @@ class Whirl:
     direction: FloatArray = result(
         "1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse"
     )
+
+    @derived("", (), "every oscillating mode over the speed range")
+    def modes(self) -> tuple[WhirlMode, ...]:
+        """Modes by their frequency at the highest speed, what does not oscillate there last."""
+        modes = []
+        for number, k in enumerate(np.argsort(self.frequency[-1], kind="stable").tolist(), 1):
+            decrement = self.log_decrement[:, k]
+            if not np.isfinite(decrement).any():
+                continue
+            row, grows = int(np.nanargmin(decrement)), is_unstable(decrement)
+            least = float(decrement[row])
+            modes.append(
+                WhirlMode(
+                    number=number,
+                    first=float(self.frequency[0, k]),
+                    last=float(self.frequency[-1, k]),
+                    direction=float(self.direction[-1, k]),
+                    decrement=0.0 if abs(least) <= -UNSTABLE else least,
+                    speed=float(self.speed[row]),
+                    grows_from=float(self.speed[grows][0]) if grows.any() else None,
+                )
+            )
+        return tuple(modes)
 
 
 @reported

@@ -52,9 +52,21 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     yield from heading
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
     yield table(
-        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%]:4 -> util., % | "
-        "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
-        [_row(findings, check) for check in listed_checks],
+        "what: < Check -> | where: < Component -> | Value -> | Limit -> | < Unit -> | "
+        "utilisation: Utilisation [%]:4 -> util., % | speed: Speed [rpm] | < Order | < Rule, clause and basis | "
+        "< Verdict ->",
+        [
+            (
+                check,
+                check_words.value(check),
+                check_words.limit(check),
+                check_words.unit(check),
+                contributing(findings, check.order),
+                f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
+                f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
+            )
+            for check in listed_checks
+        ],
         "Checks, each at its worst point, worst first. Order: the main contribution",
         marks=[check.verdict for check in listed_checks],
         short="Checks, worst first",
@@ -140,61 +152,29 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         "to (18 − λ) n_{c}/16 with the critical speed n_{c} and λ = n_{c}/n_{rated}. The range is extended to every "
         f"speed at which the stress exceeds its limit, and by the tolerance of the tachometer ({rules})."
     )
-    has_tolerances = any(math.isfinite(band.tolerance_lower) for band in ranges)
-    if has_tolerances:
+    if any(math.isfinite(band.tolerance_lower) for band in ranges):
         yield Paragraph(OVER_TOLERANCES)
-    rows = [
-        (
-            band.shaft,
-            band.lower,
-            band.upper,
-            contributing(findings, band.order),
-            mode_of(findings, band),
-            band.critical,
-            band.critical / speed if speed else None,
-            band.formula_lower,
-            band.formula_upper,
-            *(band.tolerance_lower, band.tolerance_upper) * has_tolerances,
-        )
-        for band in ranges
-    ]
     yield table(
-        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ:4 | "
-        "From by formula [rpm] | To by formula [rpm]"
-        + " | From, tolerances [rpm] | To, tolerances [rpm]"
-        * has_tolerances,
-        rows,
+        "shaft: < Shaft -> | lower: From [rpm] -> from rpm | upper: To [rpm] -> to rpm | < Order -> | Mode -> | "
+        "critical: Critical speed [rpm] | λ:4? | formula_lower: From by formula [rpm] | "
+        "formula_upper: To by formula [rpm] | tolerance_lower: From, tolerances [rpm]:? | "
+        "tolerance_upper: To, tolerances [rpm]:?",
+        [
+            (
+                band,
+                contributing(findings, band.order),
+                mode_of(findings, band),
+                band.critical / speed if speed else None,
+            )
+            for band in ranges
+        ],
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
         short="Barred ranges",
     )
     if times := dict.fromkeys(time for check in checks for time in check.times):
         yield table(
-            "< Transient | From [rpm] | To [rpm] | Time in the range [s]:3 | Peak / steady resonance [%]:3 | <",
-            [
-                (
-                    time.motion or "the only",
-                    time.lower,
-                    time.upper,
-                    time.seconds,
-                    time.share,
-                    "ends within" if time.stays else "passes",
-                )
-                for time in times
-            ],
+            "motion: < Transient | lower: From [rpm] | upper: To [rpm] | seconds: Time in the range [s]:3 | "
+            "share: Peak / steady resonance [%]:3 | stays: Ends within",
+            times,
             "Transients in barred ranges (the rule has no limit of the time)",
         )
-
-
-def _row(findings: Findings, check: Check) -> tuple[object, ...]:
-    return (
-        check.what,
-        check.where,
-        check_words.value(check),
-        check_words.limit(check),
-        check_words.unit(check),
-        check.utilisation,
-        check.speed,
-        contributing(findings, check.order),
-        f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
-        f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
-    )
