@@ -49,7 +49,9 @@ Angle = Annotated[float, Quantity("rad", above=0, usual="clearance")]
 Torque = fields.PositiveTorque
 NONLINEAR = ("clearance", "hysteresis_torque", "stages", "capacity")
 TABLES = ("table", "prony", "fractional")  # what gives stiffness and damping over something
-STIFFNESSES = ("stiffness", "flexibility", *TABLES)
+ONE_STIFFNESS = exclusive(
+    "stiffness", "flexibility", *TABLES, hint="a flexibility of 0 is rigid", needed=True
+)
 STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
 
 
@@ -128,6 +130,9 @@ class Coupling(Component, keyword="coupling", sort="link"):
             *DAMPINGS,
             hint="give the clutch and its damper as two couplings with an inertia between them",
         ),
+        excludes("temperature", *NONLINEAR, hint="leave `temperature` out"),
+        excludes("hysteresis_torque", *HYSTERESES, hint="they count the same loss twice"),
+        excludes("clearance", *HYSTERESES, hint="a contact that opens and closes takes `viscous`"),
         needs("max_torque_rare", "max_torque", hint="T_Kmax1 for normal operation"),
         exclusive(
             "clearance", "stages", hint="give the backlash as a first stage of low stiffness"
@@ -197,12 +202,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
             raise refuse(
                 f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has
             )
-        stiffnesses = self.keys_given(*STIFFNESSES)
-        if len(stiffnesses) != 1:
-            message = f"{' and '.join(f'`{key}`' for key in stiffnesses)} exclude each other"
-            message = message if stiffnesses else "`stiffness` or `flexibility` is missing"
-            hint = "give one of `stiffness`, `flexibility` (0 = rigid), `table`, `prony` and `fractional`"
-            raise refuse(message, hint, *stiffnesses[1:2])
+        ONE_STIFFNESS.check(self)
         if self.temperature is not None:
             _refuse_beside_temperature(self, self.temperature)
         damping = given_damping(self)
@@ -269,13 +269,8 @@ class Coupling(Component, keyword="coupling", sort="link"):
 
 def _refuse_beside_temperature(coupling: Coupling, temperature: CouplingWarming) -> None:
     """Refuse what does not go together with the temperature of a coupling."""
-    nonlinear = coupling.keys_given(*NONLINEAR)
-    if coupling.flexibility == 0 or nonlinear:
-        key = nonlinear[0] if nonlinear else "flexibility"
-        message = f"`temperature` and `{key}` exclude each other"
-        if coupling.flexibility == 0:
-            message = "a rigid coupling makes no heat"
-        raise refuse(message, "leave `temperature` out", key)
+    if coupling.flexibility == 0:
+        raise refuse("a rigid coupling makes no heat", "leave `temperature` out", "flexibility")
     lost, dampings = temperature.keys_given(*HYSTERESES), coupling.keys_given(*HYSTERESES, *TABLES)
     if lost and dampings:
         message = f"`{dampings[0]}` and `temperature` both say what the coupling loses"
@@ -292,13 +287,6 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
     if rigid and (friction or stages):
         key = "stages" if stages else "hysteresis_torque"
         raise refuse(f"a rigid coupling has no `{key}`: it does not twist", "give a stiffness", key)
-    lost = coupling.keys_given(*HYSTERESES)
-    if friction and lost:
-        message = f"`{lost[0]}` and `hysteresis_torque` count the same loss twice"
-        raise refuse(message, "keep one of them", lost[0])
-    if play is not None and lost:
-        message = f"`{lost[0]}` has no meaning for a contact that opens and closes"
-        raise refuse(message, "give `viscous`", lost[0])
     total = sum(element.torque for element in friction)
     if friction and coupling.max_torque is not None and total >= coupling.max_torque:
         message = f"the friction of {total:g} N m is not below the maximum torque, {coupling.max_torque:g} N m"

@@ -3,7 +3,7 @@
 import math
 
 from torsion import fields
-from torsion.fields import excludes, given, refuse, required
+from torsion.fields import excludes, exclusive, given, needs, refuse, required
 from torsion.model.component import Component, Lowering
 from torsion.model.elastic_element import (
     HYSTERESES,
@@ -35,12 +35,13 @@ class RingDamper(Component, keyword="damper", sort="point", symbol=Symbol("absor
 - damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}
 - damper: {housing: 1.5, ring: 4, silicone: {viscosity: 0.15 m**2/s, shape: 5 m**3, temperature: 75 degC}}"""
 
-    clashes = tuple(
-        excludes(law, *other_keys, hint=f"`{law}` gives stiffness and damping")
-        for law, other_keys in (
-            ("table", ("stiffness", "damping", *HYSTERESES, "silicone")),
-            ("silicone", ("stiffness", "damping", *HYSTERESES)),
-        )
+    clashes = (
+        exclusive("table", "silicone"),
+        *(
+            excludes(law, "stiffness", "damping", *HYSTERESES, hint=f"`{law}` gives both")
+            for law in ("table", "silicone")
+        ),
+        *(needs(key, "stiffness", hint="it is of a stiffness") for key in HYSTERESES),
     )
 
     housing: fields.Inertia = required("inertia of the housing, fixed to the train")
@@ -73,9 +74,6 @@ class RingDamper(Component, keyword="damper", sort="point", symbol=Symbol("absor
             raise refuse(message, "give its table `over: frequency`", "table")
         if self.silicone is not None or self.table is not None:
             return
-        if lost and self.stiffness is None:
-            message = f"`{lost[0]}` is of a stiffness, and there is none"
-            raise refuse(message, "give `stiffness`", lost[0])
         if lost is None and self.damping is None:
             hint = (
                 "give `damping`, `silicone`, `stiffness` and `loss_factor` of rubber, or a `table`"

@@ -70,29 +70,22 @@ def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
     if not ends:
         return []
     body = (node_at(overlay.source.root, MAIN) or Node([], 1, 1)).value
-    carried = [isinstance(entry, dict) and "branch" in entry for entry in body]
-    named = [carried[k] or (*MAIN, k) in ends for k in range(len(body))]
-    first = next((k for k, gone in enumerate(named) if not gone), len(body))
-    last = next((k for k in range(len(body) - 1, -1, -1) if not named[k]), -1)
-    kept = [k for k in range(first, last + 1) if (*MAIN, k) in ends]
-    if first > last:
+    kept, gone, carrier_goes = list[int](), list[int](), False
+    for k, entry in enumerate(body):
+        if not (isinstance(entry, dict) and "branch" in entry):
+            carrier_goes = (*MAIN, k) in ends
+        (gone if carrier_goes else kept).append(k)
+    if not kept:
         hint = "a case keeps the component whose speed is meant, and what turns with it"
-        overlay.faults.append(
-            Fault(next(iter(ends.values())), "nothing of the main train is left", hint)
-        )
-    for k in kept:
+        fault = Fault(next(iter(ends.values())), "nothing of the main train is left", hint)
+        overlay.faults.append(fault)
+        return []
+    inside = [k for k in gone if kept[0] < k < kept[-1] and (*MAIN, k) in ends]
+    for k in inside:
         hint = "name all components from it to an end of the main train; a branch leaves with its first component"
-        overlay.faults.append(
-            Fault(ends[*MAIN, k], "it stands between other parts of the main train", hint)
-        )
-    before = [k for k in range(first) if any((*MAIN, j) in ends for j in range(k + 1))]
-    while last + 1 < len(body) and carried[last + 1]:  # by the last point that stays
-        last += 1
-    return (
-        [(*MAIN, k) for k in (*before, *range(last + 1, len(body)))]
-        if not kept and first <= last
-        else []
-    )
+        message = "it stands between other parts of the main train"
+        overlay.faults.append(Fault(ends[*MAIN, k], message, hint))
+    return [] if inside else [(*MAIN, k) for k in gone]
 
 
 def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
