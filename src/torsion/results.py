@@ -51,7 +51,6 @@ class Quantity:
     name: str = ""
     key: str = BY_UNIT  # its name in every output, by itself that with its unit; "" stands for the whole result
     printed: Axes = ()  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
-    is_total: bool = False  # over a group of segments it adds up; else the value at the end of the group stands for it
     known_by: str = (
         ""  # the statuses, over the first axes of the array, that are 0 where its values are known
     )

@@ -116,7 +116,6 @@ class Modes(Displayed, Keyed):
         "share of the kinetic energy (half of a distributed shaft at either end)",
         key="kinetic_share",
         printed=("mode", "station"),
-        is_total=True,
     )
     def kinetic(self) -> FloatArray:
         """Share of the kinetic energy (stations, modes)."""
@@ -135,7 +134,6 @@ class Modes(Displayed, Keyed):
         "share of the elastic energy",
         key="elastic_share",
         printed=("mode", "span"),
-        is_total=True,
     )
     def elastic(self) -> FloatArray:
         """Share of the elastic energy (spans, modes)."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.spans import Row, SegmentGroups, Span
+from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
@@ -372,25 +372,3 @@ def _layout(
     return CondensedTrain(
         tree, tree_station[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
     )
-
-
-MOST_GROUPS = 2000  # of a shaft: more segments than that are reported in about so many groups
-
-
-def segment_groups(system: System, most: int) -> SegmentGroups:
-    """Return at most about `most` groups of every shaft; its last segment is a group by itself."""
-    # The stations and spans that are no part of a row come first.
-    station = len(system.stations) - sum(row.number - 1 for row in system.rows)
-    span = len(system.own_spans)
-    inside, longest = station, 1
-    stations, spans, kept = [np.arange(station)], [np.arange(span)], list(system.own_spans)
-    for row in system.rows:
-        step = 1 if row.number <= most else -(-(row.number - 1) // most)
-        starts = np.append(np.arange(0, row.number - 1, step), row.number - 1)
-        stations.append(station - 1 + starts[1:])
-        spans.append(span + starts)
-        edges = (*starts.tolist(), row.number)
-        kept += Row(row.bar, len(starts), inside, row.begin, edges).spans
-        station, span = station + row.number - 1, span + row.number
-        inside, longest = inside + len(starts) - 1, max(longest, step)
-    return SegmentGroups(np.concatenate(stations), np.concatenate(spans), tuple(kept), longest)

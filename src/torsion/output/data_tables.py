@@ -48,8 +48,8 @@ class DataTable:
 def data_tables(findings: Findings) -> Iterator[DataTable]:
     """Yield all tables of the results, in the order of results.json; a table without rows is omitted."""
     selection = Selection(findings.system)
-    yield from _of_records("stations", plain(station_rows(selection), selection))
-    yield from _of_records("spans", plain(span_rows(selection), selection))
+    yield from _of_records("stations", plain(station_rows(selection.system), selection))
+    yield from _of_records("spans", plain(span_rows(selection.system), selection))
     for name, result in findings.results.items():
         if is_declared(result):
             yield from result_tables(name, result, selection)

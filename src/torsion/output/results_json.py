@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 import torsion
 from torsion.analyses import ANALYSES
-from torsion.assembly.system import MOST_GROUPS
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Plan, UsedSource
 from torsion.output import reports
@@ -130,8 +129,7 @@ LEGEND = {
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
     "reference": "orders and speeds count from the component `scene.reference`",
     "status": "ok, near-singular or singular: how far a line can be trusted; where not ok, amplitudes are null",
-    "long_shafts": f"of a shaft of more than {MOST_GROUPS} segments groups are reported, as `name [first..last]`: "
-    "inertia, flexibility and shares of energy are sums, angles those at the outer end, torques of the first segment",
+    "long_shafts": "each segment of a shaft is a span, as `name [segment]`, however many there are",
     "series": f"an array of more than {MOST_NUMBERS} numbers, in `cases` of {MOST_OF_A_CASE}, stands in {SERIES} "
     "beside this file, and here instead {file, array, shape}: the file, the name of the array in it and its shape; "
     "null is NaN there, words are texts",
@@ -226,8 +224,8 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
         "program": lambda: {"name": "torsion", "version": torsion.__version__},
         "legend": lambda: LEGEND,
         "scene": lambda: plain(scene(findings.study), chosen),
-        "stations": lambda: plain(station_rows(chosen), chosen),
-        "spans": lambda: plain(span_rows(chosen), chosen),
+        "stations": lambda: plain(station_rows(findings.system), chosen),
+        "spans": lambda: plain(span_rows(findings.system), chosen),
     }
     makers |= {
         name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")

@@ -3,7 +3,7 @@
 import hashlib
 from fractions import Fraction
 
-from torsion.output.selection import Selection
+from torsion.assembly.system import System
 from torsion.results import derived, reported, result
 from torsion.study import Study
 
@@ -78,7 +78,7 @@ class SpanRow:
 
     @derived("N*m/rad", (), "1/flexibility; null where the piece is rigid")
     def stiffness(self) -> float:
-        """Of the whole piece, or group of segments."""
+        """Of the whole piece."""
         return 1.0 / self.flexibility if self.flexibility else float("inf")
 
 
@@ -128,11 +128,9 @@ def checksum(study: Study) -> str | None:
     return hashlib.sha256("".join(texts).encode("utf-8")).hexdigest() if study.text else None
 
 
-def station_rows(selection: Selection) -> tuple[StationRow, ...]:
-    """Return every station, or group of inner stations of a shaft, that is reported."""
-    system, groups = selection.system, selection.groups
+def station_rows(system: System) -> tuple[StationRow, ...]:
+    """Return every station."""
     parts = system.train.parts
-    inertia = groups.over_stations(system.inertia)
     return tuple(
         StationRow(
             name=station.name,
@@ -142,35 +140,27 @@ def station_rows(selection: Selection) -> tuple[StationRow, ...]:
             sense=station.sense,
             is_ground=station.is_ground,
             is_held=bool(system.held[index]),
-            inertia=float(inertia[position]),
+            inertia=float(system.inertia[index]),
         )
-        for position, index in enumerate(groups.stations.tolist())
-        for station in (system.stations[index],)
+        for index, station in enumerate(system.stations)
     )
 
 
-def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
-    """Return every span, or group of segments of a shaft, that is reported."""
-    system, groups = selection.system, selection.groups
+def span_rows(system: System) -> tuple[SpanRow, ...]:
+    """Return every span."""
     parts = system.train.parts
-    names, ends, flexibility = (
-        groups.names(),
-        groups.ends.tolist(),
-        groups.over_spans(system.flexibility),
-    )
     return tuple(
         SpanRow(
-            name=names[position],
+            name=span.name,
             component=parts[span.part].name,
             kind=parts[span.part].kind,
-            driving_station=ends[position][0],
-            driven_station=ends[position][1],
+            driving_station=span.driving,
+            driven_station=span.driven,
             ratio=span.ratio,
-            flexibility=float(flexibility[position]),
+            flexibility=float(system.flexibility[index]),
             loss_factor=float(system.loss_factor[index]),
             viscous=float(system.viscous[index]),
             error=tuple(Harmonic(order, value) for order, value in span.error),
         )
-        for position, index in enumerate(groups.spans.tolist())
-        for span in (system.spans[index],)
+        for index, span in enumerate(system.spans)
     )

@@ -8,8 +8,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.assembly.elements import Element, by_part, damps, elements, pieces
-from torsion.assembly.spans import SegmentGroups
-from torsion.assembly.system import MOST_GROUPS, System, segment_groups
+from torsion.assembly.system import System
 from torsion.output.numbers import Scale, scale
 from torsion.results import Quantity
 
@@ -26,19 +25,13 @@ WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", 
 class Selection:
     """Reduces the axes of declared arrays to what is reported.
 
-    A `station` or `span` axis keeps every station or span, those of very long shafts in groups: of a group an inertia,
-    flexibility or share of energy is the sum, anything else the value at its outer end (of spans: of its first).
-    A `named station` is one that the train names, an `end span` the first or last of an element, where its end torques
-    stand, and of an `element` the span with the largest value is reported.
+    A `station` or `span` axis keeps every station or span. A `named station` is one that the train names, an `end span`
+    the first or last of an element, where its end torques stand, and of an `element` the span with the largest value is
+    reported.
     """
 
     def __init__(self, system: System) -> None:
         self.system = system
-
-    @cached_property
-    def groups(self) -> SegmentGroups:
-        """Every station and span, or the groups of segments that stand for them."""
-        return segment_groups(self.system, MOST_GROUPS)
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:
@@ -61,7 +54,7 @@ class Selection:
         """Return what a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
         if axis == "element":
             return [element.name for element in self.elements]
-        return self.named_stations if axis == "named station" else self.groups.place(self.end_spans)
+        return self.named_stations if axis == "named station" else self.end_spans
 
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
         """Return the values with the axes that are printed, in their order; `axes` are those of the values."""
@@ -76,12 +69,11 @@ class Selection:
         ]
         for position, axis in enumerate(axes):
             if axis in WITHIN:
-                array = self._along(array, position, (axis, kept[position]), quantity.is_total)
+                array = self._along(array, position, axis, kept[position])
         return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
 
-    def _along(self, array: Any, position: int, axes: tuple[str, str], is_total: bool) -> Any:
+    def _along(self, array: Any, position: int, axis: str, shown: str) -> Any:
         """Return the values with one axis, of stations or spans, reduced to what is shown of it."""
-        axis, shown = axes
         if shown == "element":
             largest = [
                 array.take(list(element.spans), axis=position).max(axis=position)
@@ -92,14 +84,7 @@ class Selection:
             return array.take(
                 self.named_stations if axis == "station" else self.end_spans, axis=position
             )
-        if self.groups.is_whole:
-            return array
-        if is_total:
-            first = self.groups.first_station if axis == "station" else self.groups.spans
-            return np.add.reduceat(array, first, axis=position)
-        return array.take(
-            self.groups.stations if axis == "station" else self.groups.spans, axis=position
-        )
+        return array
 
 
 def largest(values: FloatArray) -> int | None:

@@ -418,19 +418,3 @@ def test_links_are_named_in_a_plot_of_at_most_fourteen_components(
     more = chain(couplings, 1, ", disc: {name: end, inertia: 1}")
     drawn = next(block for block in chapter(more) if isinstance(block, Figure))
     assert len(plot(drawn).x.places) == named
-
-
-def test_of_a_shaft_of_502_segments_every_second_is_drawn() -> None:
-    text = "name: long\ntrain: [disc: {inertia: 1}, shaft: {length: 9, diameter: 0.1, segments: N}, disc: {inertia: 2}]\n"
-    for segments, spans, words in (
-        (502, 252, "; long shafts are drawn with every 2th segment"),
-        (500, 500, "maximum"),
-    ):
-        found = torsion.run(
-            torsion.parse(text.replace("N", str(segments)) + "analyses: {modes: {count: 1}}\n")
-        )
-        drawn = next(block for block in chapter(found) if isinstance(block, Figure))
-        angles, torques = (panel.lines[0] for panel in drawn.plots)
-        assert len(torques.x) == 2 * spans
-        assert len(angles.x) == len(angles.y) == spans + 1
-        assert drawn.caption.endswith(words)

@@ -45,8 +45,8 @@ def _blocks(name: str, result: Any, selection: Selection) -> Iterator[Block]:
         yield table(titles, single, f"Single values of {name}", short=name)
 
     names = {
-        "station": [selection.system.stations[k].name for k in selection.groups.stations.tolist()],
-        "span": selection.groups.names(),
+        "station": [station.name for station in selection.system.stations],
+        "span": [span.name for span in selection.system.spans],
         "element": [element.name for element in selection.elements],
     }
     for values in result_tables(name, result, selection):

@@ -9,7 +9,6 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.critical_speeds import matrix
@@ -26,7 +25,6 @@ MOST_MODES = 12  # with a shape and a Holzer table in the full report
 MODES_WITHOUT_ORDERS = 6  # with a shape where nothing excites
 MOST_TABLES, FEW_ROWS = 3, 50  # Holzer tables of the report, and their rows
 MOST_ROWS = 600  # rows of all Holzer tables of the full report
-MOST_SEGMENTS = 500  # of a shaft that are drawn
 SMALLEST_SHARE = 0.02  # of the energy of a mode; smaller shares are not listed
 HOLZER, SQUARE = 7, 11  # significant digits of a Holzer table, and of its squared frequency
 RESIDUAL = "residual / largest torque"
@@ -198,7 +196,6 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
 def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[Figure]:
     """Yield angle and torque of modes, counted from 0, over the train."""
     system, positions = findings.system, layout(findings.system)
-    drawn = segment_groups(system, MOST_SEGMENTS)
     main_line = [
         part
         for part in system.train.parts
@@ -210,21 +207,19 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
         if part.is_point or len(main_line) <= MOST_NAMES
     ]
     caption = "angle and torque, referred to the reference speed and relative to their maximum"
-    if not drawn.is_whole:
-        caption += f"; long shafts are drawn with every {drawn.longest}th segment"
     for mode in chosen:
-        angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
-        torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
+        angle = modes.shape[:, mode] / system.speed_ratio
+        torque = modes.torque[:, mode] * system.span_ratio
         yield mode_shape.mode(
             f"mode-{mode + 1}",
             f"Mode {mode + 1}, {number(float(modes.frequency[mode]))} Hz: {caption}",
-            x=positions.x[drawn.stations],
-            row=positions.row[drawn.stations],
-            ends=drawn.ends,
-            marked=drawn.stations < len(system.train.stations),
+            x=positions.x,
+            row=positions.row,
+            ends=np.column_stack([system.driving, system.driven]),
+            marked=np.arange(len(system.stations)) < len(system.train.stations),
             angle=angle / angle[np.argmax(np.abs(angle))],
             torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny),
             ticks=ticks,
             stations=[station.name for station in system.train.stations],
-            spans=[system.spans[span].name for span in drawn.spans.tolist()],
+            spans=[span.name for span in system.spans],
         )

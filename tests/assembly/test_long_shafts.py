@@ -1,4 +1,4 @@
-"""Long shafts in many segments: their response, and the groups in which they are reported."""
+"""Long shafts in many segments: their response."""
 
 import numpy as np
 import pytest
@@ -7,10 +7,10 @@ from scipy.linalg import solve_banded
 import torsion
 from torsion.analyses.response.over_speed import response
 from torsion.assembly import assemble
-from torsion.assembly.system import System, segment_groups
+from torsion.assembly.system import System
 from torsion.study import Study
 
-SEGMENTS, GROUPS = 600, 50
+SEGMENTS = 600
 ETA, STIFFNESS, PSI = 0.02, 2.0e5, 0.6
 SCENE = """
 name: long
@@ -68,15 +68,3 @@ def test_the_response_of_a_long_shaft_is_that_of_its_banded_equations(shaft, is_
             np.testing.assert_allclose(here, torque, atol=3e-9 * np.abs(torque).max())
             here = found.angle[point, line]
             np.testing.assert_allclose(here, angle, atol=3e-9 * np.abs(angle).max())
-
-
-def test_groups_keep_the_names_and_sums_of_their_segments():
-    whole = assemble(_study(UNIFORM, COUPLING).train)
-    groups = segment_groups(whole, GROUPS)
-    row = [name for name in groups.names() if name.startswith("shaft")]
-    assert (row[0], row[-2], row[-1]) == ("shaft [1..12]", "shaft [589..599]", "shaft [600]")
-    assert whole.stations[groups.stations[3]].name == "shaft 12/600"
-    inertia = groups.over_stations(whole.inertia)
-    assert inertia.sum() == pytest.approx(whole.inertia.sum(), rel=1e-14)
-    flexibility = groups.over_spans(whole.flexibility)
-    assert flexibility.sum() == pytest.approx(whole.flexibility.sum(), rel=1e-14)
