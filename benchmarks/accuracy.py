@@ -28,8 +28,6 @@ FULL = Effort(
     segments=1024,
     unknowns=260,
     degrees=tuple(range(1, 11)),
-    modes=0,
-    dense=0,
     speeds=40,
 )
 QUICK = replace(FULL, rounds=2, slow=0.2, segments=64, degrees=(1, 2, 10), unknowns=70, speeds=8)

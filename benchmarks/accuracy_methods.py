@@ -12,10 +12,10 @@ from benchmarks.accuracy_references import middle_torques
 from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, halved, scene
 from benchmarks.programs import tolerant
 from benchmarks.references import worst
+from torsion.analyses.compare.compared_torques import Harmonics, Loaded, loaded, response_torques
 from torsion.analyses.compare.model_errors import over_largest
 from torsion.analyses.compare.shaft_divisions import candidates, counted
 from torsion.analyses.compare.timing import Candidate, Effort
-from torsion.analyses.compare.torque_methods import Harmonics, Loaded, eliminated, loaded
 from torsion.assembly.system import System
 
 MODES = 10
@@ -53,7 +53,7 @@ def torque_curves(
     """
     halves, exact = halved(line), middle_torques(line, w.tolist())
     study = torsion.parse(scene(halves))
-    firsts = [f"item {k}" for k, item in enumerate(halves.items) if isinstance(item, Shaft)][::2]
+    seconds = [f"item {k}" for k, item in enumerate(halves.items) if isinstance(item, Shaft)][1::2]
 
     def errors(found: np.ndarray) -> tuple[float, ...]:
         return (float(over_largest(found, exact).max()),)
@@ -64,8 +64,8 @@ def torque_curves(
         )
 
     def solve(given: Loaded) -> np.ndarray:
-        places = [given.ends.name.index(f"{name}, driven end") for name in firsts]
-        return np.asarray(eliminated(given)[0][:, places])
+        places = [given.ends.name.index(name) for name in seconds]
+        return np.asarray(response_torques(given)[0].torque[:, places])
 
     def of_peer(assembly: Any, number: int) -> np.ndarray:
         return _peer_torques(halves, number, assembly, w)

@@ -12,6 +12,7 @@ from benchmarks.papers.writing import table
 from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Axis, Figure
+from torsion.output.numbers import number
 from torsion.output.run_time_study import cells
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
@@ -65,16 +66,22 @@ def parts(studies: Sequence[Study], stepped: Sequence[TimedRow]) -> list[str]:
             ]
             made += [
                 table(
-                    HEAD, [cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])]
+                    HEAD,
+                    [_cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])],
                 )
             ]
             made += _unanswered(rows)
         made += ["\n".join(f"- {remark}" for remark in study.remarks)] if study.remarks else []
     made += [
         "## Stepped shaft with three discs, ten modes",
-        table(HEAD, [cells(row) for row in stepped]),
+        table(HEAD, [_cells(row) for row in stepped]),
     ]
     return [*made, _verdicts(stepped)]
+
+
+def _cells(row: TimedRow) -> list[str]:
+    """Method, discretisation, error, and medians in ms."""
+    return [cell if isinstance(cell, str) else number(1e3 * cell, 3) for cell in cells(row)]
 
 
 def figure_name(study: Study) -> str:

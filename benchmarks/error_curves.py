@@ -5,15 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from torsion.analyses.compare.timing import TimedRow
-from torsion.output.figures.error_curves import LEAST, drawn_error
 from torsion.output.figures.figure import Axis, Band, Line, Panel, Symbol
 
+LEAST = 1.2e-16  # an error below half the rounding unit is drawn there: it is rounding
+SYMBOLS: tuple[Symbol, ...] = ("disc", "square", "triangle", "diamond")
 FAMILIES: dict[
     str, tuple[Symbol, float]
 ] = {  # start of a method's name: symbol, and weight of the line
-    "modal superposition, static": ("down", 1.0),
-    "modal superposition": ("triangle", 1.0),
-    "lumped, dense": ("cross", 1.2),
     "modes, exact": ("star", 0.0),
     "dense": ("cross", 1.2),
     "lumped": ("disc", 1.4),
@@ -22,6 +20,11 @@ FAMILIES: dict[
     "two-sided": ("star", 0.0),
     "": ("square", 1.0),  # another program
 }
+
+
+def drawn_error(values: np.ndarray) -> np.ndarray:
+    """Return rounding as the lowest drawn error, and NaN for what is no number or infinite."""
+    return np.where(np.isfinite(values), np.maximum(values, LEAST), np.nan)
 
 
 def error_over_time(x: Axis, quantity: str, rows: Sequence[TimedRow]) -> Panel:

@@ -12,6 +12,7 @@ import mpmath as mp
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from benchmarks.error_curves import SYMBOLS
 from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
@@ -28,7 +29,6 @@ from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.shaft import Shaft
 from torsion.output.drawing.svg import svg
-from torsion.output.figures.error_curves import SYMBOLS
 from torsion.output.figures.figure import Axis, Figure, Line, Panel
 from torsion.study import Study
 from torsion.train import train

@@ -226,7 +226,7 @@ def _time(row: Row, name: str) -> str:
     if name not in row.timed:
         return "-"
     found = row.timed[name]
-    assembly, solve = found.assembly_spread.least, found.solve_spread.least
+    assembly, solve = min(found.assembly), min(found.solve)
     unit, factor = ("s", 1.0) if solve >= 1 else ("ms", 1e3)
     before = f"{_figures(assembly * factor)} + " if assembly > NO_ASSEMBLY else ""
     return f"{before}{_figures(solve * factor)} {unit} ({found.total.runs})"

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from torsion.analyses.compare.timing import Candidate, Pace, TimedRow, timed
+from torsion.analyses.compare.timing import Candidate, Pace, Spread, TimedRow, timed
 from torsion.errors import SolveError
 
 
@@ -64,7 +64,7 @@ class Row:
     def least(self, name: str) -> tuple[float, float] | None:
         """Smallest and median seconds of a program's answer to one frequency, what it stands on taken as given."""
         found = self.timed.get(name)
-        return None if found is None else _times(found.solve_spread, found.size)
+        return None if found is None else _times(Spread.of(found.solve), found.size)
 
     def whole(self, name: str) -> tuple[float, float] | None:
         """The same with the assembly."""

@@ -23,7 +23,6 @@ FULL = ("usv", "haixun_06402", "v12_generator_set", "two_stroke_ship", "wind_gea
 CHOSEN = (
     "stability-map",
     "waterfall",
-    "check-modes",
     "tilting",
     "stress",
     "torque",

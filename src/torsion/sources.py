@@ -54,7 +54,6 @@ BagleyTorvik1983; Bagley, Torvik; 1983; J. Rheol. 27, 201; fractional spring
 Carter; Carter, in Nestorides; 1958; A Handbook on Torsional Vibration; stiffness of a throw (M)
 Caughey1960; Caughey; 1960; J. Appl. Mech. 27, 640; spring with a slider
 Cowper1966; Cowper; 1966; J. Appl. Mech. 33, 335; shear coefficients
-CraigKurdila2006; Craig, Kurdila; 2006; Fundamentals of Structural Dynamics, Wiley; sums over modes
 DenHartog1956; Den Hartog; 1956; Mechanical Vibrations, McGraw-Hill; viscous damper
 Ehrlich1967; Ehrlich; 1967; Comm. ACM 10, 107; damped roots
 Aberth1973; Aberth; 1973; Math. Comp. 27, 339; damped roots

@@ -57,7 +57,7 @@ def test_torques_at_mid_shaft_of_exact_and_high_degree_models_are_those_of_two_p
     benchmark, accuracy, name
 ):
     scenes, methods = benchmark("accuracy_scenes"), benchmark("accuracy_methods")
-    effort = Effort(rounds=1, segments=64, unknowns=20, degrees=(10,), modes=0, dense=0, speeds=0)
+    effort = Effort(rounds=1, segments=64, unknowns=20, degrees=(10,), speeds=0)
     w = benchmark("accuracy").np.array([40.0, 333.0, 2000.0])
     lumped, fem, exact, peers = methods.torque_curves(getattr(scenes, name), w, effort, ())
     errors = [one.errors(run(one)[0])[0] for one in lumped]

@@ -43,6 +43,5 @@ def test_frequencies_errors_and_times_of_the_models() -> None:
             100.0 * (math.sin(x) / x - 1.0), rel=5e-3
         )
     (model,) = found.need(Compared).models
-    ((first, second),) = re.findall(r"^ *lumped .*? (\S+) \+ (\S+) +FAIL *$", text, re.MULTILINE)
-    assert float(first) == pytest.approx(1e3 * model.modes_seconds, rel=5e-2)
-    assert float(second) == pytest.approx(1e3 * model.torques_seconds, rel=5e-2)
+    assert re.search(r"^ *lumped .* no *$", text, re.MULTILINE)
+    assert not model.passes

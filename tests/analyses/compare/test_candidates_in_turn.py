@@ -93,7 +93,7 @@ def test_a_curve_ends_where_rounding_alone_is_left_twice() -> None:
     curve = [candidate("a", size, error, clock) for size, error in zip(count(1), errors)]
     rows, remarks = timed([curve], Pace(rounds=1, clock=clock))
     assert [row.size for row in rows] == [1, 2, 3, 4, 5]
-    assert "only rounding is left: a." in remarks[0]
+    assert remarks == ("a: finer discretisations are not run (1), as only rounding is left.",)
 
 
 def test_a_candidate_that_fails_ends_its_curve_and_its_words_are_kept() -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from torsion.analyses.compare.timing import Spread, TimedRow, as_fast, fastest, unbeaten
+from torsion.analyses.compare.timing import Spread, TimedRow, fastest, unbeaten
 
 
 def row(name: str, error: float, *solve: float, assembly: float = 0.0) -> TimedRow:
@@ -79,12 +79,6 @@ def test_errors_below_the_bound_of_the_reference_count_as_equal() -> None:
     slower = row("slower", 1e-16, 9e-4, 9e-4, 9e-4)
     assert names(unbeaten((*ROWS, slower))) == ["coarse", "lumped", "exact", "slower"]
     assert names(unbeaten((*ROWS, slower), bound=2e-15)) == ["coarse", "lumped", "exact"]
-
-
-def test_methods_whose_runs_overlap_are_told_to_be_as_fast() -> None:
-    wide = row("wide", 1e-4, 3e-4, 6e-4, 6e-4)
-    best = row("best", 1e-4, 3e-4, 4e-4, 7e-4)
-    assert names(as_fast((best, wide, ROWS[2]), 1e-3)) == ["wide"]
 
 
 def test_the_spread_is_of_quartiles() -> None:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.compare.compared_torques import driving_ends, loaded, response_torques
 from torsion.analyses.compare.model_errors import shape_errors
 from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_harmonics
-from torsion.analyses.compare.torque_methods import driving_ends, eliminated, loaded
 from torsion.assembly.lumped import SHARE_OF_ERROR
 from torsion.errors import InputError
 
@@ -103,7 +103,7 @@ def test_torques_at_driving_ends_are_in_equilibrium_with_what_drives():
         line = [one.line.order for one in found.loads].index(2)
         angle = response.angle[response.requested][:, line, 0]
         driven = 50.0 * np.exp(1j * math.radians(20.0)) + 3.0 * (2.0 * speed) ** 2 * angle
-        np.testing.assert_allclose(eliminated(found)[line][:, 0], driven, rtol=1e-9)
+        np.testing.assert_allclose(response_torques(found)[line].torque[:, 0], driven, rtol=1e-9)
 
 
 def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
@@ -128,9 +128,9 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
     given[0] = replace(given[0], loads=tuple(loads))
     ratio = systems[1].span_ratio[given[1].ends.span]
     assert len(set(ratio.tolist())) > 1
-    lumped, exact = (
-        np.stack(eliminated(one), axis=1) * ratio for one in given
-    )  # (speeds, orders, ends)
+    lumped, exact = (  # (speeds, orders, ends)
+        np.stack([line.torque for line in response_torques(one)], axis=1) * ratio for one in given
+    )
     error = np.abs(lumped - exact) / np.abs(exact).max(axis=2, keepdims=True)
     worst = np.unravel_index(error.argmax(), error.shape)
     torques = found.models[0].torques

@@ -7,7 +7,6 @@ import numpy as np
 from torsion.output.figures import (
     curves_over_speed,
     curves_over_time,
-    error_curves,
     frequencies_over_speed,
     joint_curves,
     mode_shape,
@@ -120,14 +119,6 @@ KINDS: dict[str, Figure] = {
     "frequency": frequency(),
     "joint": joint_curves.joint_turn(
         "j", "c", angle=TURN, quantity="angle before <j>", panels=PANELS
-    ),
-    "check modes": error_curves.modes("m", "c", frequency=ERRORS, shape=ERRORS, tolerance=1e-3),
-    "check torques": error_curves.torques(
-        "t",
-        "c",
-        speed=SPEED,
-        tolerance=1e-3,
-        lines=[("<lumped>", np.full(61, 1e-4)), ("$fem$", np.full(61, np.nan))],
     ),
     "periodic": curves_over_speed.periodic(
         "p",

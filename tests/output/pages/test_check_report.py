@@ -12,11 +12,9 @@ from rich.console import Console
 import torsion
 from torsion.analyses.compare.side_by_side import Compared
 from torsion.findings import Findings
-from torsion.output.blocks import Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
-from torsion.output.drawing.svg import svg
-from torsion.output.figures.error_curves import modes, torques
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
 from torsion.output.results_json import documented, results, text
@@ -94,7 +92,7 @@ def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:
         np.testing.assert_array_equal(back["torques"]["error"], model.torques.error)
 
 
-def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None:
+def test_the_chapter_has_verdict_and_errors(good: Findings) -> None:
     blocks = list(chapter(good))
     assert (
         next(block.text for block in blocks if isinstance(block, Heading))
@@ -104,10 +102,6 @@ def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None
     assert tables_found[0].marks == ("", "pass", "pass")
     assert [row[0] for row in tables_found[0].rows] == ["exact", "lumped", "fem"]
     assert len(tables_found[1].rows) == 6
-    figures = [block for block in blocks if isinstance(block, Figure)]
-    assert [figure.name for figure in figures] == ["check-modes", "check-torques"]
-    for figure in figures:
-        assert svg(figure) == svg(figure)
     assert any(
         isinstance(b, Paragraph) and b.kind == "pass" and "within 0.1 %" in b.text for b in blocks
     )
@@ -117,15 +111,13 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
     blocks = list(chapter(coarse))
     summary, by_mode = (block for block in blocks if isinstance(block, Table))
     assert summary.marks == ("", "fail", "pass")
-    assert summary.rows[1][1] == "∞"
-    assert [row[4] for row in summary.rows] == ["6", "4", "6"]
+    assert summary.rows[1][2] == "∞"
+    assert [row[5] for row in summary.rows] == ["6", "4", "6"]
     assert by_mode.rows[5][2:5] == ("–", "∞", "∞")
     words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert (
         "The model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is." in words
     )
-    assert "has 6 elastic modes below" in words
-    assert "but lumped 4" in words
     assert "within 0.1 %" in html(document(coarse, report=REPORTS["check"]))
 
 
@@ -142,8 +134,7 @@ def test_the_terminal_fits_eighty_columns_and_says_the_verdict(
     assert "fem are within 0.1 % of the exact model" in printed(
         screen(document(good, report=REPORTS["check"]))
     ).replace("\n", " ")
-    assert "FAIL" in printed(screen(document(coarse)))
-    assert "PASS" in printed(screen(document(good)))
+    assert "lumped is not within" in printed(screen(document(coarse)))
 
 
 def test_the_terminal_shows_columns_of_the_tables_of_the_report(good: Findings) -> None:
@@ -178,14 +169,4 @@ def test_both_files_are_written_or_none(good: Findings, tmp_path: Path) -> None:
     write(good, tmp_path, "check")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["check.html", "check.json"]
     page = (tmp_path / "check.html").read_text(encoding="utf-8")
-    assert page.count("<figure") == 2
     assert "mathdefault" not in page
-
-
-def test_figures_take_errors_of_zero_of_nothing_and_without_bounds() -> None:
-    errors = [("lumped", np.array([0.0, np.inf, 1e-3])), ("fem", np.array([1e-19, 1e-9, np.nan]))]
-    drawn = svg(modes("a", "", frequency=errors, shape=errors, tolerance=1e-3))
-    assert "10⁻¹⁵" in drawn or "10⁻¹⁶" in drawn
-    nothing = [("lumped", np.full(3, np.nan))]
-    assert "tolerance" in svg(torques("b", "", speed=np.arange(3.0), lines=nothing, tolerance=1e-3))
-    assert "<svg" in svg(modes("c", "", frequency=nothing, shape=nothing, tolerance=1e-3))

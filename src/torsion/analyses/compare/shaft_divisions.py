@@ -61,58 +61,32 @@ def ready(
     return system
 
 
-def lumped(train: Train, highest: int, curve: str, named: Named) -> list[Candidate]:
-    """Return one curve: lumped shafts of 1, 2, 4 .. segments."""
-    return [
-        named(
-            curve,
-            counted(number, "segment"),
-            number,
-            partial(ready, divided(train, number), "lumped"),
-        )
-        for number in doubled(highest)
-    ]
-
-
 def candidates(
-    train: Train,
-    frequency: float,
-    effort: Effort,
-    degrees: tuple[int, ...],
-    named: Named,
-    method: str = "",
+    train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...], named: Named
 ) -> list[list[Candidate]]:
-    """Return every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
+    """Return every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for."""
 
-    method: what is added to the name of each curve.
-    """
-    curves = [lumped(train, effort.segments, f"lumped{method}", named)]
+    def curve(method: str, what: str, most: int, made: Callable[[int], System]) -> list[Candidate]:
+        numbers = (2**k for k in range(most.bit_length()))
+        return [named(method, counted(n, what), n, partial(made, n)) for n in numbers]
+
+    def finite(degree: int, elements: int) -> System:
+        return ready(train, "fem", frequency=frequency, degree=degree, elements=elements)
+
+    curves = [
+        curve("lumped", "segment", effort.segments, lambda n: ready(divided(train, n), "lumped"))
+    ]
     for degree in degrees:
-        finite = partial(ready, train, "fem", frequency=frequency, degree=degree)
-        curves.append(
-            [
-                named(
-                    f"fem, degree {degree}{method}",
-                    counted(number, "element"),
-                    number,
-                    partial(finite, elements=number),
-                )
-                for number in doubled(max(1, effort.unknowns // degree))
-            ]
-        )
+        most = max(1, effort.unknowns // degree)
+        curves.append(curve(f"fem, degree {degree}", "element", most, partial(finite, degree)))
     exact = partial(ready, train, "exact", frequency=frequency)
     pieces = max(exact().segments.values())
-    return [*curves, [named(f"exact{method}", counted(pieces, "piece"), pieces, exact)]]
+    return [*curves, [named("exact", counted(pieces, "piece"), pieces, exact)]]
 
 
 def counted(number: int, what: str) -> str:
     """Return a number with its noun in the right form."""
     return f"{number} {what}{'' if number == 1 else 's'}"
-
-
-def doubled(highest: int) -> list[int]:
-    """Return 1, 2, 4 .. up to a largest."""
-    return [2**k for k in range(highest.bit_length())]
 
 
 def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, Modes]:

@@ -9,6 +9,13 @@ from typing import Annotated, Literal, Self, get_args
 import numpy as np
 from pydantic import model_validator
 
+from torsion.analyses.compare.compared_torques import (
+    Harmonics,
+    Loaded,
+    Torques,
+    loaded,
+    response_torques,
+)
 from torsion.analyses.compare.model_errors import (
     over_largest,
     relative_errors,
@@ -17,14 +24,6 @@ from torsion.analyses.compare.model_errors import (
 )
 from torsion.analyses.compare.shaft_divisions import COUNT, loop_faults
 from torsion.analyses.compare.timing import Candidate, run
-from torsion.analyses.compare.torque_methods import (
-    Harmonics,
-    Loaded,
-    Torques,
-    driving_ends,
-    elimination,
-    loaded,
-)
 from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
@@ -110,8 +109,10 @@ class ModelCompared:
     )
     below: int = result("", (), "elastic modes below `check.highest_Hz`", key="modes_below")
     torques: TorquesCompared | None = result("", (), "of the response; null if not compared")
-    modes_seconds: float = result("", (), "time of assembly and modes")
-    torques_seconds: float = result("", (), "time of the response torques; 0 without a response")
+    modes_seconds: float = result("s", (), "time of assembly and modes", key="modes_seconds")
+    torques_seconds: float = result(
+        "s", (), "time of the response torques; 0 without a response", key="torques_seconds"
+    )
     tolerances: tuple[float, float, float]  # of frequencies, shapes and torques
 
     @derived("1", (), "magnitude; null if a mode is missing")
@@ -231,7 +232,7 @@ def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None,
         return None, 0.0, "nothing excites the train at an order or a fixed frequency"
     if speeds is None:
         return None, 0.0, "`operation` says no speeds"
-    harmonics = Harmonics(study, np.array([speeds.first, speeds.last]), orders, ends=driving_ends)
+    harmonics = Harmonics(study, np.array([speeds.first, speeds.last]), orders)
     try:
         highest = loaded(system, harmonics).highest
     except InputError as error:
@@ -269,7 +270,7 @@ def _solved(
         given = None if harmonics is None else loaded(solved_modes.system, harmonics)
         if given is not None and exact is not None:
             given = _as_far_from_resonance(given, _frequencies(solved_modes, exact.size), exact)
-        return solved_modes, given, [] if given is None else elimination(given)
+        return solved_modes, given, [] if given is None else response_torques(given)
 
     assemble(0.0, 1)  # imports what the model needs, which is no time of its own
     candidate = Candidate(

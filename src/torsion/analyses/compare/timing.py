@@ -17,7 +17,6 @@ from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 
 NOTICEABLE = 0.01  # relative: of two errors that differ by less neither is the smaller
-LEAST_SAMPLES = 2  # that have a spread
 ROUNDING = 1e-12  # relative error from which a finer discretisation cannot show more than rounding
 
 
@@ -44,7 +43,7 @@ class TimedRow:
 
     curve: str  # the method; rows of one method are one curve
     division: str  # in words
-    size: int  # segments, elements or pieces of a shaft, or modes
+    size: int  # segments, elements or pieces of a shaft
     errors: tuple[
         float, ...
     ]  # relative, one a column of the quantity; infinite where the method gives no value
@@ -60,16 +59,6 @@ class TimedRow:
     def total(self) -> Spread:
         """Assembly and solve of every run together."""
         return Spread.of([a + b for a, b in zip(self.assembly, self.solve, strict=True)])
-
-    @property
-    def assembly_spread(self) -> Spread:
-        """The seconds of assembly over all runs."""
-        return Spread.of(self.assembly)
-
-    @property
-    def solve_spread(self) -> Spread:
-        """The seconds of solution over all runs."""
-        return Spread.of(self.solve)
 
 
 @dataclass(frozen=True)
@@ -104,19 +93,6 @@ def fastest(rows: Sequence[TimedRow], tolerance: float) -> TimedRow | None:
     return min(kept, key=lambda row: (row.total.median, row.error), default=None)
 
 
-def as_fast(rows: Sequence[TimedRow], tolerance: float) -> tuple[TimedRow, ...]:
-    """Return the other rows that keep the tolerance and whose middle half of runs overlaps that of the fastest."""
-    best = fastest(rows, tolerance)
-    if best is None or best.total.runs < LEAST_SAMPLES:
-        return ()
-    limit = best.total.three_quarters
-    return tuple(
-        row
-        for row in rows
-        if row is not best and row.error <= tolerance and row.total.quarter <= limit
-    )
-
-
 def unbeaten(rows: Sequence[TimedRow], bound: float = 0.0) -> tuple[TimedRow, ...]:
     """Return the Pareto set by rising time: each is more accurate than all that are faster.
 
@@ -137,7 +113,7 @@ class Candidate:
 
     curve: str  # candidates of one method are one curve, ever finer
     division: str  # in words
-    size: int  # segments, elements or pieces of a shaft, or modes
+    size: int  # segments, elements or pieces of a shaft
     assemble: Callable[[], Any]
     solve: Callable[[Any], Any]  # of what was assembled
     errors: Callable[[Any], tuple[float, ...]]  # of the answer, relative
@@ -164,8 +140,6 @@ class Effort(Pace):
     segments: int  # lumped, most a shaft
     unknowns: int  # of finite elements, most a shaft: degree times elements
     degrees: tuple[int, ...]
-    modes: int  # most of a superposition
-    dense: int  # segments, most a shaft, of a dense solve
     speeds: int
 
 
@@ -175,8 +149,6 @@ FULL = Effort(
     segments=1024,
     unknowns=128,
     degrees=tuple(range(1, 11)),
-    modes=64,
-    dense=256,
     speeds=25,
 )
 QUICK = Effort(
@@ -185,24 +157,25 @@ QUICK = Effort(
     segments=256,
     unknowns=24,
     degrees=(1, 2, 4, 8),
-    modes=16,
-    dense=64,
     speeds=9,
 )
 
 
 @dataclass
-class _Tried:
+class _Trial:
     candidate: Candidate
     errors: tuple[float, ...]
     first: tuple[float, float]  # s, assembly and solve of the run that warmed up
-    assembly: list[float] = field(default_factory=list)
-    solve: list[float] = field(default_factory=list)
+    runs: list[tuple[float, float]] = field(default_factory=list)  # the same of all others
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of the first run."""
+        return sum(self.first)
 
     def row(self) -> TimedRow:
         """Return the row of all runs, or of the first alone if there is no other."""
-        candidate, first = self.candidate, [(time,) for time in self.first]
-        assembly, solve = (tuple(self.assembly), tuple(self.solve)) if self.solve else first
+        candidate, (assembly, solve) = self.candidate, zip(*self.runs or [self.first], strict=True)
         return TimedRow(
             candidate.curve, candidate.division, candidate.size, self.errors, assembly, solve
         )
@@ -216,33 +189,30 @@ def timed(
     Each candidate is run once for its errors, which warms up as well; then all have their turn in every round. A curve
     ends where a run takes longer than `pace.longest` or where two discretisations in a row err by rounding alone.
     """
-    tried, remarks, ended = list[_Tried](), list[str](), list[str]()
+    trials, remarks = list[_Trial](), list[str]()
     for number, curve in enumerate(curves):
         progress(f"{what}: errors", 0.3 * number / len(curves))
-        trials, remark = _tried(curve, pace)
-        tried += trials
+        of_curve, remark = _first_runs(curve, pace)
+        trials += of_curve
         remarks += [remark] if remark else []
-        if not remark and len(trials) < len(curve):
-            ended.append(curve[0].curve)
-    if ended:
-        remarks.append(
-            f"Finer discretisations are not run if only rounding is left: {', '.join(ended)}."
-        )
+
     start, turn = pace.clock(), 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [
-            trial for trial in tried if turn < pace.slow_rounds or sum(trial.first) <= pace.slow
+            trial for trial in trials if turn < pace.slow_rounds or trial.seconds <= pace.slow
         ]
         if not turning:
             break
         gc.collect()
         for number, trial in enumerate(turning):
-            progress(
-                f"{what}: times", min(0.3 + 0.7 * (turn + number / len(turning)) / pace.rounds, 1.0)
-            )
-            _turn(trial, pace)
+            share = (turn + number / len(turning)) / pace.rounds
+            progress(f"{what}: times", min(0.3 + 0.7 * share, 1.0))
+            # A fast candidate runs as often as fits into its turn.
+            fitting = int(pace.turn / max(trial.seconds, 1e-9))
+            for _ in range(max(1, min(pace.runs, fitting))):
+                trial.runs.append(run(trial.candidate, pace.clock)[1:])
         turn += 1
-    return tuple(trial.row() for trial in tried), tuple(remarks)
+    return tuple(trial.row() for trial in trials), tuple(remarks)
 
 
 def run(
@@ -262,36 +232,22 @@ def run(
             gc.enable()
 
 
-def _tried(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Tried], str]:
-    """Return what was run of a curve, and why it ends before its end, unless rounding alone is left."""
-    trials = list[_Tried]()
-    for number, candidate in enumerate(curve):
+def _first_runs(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Trial], str]:
+    """Return what was run of a curve, and why it ends before its end."""
+    trials = list[_Trial]()
+    for candidate in curve:
         try:
             answer, *first = run(candidate, pace.clock)
             if sum(first) > pace.longest:  # the first run of all loads what a method needs
                 answer, *first = run(candidate, pace.clock)
         except (SolveError, np.linalg.LinAlgError) as error:
             return trials, f"{candidate.curve}, {candidate.division}: {error}"
-        trials.append(_Tried(candidate, candidate.errors(answer), (first[0], first[1])))
-        left = len(curve) - number - 1
-        if left and sum(first) > pace.longest:
-            took = f"one run of {candidate.division} takes {sum(first):.2g} s"
-            return (
-                trials,
-                f"{candidate.curve}: finer discretisations are not run ({left}), as {took}.",
-            )
-        if (
-            left
-            and len(trials) > 1
-            and all(max(before.errors) < ROUNDING for before in trials[-2:])
-        ):
+        trials.append(_Trial(candidate, candidate.errors(answer), (first[0], first[1])))
+        if len(trials) == len(curve):
             break
+        unrun = f"{candidate.curve}: finer discretisations are not run ({len(curve) - len(trials)})"
+        if sum(first) > pace.longest:
+            return trials, f"{unrun}, as one run of {candidate.division} takes {sum(first):.2g} s."
+        if len(trials) > 1 and all(max(trial.errors) < ROUNDING for trial in trials[-2:]):
+            return trials, f"{unrun}, as only rounding is left."
     return trials, ""
-
-
-def _turn(trial: _Tried, pace: Pace) -> None:
-    """Run a candidate once, or as often as fits into `pace.turn` if it is fast."""
-    for _ in range(max(1, min(pace.runs, int(pace.turn / max(sum(trial.first), 1e-9))))):
-        _, assembly, solve = run(trial.candidate, pace.clock)
-        trial.assembly.append(assembly)
-        trial.solve.append(solve)

@@ -2,16 +2,21 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, on_terminal, table
-from torsion.output.figures import error_curves
-from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, counted, given, number, order, rpm
+from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
+from torsion.output.numbers import counted, given, number, order, rpm
 
 MOST_MODES = 40  # of which a table is printed
+WHAT = (
+    "The same train with lumped segments, finite elements and continuous shafts. The continuous model has no "
+    "discretisation error and is the reference."
+)
+TORQUES = (
+    "Complex torques at the driving end of every component, at every requested speed and order. The error is relative "
+    "to the maximum torque at this speed and order, referred to one speed. The models are compared at equal "
+    "distances from their own resonances; the table above has the frequency errors."
+)
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -23,39 +28,32 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if comparison.exact is None:
         yield Paragraph(comparison.same, "note", brief=True)
         return
-    yield Paragraph(
-        "The same train with lumped segments, finite elements and continuous shafts. The continuous model has no "
-        "discretisation error and is the reference. "
-        f"Frequencies and shapes may differ by {given(100 * comparison.tolerance)} %, torques by "
-        f"{given(100 * comparison.torque_tolerance)} %."
+    yield Paragraph(WHAT)
+    verdict = conclusion(comparison)
+    yield Paragraph(verdict.text, verdict.kind, brief=True)
+    yield table(
+        "model: < Model -> | division: < Shafts | largest_frequency_error: Frequency [%]:3 -> frequency, % | "
+        "largest_shape_error: 1 − MAC [%]:3 -> 1 − MAC, % | largest_torque_error: Torques [%]:3 -> torques, % | "
+        "below: Modes -> | certified: < Proven by counts | modes_seconds: Time of modes [ms]:2 | "
+        "torques_seconds: Time of torques [ms]:2 | passes: < Within the tolerance -> within",
+        comparison.all_models,
+        f"Maximum errors against the exact model, of {len(comparison.exact.frequency)} modes; modes below "
+        f"{number(comparison.highest)} Hz; times of one run",
+        marks=["", *("pass" if model.passes else "fail" for model in comparison.models)],
+        short="Maximum errors against the exact model",
+        rows_in_summary=4,
     )
-    yield from on_terminal([conclusion(comparison)])
-    yield _summary(comparison)
-    counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(comparison)]
-    yield Points(
-        tuple(
-            text if certified else f"{text}; not certified by Sturm counts"
-            for text, certified in counted
-        )
-    )
-    yield from on_terminal([_counts(comparison)])
-    yield Heading("Frequencies and shapes", 2)
-    yield _modes(comparison)
-    caption = (
-        "Relative errors against the exact model, by mode; errors below 10⁻¹⁶ are drawn at 10⁻¹⁶"
-    )
-    yield error_curves.modes(
-        "check-modes",
-        caption,
-        tolerance=comparison.tolerance,
-        frequency=[(model.model, np.abs(model.frequency_error)) for model in comparison.models],
-        shape=[(model.model, model.shape_error) for model in comparison.models],
-    )
-    if len(comparison.exact.frequency) > MOST_MODES:
-        left_out = f"{MOST_MODES + 1} to {len(comparison.exact.frequency)}"
-        yield Paragraph(f"Modes {left_out} are in the JSON file.")
-    yield Heading("Response torques", 2)
-    yield from _torques(findings, comparison)
+    yield _modes(comparison, comparison.exact)
+    if comparison.speed is None:
+        yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
+        return
+    yield Paragraph(TORQUES)
+    if places := tuple(text for model in comparison.models if (text := _worst(model, comparison))):
+        yield Points(places, brief=True)
+    torques = (model.torques for model in comparison.models)
+    if omitted := max(0 if compared is None else compared.left_out for compared in torques):
+        words = f"{counted(omitted, 'solution')} at undamped resonances."
+        yield Paragraph(f"Omitted: {words}", "note")
 
 
 def conclusion(comparison: Compared) -> Paragraph:
@@ -65,7 +63,7 @@ def conclusion(comparison: Compared) -> Paragraph:
     limit = f"{given(100 * comparison.tolerance)} % of the exact model"
     if comparison.speed is not None and comparison.torque_tolerance != comparison.tolerance:
         limit += f" (torques: {given(100 * comparison.torque_tolerance)} %)"
-    good = [model.model for model in comparison.models if model.model not in comparison.failed]
+    good = [model.model for model in comparison.models if model.passes]
     if comparison.failed:
         kept = f"; {' and '.join(good)} is" if good else ""
         return Paragraph(
@@ -73,49 +71,6 @@ def conclusion(comparison: Compared) -> Paragraph:
         )
     verb = ("model", "is") if len(good) == 1 else ("models", "are")
     return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
-
-
-def _summary(comparison: Compared) -> Table:
-    """Return the largest errors of every model and its verdict."""
-    exact, *_ = _all(comparison)
-    rows = []
-    for model in _all(comparison):
-        verdict = (
-            NONE if model is exact else ("FAIL" if model.model in comparison.failed else "PASS")
-        )
-        errors = [NONE if model is exact else _percent(error) for error in model.largest]
-        times = " + ".join(
-            number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds)
-        )
-        rows.append((model.model, *errors, str(model.below), times, verdict))
-    return table(
-        "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
-        "Modes -> | Time [ms] -> ms | < Verdict ->",
-        rows,
-        f"Maximum errors against the exact model, of {len(exact.frequency)} modes; modes below "
-        f"{number(comparison.highest)} Hz; times of one run of the modes and of the torques",
-        marks=[row[-1].lower().strip(NONE) for row in rows],
-        short="Maximum errors against the exact model",
-        rows_in_summary=4,
-    )
-
-
-def _counts(comparison: Compared) -> Paragraph:
-    """Whether all models have as many modes as the exact one."""
-    exact, *approximate = _all(comparison)
-    limit = f"below {number(comparison.highest)} Hz"
-    wrong = [f"{model.model} {model.below}" for model in approximate if model.below != exact.below]
-    if wrong:
-        return Paragraph(
-            f"The exact model has {exact.below} elastic modes {limit}, but {', '.join(wrong)}.",
-            "note",
-        )
-    names = " and ".join(model.model for model in approximate)
-    has = "has" if len(approximate) == 1 else "have"
-    how = "as counted" if all(model.certified for model in (exact, *approximate)) else "as found"
-    return Paragraph(
-        f"The exact model has {exact.below} elastic modes {limit}, and so {has} {names}, {how} in each."
-    )
 
 
 def _worst(model: ModelCompared, comparison: Compared) -> str:
@@ -126,70 +81,23 @@ def _worst(model: ModelCompared, comparison: Compared) -> str:
     fixed = f"{number(torques.worst_frequency)} Hz"
     what = fixed if torques.worst_order is None else f"order {order(torques.worst_order)}"
     speed = rpm(float(comparison.speed[torques.worst_speed]))
-    return f"{model.model}: {_percent(torques.largest)} % at {speed} rpm, {what}, largest in {torques.component}"
+    percent = number(100.0 * torques.largest, 3)
+    return f"{model.model}: {percent} % at {speed} rpm, {what}, largest in {torques.component}"
 
 
-def _all(comparison: Compared) -> tuple[ModelCompared, ...]:
-    return comparison.models if comparison.exact is None else (comparison.exact, *comparison.models)
-
-
-def _percent(error: float) -> str:
-    return number(100.0 * error, 3)
-
-
-def _modes(comparison: Compared) -> Table:
+def _modes(comparison: Compared, exact: ModelCompared) -> Table:
     """Return frequencies of all models, with errors for every model but the exact one."""
-    exact, *approximate = _all(comparison)
-    titles = "Mode -> | exact [Hz] -> exact, Hz"
-    titles += "".join(
-        f" | {approximation.model} [Hz] | {approximation.model} error [%] -> {approximation.model} error, % | 1 − MAC"
-        for approximation in approximate
-    )
-    rows = []
-    for mode in range(min(MOST_MODES, len(exact.frequency))):
-        row = [str(mode + 1), number(float(exact.frequency[mode]), 9)]
-        for model in approximate:
-            row += [
-                number(float(model.frequency[mode]), 9),
-                _percent(float(model.frequency_error[mode])),
-                number(float(model.shape_error[mode]), 2),
-            ]
-        rows.append(row)
+    titles = "Mode -> | exact [Hz]:9 -> exact, Hz"
+    columns = [exact.frequency]
+    for model in comparison.models:
+        name = model.model
+        titles += f" | {name} [Hz]:9 | {name} error [%]:3 -> {name} error, % | 1 − MAC:2"
+        columns += [model.frequency, model.frequency_error, model.shape_error]
+    values = zip(*(column.tolist() for column in columns), strict=True)
     return table(
         titles,
-        rows,
+        [(mode, *row) for mode, row in enumerate(values, start=1)],
         "Natural frequencies of the models; MAC: modal assurance criterion of the shapes, weighted by inertia",
+        most=MOST_MODES,
         short="Natural frequencies of the models",
     )
-
-
-def _torques(findings: Findings, comparison: Compared) -> Iterator[Block]:
-    if comparison.speed is None:
-        yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
-        return
-    yield Paragraph(
-        "Complex torques at the driving end of every component, at every requested speed and order. The error is "
-        "relative "
-        "to the maximum torque at this speed and order, referred to one speed. The models are compared at equal "
-        "distances from their own resonances; the table above has the frequency errors."
-    )
-    compared = [
-        (model.model, model.torques) for model in comparison.models if model.torques is not None
-    ]
-    if places := tuple(text for model in comparison.models if (text := _worst(model, comparison))):
-        lines = [(name, torques.error) for name, torques in compared]
-        caption = "Maximum relative error of the torques over the speed"
-        yield Points(places, brief=True)
-        speed = comparison.speed * RPM
-        figure = error_curves.torques(
-            "check-torques",
-            caption,
-            speed=speed,
-            lines=lines,
-            tolerance=comparison.torque_tolerance,
-        )
-        yield of_torsion(findings, figure)
-    left_out = max(torques.left_out for _, torques in compared)
-    if left_out:
-        words = f"{counted(left_out, 'solution')} at undamped resonances."
-        yield Paragraph(f"Omitted: {words}", "note")
