@@ -84,13 +84,12 @@ def test_a_study_and_what_it_is_made_of_have_their_names_in_one_line() -> None:
     )
 
 
-def test_a_notebook_shows_a_study_its_train_and_its_system_as_tables() -> None:
+def test_a_notebook_shows_a_study_as_a_sketch_and_tables() -> None:
     findings = solved("pump_1200kw")
-    for shown in (findings.study, findings.study.train, findings.system):
-        page = shown._repr_html_()
-        assert "<table>" in page
-        assert html.escape(findings.study.train.parts[-1].name) in page
-    assert findings.study._repr_html_().count("<svg") == 1
+    page = findings.study._repr_html_()
+    assert "<table>" in page
+    assert html.escape(findings.study.train.parts[-1].name) in page
+    assert page.count("<svg") == 1
 
 
 DISCS = """

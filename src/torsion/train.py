@@ -22,7 +22,7 @@ from torsion.primitives import (
     StepForm,
     Torque,
 )
-from torsion.results import Displayed, by_name, listed, one_line
+from torsion.results import by_name, listed, one_line
 from torsion.sources import collected
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
@@ -37,7 +37,7 @@ class Link:
 
 
 @dataclass(frozen=True, repr=False)
-class Train(Displayed):
+class Train:
     """A shaft train, lowered."""
 
     parts: tuple[Part, ...]

@@ -25,7 +25,7 @@ from torsion.output.chapters.exact_response import compared, exact_half_range, f
 from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
-from torsion.output.numbers import NONE, RPM
+from torsion.output.numbers import NONE, RPM, rpm
 from torsion.output.results_json import documented, results
 from torsion.output.terminal import show
 from torsion.rules.stable_motion import stability_check
@@ -201,9 +201,8 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
     rows = table(blocks, "with unreliable amplitudes").rows
     assert [row[1] for row in rows[:2]] == ["none found", "coarse"]
     assert "did not end" in rows[0][4]
-    assert table(blocks, "Speeds without a solution").marks == ("fail",)
-    values = table(blocks, "by value")
-    assert "partly unknown" in values.rows[1][-1]
+    said = [block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "fail"]
+    assert "No periodic motion was found at 1 speed; stability is not known there." in said
     figures = [svg(block) for block in blocks if isinstance(block, Figure)]
     assert sum("no periodic motion found" in one for one in figures) == len(figures)
     stated = results(broken)["periodic"]
@@ -211,14 +210,12 @@ def test_what_was_not_found_is_flagged_and_never_a_number(broken: Findings) -> N
     assert stated["orders"][0]["torque_Nm"][0][0] == [None, None]
 
 
-def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findings) -> None:
+def test_several_motions_at_one_speed_are_told(several: Findings) -> None:
     found = several.need(PeriodicResponse).others
-    rows = table(periodic.chapter(several), "at the same speed").rows
-    assert [row[1] for row in rows].count("another") == found.speed.size > 0
-    assert rows[0][1] == "reported"
-    stated, another = (float(row[2]) for row in rows[:2])
-    assert another == pytest.approx(np.abs(found.torque[0]).max(), rel=1e-4)
-    assert abs(stated - another) > 0.01 * stated
+    said = [block.text for block in periodic.chapter(several) if isinstance(block, Paragraph)]
+    (note,) = (text for text in said if "several periodic motions" in text)
+    assert found.speed.size > 0
+    assert all(f"{rpm(speed)} rpm" in note for speed in found.speed.tolist())
 
 
 def test_every_key_of_the_exact_motion_is_documented_and_there(
@@ -356,9 +353,8 @@ def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Fin
         rpm_range(*(mapped.speed[1:3] * RPM)),
     )
     blocks = list(stability.chapter(missed))
-    stated = {row[-1] for row in table(blocks, "by value").rows}
-    assert stated == {f"stable at the {mapped.speed.size} speeds of the map"}
     said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
+    assert f"Small deviations grow at 0 of {mapped.value.size} values" in said
     assert "It does not show 1 of the 2 unstable ranges above" in said
     said = " ".join(
         block.text for block in stability.chapter(unstable) if isinstance(block, Paragraph)
@@ -405,13 +401,6 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(
     assert "no solution" in printed
     assert f"no periodic motion was found at any of the {stable.speed.size} speeds tried" in printed
     assert "∞" not in printed
-
-
-def test_speeds_that_read_alike_are_told_with_more_digits(unstable: Findings) -> None:
-    stable = unstable.need(Stability)
-    close = replace(stable, unsolved=np.array([337.6202131, 337.6202138]) / RPM)
-    rows = table(stability.chapter(unstable.having(stability=close)), "without a solution").rows
-    assert [row[0] for row in rows] == ["337.620213", "337.620214"]
 
 
 def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Findings) -> None:

@@ -12,7 +12,7 @@ from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
-from torsion.output.figures.variants import _histogram
+from torsion.output.figures.variants import histogram
 from torsion.output.numbers import RPM
 
 
@@ -60,4 +60,4 @@ def test_a_torque_over_speed_is_that_of_the_response(train: Findings) -> None:
 
 def test_values_that_differ_by_rounding_are_one_bar() -> None:
     values = 0.95 * (1.0 + np.finfo(float).eps * np.array([0.0, 1.0, 2.0, 0.0, 1.0, 2.0]))
-    assert _histogram(values).y.max() == pytest.approx(100.0)
+    assert histogram(values).y.max() == pytest.approx(100.0)

@@ -18,7 +18,6 @@ from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
 from torsion.primitives import Damper, Station
-from torsion.results import Displayed
 from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ class CondensedTrain:
 
 
 @dataclass(frozen=True, repr=False)
-class System(Displayed):
+class System:
     """A train assembled. Twist of a span = driving angle - driven angle / its ratio; its torque is positive when the
     driving side pushes the driven one, and is reported at the driving station's speed."""
 

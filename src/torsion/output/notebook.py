@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 from markupsafe import Markup
 
 from torsion.analyses.discretisation import assembled
@@ -24,13 +23,12 @@ from torsion.output.chapters import (
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
-from torsion.output.numbers import NONE, counted, number, rpm
+from torsion.output.numbers import counted, number
 from torsion.output.reported_values import amplitude, harmonic_name
-from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
+from torsion.output.selection import NO_VALUE, Element, elements, highest, largest
 from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study
-from torsion.train import Train
 
 MOST_ROWS = 30  # of stations, or of spans
 MOST_MODES = 30  # in the table of their frequencies
@@ -38,11 +36,9 @@ FEW = 6  # frequencies in a line
 
 
 def bundle(shown: Any) -> dict[str, str]:
-    """Return one line and a fragment without scripts for a study, its train or system, Findings, Modes or Response."""
+    """Return one line and a fragment without scripts for a study, Findings, Modes or a Response."""
     content: dict[type, Callable[[Any], Iterator[Block]]] = {
         Study: _study,
-        Train: _train,
-        System: _system,
         Findings: _findings,
         Modes: _modes,
         Response: _response,
@@ -62,14 +58,13 @@ def line(shown: Any) -> str:
         case Findings():
             text = _findings_line(shown)
         case Modes():
-            text = f"{counted(shown.frequency.size, 'elastic mode')}{_frequencies(shown)}"
+            ellipsis = ", …" if shown.frequency.size > FEW else ""
+            hertz = ", ".join(map(number, shown.frequency[:FEW].tolist()))
+            text = counted(shown.frequency.size, "elastic mode")
+            text += f": {hertz}{ellipsis} Hz" if hertz else ""
         case Response():
-            text = " at ".join(
-                (
-                    counted(len(shown.lines), "harmonic component"),
-                    counted(shown.speed.size, "speed"),
-                )
-            )
+            components = counted(len(shown.lines), "harmonic component")
+            text = f"{components} at {counted(shown.speed.size, 'speed')}"
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
     return one_line(f"{type(shown).__name__}: {text}")
@@ -84,16 +79,6 @@ def _findings_line(findings: Findings) -> str:
         else "no check"
     )
     return f"{findings.study.name}; {judged}; results: {', '.join(findings.results)}"
-
-
-def _frequencies(modes: Modes) -> str:
-    """Return the first frequencies after a colon; nothing if there is none."""
-    ellipsis = ", …" if modes.frequency.size > FEW else ""
-    return (
-        f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{ellipsis} Hz"
-        if modes.frequency.size
-        else ""
-    )
 
 
 def _findings(findings: Findings) -> Iterator[Block]:
@@ -117,21 +102,6 @@ def _study(study: Study) -> Iterator[Block]:
     findings = _alone(None, assembled(study), study)
     yield KeyValues((("Study", study.name),))
     yield from _plant(findings)
-    yield from _mass_elastic(findings)
-
-
-def _train(train: Train) -> Iterator[Block]:
-    rows = ((part.name, part.kind, part.ratio) for part in train.parts)
-    yield table("< Component | < Kind | Speed ratio", rows, "Components")
-
-
-def _system(system: System) -> Iterator[Block]:
-    """Yield the mass-elastic tables, of long ones the first rows."""
-    yield from _mass_elastic(_alone(system, system))
-
-
-def _mass_elastic(findings: Findings) -> Iterator[Table]:
-    """Yield the mass-elastic tables of a train, of long ones the first rows."""
     for block in mass_elastic.chapter(findings):
         if isinstance(block, Table):
             yield _first(block, MOST_ROWS)
@@ -157,28 +127,24 @@ def _modes(modes: Modes) -> Iterator[Block]:
 def _response(response: Response) -> Iterator[Block]:
     """Yield the largest harmonic component of every element, and the curve of the one that carries most."""
     findings = _alone(response, response.system)
-    sizes = {
-        element: amplitude(findings, element.spans)
-        for element in elements(response.system)
-        if np.any(np.abs(response.torque[:, :, list(element.spans)]) > 0)
-    }
-    if not sizes:
-        yield Paragraph("nothing excites")
-        return
-    unit = torques(sizes.values())
-    rows = []
-    for element, size in sizes.items():
-        peak = largest(size.ravel())
-        if peak is None:
-            rows.append((element.name, NO_VALUE, NONE, NONE))
+    rows, strongest = list[tuple[Any, ...]](), dict[Element, float]()
+    for element in elements(response.system):
+        size = amplitude(findings, element.spans)
+        if not response.torque[..., list(element.spans)].any():
+            continue
+        strongest[element] = highest(size) * element.ratio
+        if (peak := largest(size.ravel())) is None:
+            rows.append((element.name, NO_VALUE, None, None))
         else:
             speed, line = divmod(peak, size.shape[1])
-            torque, name = unit.text(float(size[speed, line])), harmonic_name(response, line)
-            rows.append((element.name, torque, rpm(float(response.speed[speed])), name))
-    titles = f"< Element | Torque amplitude [{unit.unit}] | At speed [rpm] | Order"
+            at = float(response.speed[speed])
+            rows.append((element.name, size[speed, line], at, harmonic_name(response, line)))
+    if not rows:
+        yield Paragraph("nothing excites")
+        return
+    titles = "< Element | Torque amplitude [~N m] | At speed [rpm] | Order"
     yield table(titles, rows, "Largest torque amplitude of any one harmonic component")
-    strongest = max(sizes, key=lambda element: highest(sizes[element]) * element.ratio)
-    yield forced_response.curves(findings, strongest)
+    yield forced_response.curves(findings, max(strongest, key=strongest.__getitem__))
 
 
 def _alone(result: Any, system: System, study: Study | None = None) -> Findings:

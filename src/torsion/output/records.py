@@ -74,7 +74,8 @@ def values_of_records(
         if name not in level_of:
             raise ValueError(f"{type(records[-1]).__name__} declares no '{name}'")
         level = level_of[name]
-        unit = declared_of(records[level])[name].unit.removeprefix("1")
+        unit = declared_of(records[level])[name].unit
+        unit = "" if unit == "1" else unit
         units.append(title or unit_words(unit))
         can_show = unit if unit_words(unit) == units[-1].lstrip("~") else None
         if shown.get(units[-1], (can_show,))[0] != unit:

@@ -218,22 +218,13 @@ def test_of_more_than_twenty_such_speeds_the_first_twenty_are_listed(train: Find
         assert flagged.caption.endswith(words)
 
 
-def test_motions_at_one_speed_by_their_largest_torque_with_order_place_and_growth(
-    train: Findings,
-) -> None:
-    """The reported one first, then the others of that speed; the largest is stated with its order and element."""
-    sizes = {"first": [[1, 2, 3, 4], [5, 6, 90, 7]], "tube": [[10, 70, 20, 30], [9, 9, 9, 9]]}
-    others = exact(train, laid(train, sizes, 2, 4), speed=SPEED[[0, 0]], is_unstable=[False] * 2)
-    blocks = list(chapter(answered(train, others=others)))
-    assert [type(block) for block in blocks][:4] == [Heading, Paragraph, Paragraph, Table]
-    assert table(blocks, "Periodic motions found at the same speed").rows == (
-        ("429.72", "reported", "2000.0", "2/3 ≈ 0.6667", "first", "−0.250"),
-        ("429.72", "another", "70.000", "4/3 ≈ 1.3333", "tube", "−0.250"),
-        ("429.72", "another", "90.000", "2", "first", "0.750"),
-    )
-    assert [block.kind for block in blocks if isinstance(block, Paragraph)] == ["plain", "note"]
-    bare = list(chapter(answered(train, others=replace(others, growth=None))))
-    assert [row[5] for row in table(bare, "Periodic motions").rows] == ["−0.250", "–", "–"]
+def test_speeds_with_several_motions_are_named(train: Findings) -> None:
+    others = exact(train, laid(train, EXACT, 3, 4)[:2], speed=SPEED[[0, 0]])
+    blocks = list(chapter(answered(train, others=replace(others, status=others.status[:2]))))
+    note = blocks[2]
+    assert isinstance(note, Paragraph)
+    assert "several periodic motions (429.72 rpm)" in note.text
+    assert note.kind == "note"
 
 
 def test_both_methods_side_by_side_in_one_unit(train: Findings) -> None:

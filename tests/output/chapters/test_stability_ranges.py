@@ -275,13 +275,9 @@ def test_of_more_than_thirty_ranges_thirty_are_listed_and_all_counted(operated: 
 def test_speeds_without_an_answer_and_the_curve_of_growth(operated: Findings) -> None:
     speed = np.arange(301.0, 332.0) / RPM
     blocks = list(chapter(with_stability(operated, ranges=(), unsolved=speed)))
-    assert [type(block) for block in blocks] == [Heading, Paragraph, Paragraph, Table, Figure]
-    (found,) = tables(blocks)
-    assert found.caption == "Speeds without a solution; the first 30 of 31"
-    assert [row[0] for row in found.rows] == [f"{n}.00" for n in range(301, 331)]
-    assert found.marks == ("fail",) * 30
-    (found,) = tables(list(chapter(with_stability(operated, ranges=(), unsolved=speed[:2]))))
-    assert (found.caption, len(found.rows)) == ("Speeds without a solution", 2)
+    assert [type(block) for block in blocks] == [Heading, *[Paragraph] * 3, Figure]
+    words = "No periodic motion was found at 31 speeds; stability is not known there."
+    assert stated(blocks)[-1] == (words, "fail")
     assert grown(list(chapter(with_stability(operated)))[-1]) == {
         "speed": pytest.approx([300.0, 340.0, 420.0, 450.0, 480.0, 600.0, 900.0]),
         "growth": STABILITY.growth.tolist(),
@@ -341,19 +337,10 @@ GROWN = np.array(
 )
 
 
-def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Findings) -> None:
-    """A growth below 1e-5 /s is rounding; of three speeds one without an answer is a third."""
+def test_map_by_value(operated: Findings) -> None:
+    """A growth below 1e-5 /s is rounding: deviations grow at 20 degrees alone, where 2e-5 and 0.5 are found."""
     blocks = mapped(operated, GROWN, value=np.radians([10.0, 20.0, 30.0, 40.0]))
-    assert [type(block) for block in blocks] == [Heading, Heading, Paragraph, Table, Figure]
-    (found,) = tables(blocks)
-    assert found.rows == (
-        ("10.00", "−1.000", "500.00", "0", "0", "stable at the 3 speeds of the map"),
-        ("20.00", "0.5000", "500.00", "100", "33.3", "UNSTABLE, partly unknown"),
-        ("30.00", "–", "–", "–", "100", "no periodic motion"),
-        ("40.00", "5.000·10⁻⁶", "300.00", "0", "0", "stable at the 3 speeds of the map"),
-    )
-    assert found.marks == ("", "fail", "fail", "")
-    assert (found.columns[0].title, found.columns[0].unit) == ("Joint angle", "deg")
+    assert [type(block) for block in blocks] == [Heading, Heading, Paragraph, Figure]
     assert [block.text for block in blocks if isinstance(block, Heading)] == [
         "Stability",
         "Map over speed and joint angle",
@@ -363,7 +350,8 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
         (
             (
                 "Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the full model was also "
-                "computed: maximum difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are "
+                "computed: maximum difference 0.0012 1/s. Small deviations grow at 1 of 4 values of the joint "
+                "angle. At 4 of 12 points no periodic motion was found; they are "
                 "hatched."
             ),
             "note",
@@ -375,18 +363,6 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     assert cells.y == pytest.approx([10.0, 20.0, 30.0, 40.0])
     assert plot(blocks[-1]).y.title == "joint angle, deg"
     assert levels(blocks[-1]) == {"rated speed": [pytest.approx(750.0)]}
-
-
-def test_value_of_a_map_that_is_unknown_at_one_speed_is_stable_at_the_others(
-    operated: Findings,
-) -> None:
-    growth = np.array([[-1.0, 0.5], [np.nan, 0.6], [-2.0, -0.7]])
-    (found,) = tables(mapped(operated, growth, over="damping", value=np.array([0.5, 2.0])))
-    assert found.rows == (
-        ("0.5000", "−1.000", "300.00", "0", "33.3", "stable at 2 of 3 speeds, partly unknown"),
-        ("2.000", "0.6000", "500.00", "66.7", "0", "UNSTABLE"),
-    )
-    assert found.marks == ("fail", "fail")
 
 
 def test_map_over_a_factor_has_no_unit_and_says_where_it_found_another_motion(
@@ -404,21 +380,14 @@ def test_map_over_a_factor_has_no_unit_and_says_where_it_found_another_motion(
         (
             (
                 "Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the full model was "
-                "also computed: maximum difference 0.0012 1/s. At 1 point it settled in another periodic motion."
+                "also computed: maximum difference 0.0012 1/s. Small deviations grow at 0 of 2 values of the factor on "
+                "the mean torque. At 1 point it settled in another periodic motion."
             ),
             "plain",
         )
     ]
     assert plot(blocks[-1]).y.title == "factor on the mean torque"
     assert plot(blocks[-1]).cells.y.tolist() == [0.5, 2.0]
-    assert tables(blocks)[0].columns[0].unit == ""
-
-
-def test_thirteen_values_spread_over_a_map_are_listed(operated: Findings) -> None:
-    (found,) = tables(
-        mapped(operated, np.full((3, 25), -1.0), over="damping", value=np.arange(1.0, 26.0))
-    )
-    assert [float(row[0]) for row in found.rows] == list(range(1, 26, 2))
 
 
 @pytest.mark.parametrize(
@@ -442,7 +411,7 @@ def test_map_says_how_many_ranges_fall_between_its_speeds(
     both = with_stability(operated, ranges=ranges)
     text = stated(mapped(both, np.full((3, 2), -1.0)))[-1][0]
     said = f" The map has 3 speeds only. It does not show{words}"
-    assert text.endswith(f"1/s.{said if words else ''}")
+    assert text.endswith(f"joint angle.{said if words else ''}")
 
 
 SHAFT = MisalignedShaft(

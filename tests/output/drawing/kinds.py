@@ -1,5 +1,6 @@
 """One figure of each kind, with names that are markup elsewhere."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,13 @@ from torsion.output.figures import (
     frequencies_over_speed,
     joint_curves,
     mode_shape,
-    orders_over_speed,
 )
-from torsion.output.figures.figure import Axis, Disc, Figure, Link, Sketch
+from torsion.output.figures.figure import Axis, Cells, Disc, Figure, Link, Panel, Sketch
 
 SPEED = np.linspace(300.0, 1800.0, 61)
 BUMP = 100.0 / (1.0 + ((SPEED - 900.0) / 60.0) ** 2)
 BAD = np.abs(SPEED - 1500.0) < 1.0
+RAD_PER_S = np.pi / 30.0
 TURN, RAD = np.linspace(0.0, 360.0, 361), np.pi / 180.0
 OVER_SPEED: dict[str, Any] = {
     "speed": SPEED,
@@ -38,14 +39,12 @@ SKETCH = Sketch(
 ERRORS = [("<lumped>", np.array([1e-5, np.inf, 0.0])), ("$fem$", np.array([1e-12, 1e-9, 1e-8]))]
 PANELS = [
     (
-        "angle error",
-        "deg",
+        Axis("angle error", "deg"),
         57.3,
         [("behind <a> & $b$", np.sin(2 * RAD * TURN)), ("behind joint-2", 0 * TURN)],
     ),
     (
-        "speed",
-        "rpm",
+        Axis("speed", "rpm"),
         1500.0,
         [("behind <a> & $b$", 1500 + np.cos(2 * RAD * TURN)), ("behind joint-2", TURN)],
     ),
@@ -70,6 +69,12 @@ def frequency(**changes: Any) -> Figure:
     return curves_over_speed.frequency(
         "f", "c", **{**values, **changes}, quantity="torque amplitude", unit="N m"
     )
+
+
+def waterfall(x: np.ndarray, y: np.ndarray, values: np.ndarray, across: str = "order") -> Figure:
+    """A map in logarithms."""
+    cells = Cells(x, y, values, "torque amplitude", "N m", float(values.max()), 3.0)
+    return Figure("waterfall", "c", (Panel(Axis(across), Axis("time", "s"), cells=cells),))
 
 
 KINDS: dict[str, Figure] = {
@@ -117,39 +122,22 @@ KINDS: dict[str, Figure] = {
         "g", "c", **OVER_SPEED, vibratory=BUMP, mean=BUMP * 0 + 50, unit="N m", limit=70.0
     ),
     "frequency": frequency(),
-    "joint": joint_curves.joint_turn(
-        "j", "c", angle=TURN, quantity="angle before <j>", panels=PANELS
-    ),
-    "periodic": curves_over_speed.periodic(
-        "p",
-        "c",
-        first_speed=SPEED,
-        speed=SPEED,
-        lines=[("order 2", BUMP + 1, BUMP), ("order 4", None, BUMP / 9)],
-        unit="N m",
-        none=BAD,
-        coarse=SPEED < 350.0,
-        grows=(SPEED > 800.0) & (SPEED < 1000.0),
-        unstable=((800.0, 1000.0),),
-        rated=1500.0,
-    ),
+    "joint": joint_curves.joint_turn("j", "c", TURN * RAD, PANELS, "<j>"),
     "stability": curves_over_speed.stability(
         "stability",
         "c",
-        speed=SPEED,
-        growth=np.where(BAD, np.nan, BUMP - 50),
-        rated=1500.0,
-        unstable=[(840.0, 960.0, "principal of <mode> 1 & $x$")],
+        SPEED * RAD_PER_S,
+        np.where(BAD, np.nan, BUMP - 50),
+        [SimpleNamespace(first=840 * RAD_PER_S, last=960 * RAD_PER_S, name="of <mode> 1 & $x$")],
+        1500.0,
     ),
     "stability map": curves_over_speed.stability_map(
-        "map",
         "c",
-        speed=SPEED,
-        value=np.array([5.0, 10.0, 15.0]),
-        quantity="joint angle",
-        unit="deg",
-        rated=1500.0,
-        growth=np.where(BAD[:, None], np.nan, np.outer(BUMP, [0.5, 1.0, 1.5]) - 50),
+        SPEED * RAD_PER_S,
+        Axis("joint angle", "deg"),
+        np.array([5.0, 10.0, 15.0]),
+        np.where(BAD[:, None], np.nan, np.outer(BUMP, [0.5, 1.0, 1.5]) - 50),
+        1500.0,
     ),
     "whirl": frequencies_over_speed.whirl(
         "whirl-1",
@@ -176,27 +164,11 @@ KINDS: dict[str, Figure] = {
     "over time": curves_over_time.over_time(
         "motion 1",
         "c",
-        time=SPEED,
-        quantity="torque",
-        unit="kN m",
-        lines=[("<coupling> $x$", -BUMP), ("disc", BUMP)],
+        SPEED,
+        [("<coupling> $x$", -BUMP), ("disc", BUMP)],
+        Axis("torque", "kN m"),
     ),
-    "orders": orders_over_speed.orders(
-        "orders",
-        "c",
-        over=Axis("time", "s"),
-        x=SPEED,
-        lines=[("order 2 of <a> & $x$", BUMP)],
-        unit="N m",
-    ),
-    "waterfall": orders_over_speed.waterfall(
-        "waterfall",
-        "c",
-        over=Axis("speed of <a> & $x$", "rpm"),
-        y=SPEED,
-        order=np.arange(1, 4) / 8.0,
-        amplitude=np.outer(BUMP, [0.0, 1e-9, 2.0]),
-        reference="<a> & $x$",
-        unit="N m",
+    "waterfall": waterfall(
+        np.arange(1, 4) / 8.0, SPEED, np.outer(BUMP, [0.0, 1e-9, 2.0]), "order of <a> & $x$"
     ),
 }

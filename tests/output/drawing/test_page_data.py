@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 from tests.for_all import for_all
-from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque
+from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque, waterfall
 from tests.output.drawn import named
 
 from torsion.output.drawing.page_data import LEFT_OUT, MOST_POINTS, THINNED, Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import plain
 from torsion.output.figure_csv import Cells, csv_of, pieces
-from torsion.output.figures import curves_over_speed, mode_shape, orders_over_speed
+from torsion.output.figures import curves_over_speed, mode_shape
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.figures.figure import Axis, Figure
 
@@ -93,9 +93,7 @@ def test_a_place_without_a_value_is_kept_and_names_cannot_end_the_element() -> N
 def test_of_long_lines_the_extremes_are_kept_and_the_table_says_so() -> None:
     time, values = np.linspace(0.0, 1.0, 50_000), np.zeros(50_000)
     values[31_234], values[777] = 9.0, -8.0
-    figure = over_time(
-        "m", "c", time=time, lines=[("a", values), ("b", -values)], quantity="torque", unit="N m"
-    )
+    figure = over_time("m", "c", time, [("a", values), ("b", -values)], Axis("torque", "N m"))
     (data,), arrays, _ = read(figure)
     one, other = data["plots"][0]["lines"]
     assert one["x"] == other["x"]
@@ -109,16 +107,7 @@ def test_of_long_lines_the_extremes_are_kept_and_the_table_says_so() -> None:
 
 
 def test_a_large_map_is_left_out_and_the_table_says_so() -> None:
-    figure = orders_over_speed.waterfall(
-        "w",
-        "c",
-        over=Axis("time", "s"),
-        y=np.arange(300.0),
-        order=np.arange(1.0, 101.0),
-        amplitude=np.ones((300, 100)),
-        reference="a",
-        unit="N m",
-    )
+    figure = waterfall(np.arange(1.0, 101.0), np.arange(300.0), np.ones((300, 100)))
     (data,), arrays, _ = read(figure)
     assert data["csv"][0] == LEFT_OUT
     assert sum(one.size for one in arrays) == 0

@@ -14,8 +14,16 @@ from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.figures import curves_over_speed
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.curves_over_speed import NO_MOTION
+from torsion.output.figures.figure import Figure, Line, Marks, Panel, Symbol
+from torsion.output.figures.ranges import (
+    SPEED,
+    amplitudes,
+    barred_bands,
+    rated_level,
+    span,
+    unanswered,
+)
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import (
     RPM,
@@ -33,6 +41,7 @@ from torsion.output.reported_values import (
     worth_a_figure,
 )
 from torsion.output.selection import Element, elements, highest, largest, torques
+from torsion.results import listed
 
 MOST_ROWS = 60
 MOST_FIGURES = 6
@@ -77,15 +86,14 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(judged, "note")
     yield from _flagged_table(periodic)
     if periodic.others is not None:
-        yield Paragraph(
-            "At some peaks the equations have several periodic motions. The approach to the speed decides which one "
-            "occurs; an unstable motion does not persist. Curves and tables show the motion called `reported`.",
-            "note",
+        speeds = listed(
+            [f"{rpm(speed)} rpm" for speed in np.unique(periodic.others.speed).tolist()]
         )
-        yield table(
-            "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]:3",
-            _motions(findings, periodic, periodic.others),
-            "Periodic motions found at the same speed, at the highest peaks",
+        yield Paragraph(
+            f"At some peaks the equations have several periodic motions ({speeds}). The approach to the speed decides "
+            "which one occurs; an unstable motion does not persist. Curves and tables show one of them; "
+            "`periodic.others` of results.json has the others.",
+            "note",
         )
     if rows:
         yield _table(findings, rows)
@@ -120,24 +128,18 @@ def _introduction(findings: Findings, periodic: PeriodicResponse) -> Paragraph:
     )
 
 
-def _flagged(periodic: PeriodicResponse) -> BoolArray:
-    """(speeds,) the exact response has no value, a coarse one, or one that small deviations leave."""
-    return np.asarray((periodic.status != Found.OK) | periodic.is_unstable)
-
-
 def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
     """The speeds without a periodic motion, with a coarse or an unstable one; nothing where there is none."""
     rows, marks = [], []
-    for k in np.flatnonzero(_flagged(periodic)).tolist():
-        state, reason = (
-            WORDS[periodic.status[k]],
-            periodic.why[k] or "more harmonics would be needed",
-        )
+    flagged = np.flatnonzero((periodic.status != Found.OK) | periodic.is_unstable).tolist()
+    for k in flagged:
+        state, reason = WORDS[periodic.status[k]], "more harmonics would be needed"
         if periodic.is_unstable[k]:
             state += ", unstable"
-            reason = periodic.why[k] or "unstable: the train does not settle in this motion"
+            reason = "unstable: the train does not settle in this motion"
         growth = None if periodic.growth is None else periodic.growth[k]
-        rows.append((periodic.speed[k], state, growth, periodic.truncation[k], reason))
+        omitted, why = periodic.truncation[k], periodic.why[k] or reason
+        rows.append((periodic.speed[k], state, growth, omitted, why))
         marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
     if rows:
         yield table(
@@ -147,27 +149,6 @@ def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
             marks=marks,
             most=MOST_FLAGGED,
         )
-
-
-def _motions(
-    findings: Findings, periodic: PeriodicResponse, further: PeriodicResponse
-) -> Iterator[tuple[object, ...]]:
-    """Every motion at the speeds at which several were found, by its largest amplitude, the reported one first."""
-    for speed in np.unique(further.speed).tolist():
-        motions = [("reported", periodic, int(np.flatnonzero(periodic.speed == speed)[0]))]
-        motions += [
-            ("another", further, k) for k in np.flatnonzero(further.speed == speed).tolist()
-        ]
-        for name, motion, row in motions:
-            size = {
-                element: element.largest(np.abs(motion.torque[row]))
-                for element in elements(findings.system)
-            }
-            element = max(size, key=lambda element: float(size[element].max()))
-            rank = int(size[element].argmax())
-            growth = None if motion.growth is None else motion.growth[row]
-            torque = size[element][rank]
-            yield speed, name, torque, order(motion.orders[rank]), element.name, growth
 
 
 def _table(findings: Findings, compared: tuple[Compared, ...]) -> Table:
@@ -195,39 +176,44 @@ def _table(findings: Findings, compared: tuple[Compared, ...]) -> Table:
 
 
 def _figure(findings: Findings, element: Element) -> Figure:
-    """At the orders of the joints and twice them: of two cross joints 2 and 4."""
+    """Draw both methods at the orders of the joints and twice them: of two cross joints 2 and 4."""
     response, periodic = findings.need(Response), findings.need(PeriodicResponse)
-    system = findings.system
+    system, speed = findings.system, periodic.speed * RPM
     first, exact = amplitude(findings, element.spans), element.largest(np.abs(periodic.torque))
-    unit, lines = torques([exact]), [line.order for line in response.lines]
-    joints = {
+    unit, orders = torques([exact]), [line.order for line in response.lines]
+    of_joints = {
         n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error
     }
-    pairs = [
-        (
-            f"order {order(n)}",
-            first[:, lines.index(n)] * unit.factor if n in lines else None,
-            exact[:, periodic.orders.index(n)] * unit.factor,
+    lines, marks = list[Line](), list[Marks]()
+    for order_shown in sorted({n * ratio for ratio in of_joints for n in (1, 2)})[:MOST_ORDERS]:
+        if order_shown not in periodic.orders:
+            continue
+        words, pen = f"order {order(order_shown)}", len(lines)
+        size = exact[:, periodic.orders.index(order_shown)] * unit.factor
+        label = words.removeprefix("order ")
+        lines.append(Line(f"{words}, exact", speed, size, pen, label, weight=1.7, symbol="dot"))
+        if order_shown in orders:
+            size_first = first[:, orders.index(order_shown)] * unit.factor
+            lines.append(Line(f"{words}, first order", response.speed * RPM, size_first, pen + 1))
+        flags: tuple[tuple[str, BoolArray, Symbol], ...] = (
+            ("unstable motion", periodic.is_unstable, "cross"),
+            ("not resolved", periodic.status == Found.COARSE, "box"),
         )
-        for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
-        if n in periodic.orders
-    ]
-    return of_torsion(
-        findings,
-        curves_over_speed.periodic(
-            f"periodic-{element.part}-{element.spans[0]}",
-            f"Torque in {element.name}, orders of the joints, both methods",
-            first_speed=response.speed * RPM,
-            speed=periodic.speed * RPM,
-            lines=pairs,
-            unit=unit.unit,
-            none=periodic.status == Found.NONE,
-            coarse=periodic.status == Found.COARSE,
-            grows=periodic.is_unstable,
-            unstable=unstable_rpm(findings),
-            rated=rated_rpm(findings),
-        ),
+        for name, places, symbol in flags:
+            marks.append(Marks(name, speed[places], size[places], symbol, "unstable"))
+    _, unknown = unanswered(speed, periodic.status == Found.NONE, NO_MOTION)
+    panel = Panel(
+        span(SPEED, np.append(response.speed * RPM, speed)),
+        amplitudes("torque amplitude", unit.unit, [line.y for line in lines]),
+        tuple(lines),
+        rated_level(rated_rpm(findings)),
+        barred_bands((), unstable_rpm(findings)) + unknown,
+        tuple(marks),
+        height=140.0,
     )
+    name = f"periodic-{element.part}-{element.spans[0]}"
+    caption = f"Torque in {element.name}, orders of the joints, both methods"
+    return of_torsion(findings, Figure(name, caption, (panel,)))
 
 
 def exact_half_range(findings: Findings, spans: Sequence[int]) -> FloatArray:

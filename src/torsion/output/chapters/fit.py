@@ -9,6 +9,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
 from torsion.output.numbers import RPM, Scale, counted, given, number, order, scale
+from torsion.output.records import along
 from torsion.output.reported_values import reference
 from torsion.what_if.fit.fit_results import Fit, FittedCurve
 
@@ -63,14 +64,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _points(findings, curve)
 
     yield Paragraph(IDENTIFIED)
-    rows = [
-        (
-            0.0 if direction.is_unidentified else direction.information,
-            direction.words.replace(" -", " −"),
-        )
-        for direction in fit.directions
-    ]
-    yield table("Information:3 | < Combination", rows, "Identified combinations of parameters")
+    titles = "information: Information:3 | words: < Combination | is_unidentified: < Not identified"
+    yield table(titles, fit.directions, "Identified combinations of parameters")
     names = [figure.name for figure in fit.figures]
     pairs = sorted(
         combinations(range(len(names)), 2), key=lambda pair: -abs(float(fit.correlation[pair]))
@@ -125,19 +120,14 @@ def _scale(curve: FittedCurve) -> Scale:
 
 
 def _title(findings: Findings, curve: FittedCurve) -> str:
-    what = {
-        "angle": "angular amplitude",
-        "speed": "amplitude of the speed",
-        "torque": "amplitude of the torque",
-    }
-    return (
-        f"{what[curve.quantity]} at {curve.at}, order {order(curve.order)} of {reference(findings)}"
+    what = (
+        "angular amplitude" if curve.quantity == "angle" else f"amplitude of the {curve.quantity}"
     )
+    return f"{what} at {curve.at}, order {order(curve.order)} of {reference(findings)}"
 
 
 def _drawn(findings: Findings, curve: FittedCurve, position: int) -> Figure:
-    size = _scale(curve)
-    x = curve.curve_speed * RPM
+    size, x = _scale(curve), curve.curve_speed * RPM
     panel = Panel(
         Axis("speed", "rpm"),
         Axis(f"amplitude of {curve.quantity}", size.unit, low=0.0),
@@ -151,26 +141,20 @@ def _drawn(findings: Findings, curve: FittedCurve, position: int) -> Figure:
 
 
 def _points(findings: Findings, curve: FittedCurve) -> Block:
-    size, shown = _scale(curve), np.arange(curve.speed.size)
-    varies = bool((curve.deviation > curve.within).any())
-    if shown.size > MOST_POINTS:
-        shown = np.sort(np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS])
-    amplitudes = (curve.measured, curve.before, curve.after)
-    columns = [curve.speed, *(amplitude * size.factor for amplitude in amplitudes)]
-    columns += [curve.deviation] if varies else []
-    columns += [curve.residual] + ([] if curve.phase_residual is None else [curve.phase_residual])
+    """Return the measured points, of many those with the largest residuals."""
+    largest = np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS]
+    size, shown = _scale(curve), np.sort(largest).tolist()
+    amplitudes = np.transpose([curve.measured, curve.before, curve.after]) * size.factor
     remark = ""
-    if shown.size < curve.speed.size:
+    if len(shown) < curve.speed.size:
         remark = f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
     if curve.unused:
         remark += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
-    phase = "" if curve.phase_residual is None else " | Residual of the phase:2 -> of phase"
-    unit, residual = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %:2"
-    if varies:
-        residual = "Deviation [%]:3 -> ± % | Residual, in deviations:2"
+    phase = "" if curve.phase_residual is None else " | phase_residual: Residual of the phase:2"
     return table(
-        f"Speed [rpm] | Measured [={unit}] | Before the fit [={unit}] -> before | Fitted [={unit}] -> fitted | "
-        f"{residual} -> residual{phase}",
-        np.stack(columns, axis=1)[shown].tolist(),
+        f"speed: Speed [rpm] | Measured [={size.unit}] | Before the fit [={size.unit}] -> before | "
+        f"Fitted [={size.unit}] -> fitted | deviation: Deviation [%]:3 -> ± % | "
+        f"residual: Residual, in deviations:2 -> residual{phase}",
+        [(place, *amplitudes[place.index].tolist()) for place in along(curve, "point", shown)],
         f"Measured {_title(findings, curve)}{remark}",
     )

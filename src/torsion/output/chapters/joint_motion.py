@@ -5,27 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.joints.joint_results import (
-    CoupleFound,
-    JointFound,
-    Joints,
-    LineFound,
-)
+from torsion.analyses.joints.joint_results import Joints, LineFound
 from torsion.analyses.response.amplitudes import Response
-from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import closing, joint_tables
 from torsion.output.chapters.joint_tables import names
-from torsion.output.figures import joint_curves
-from torsion.output.figures.figure import Figure
-from torsion.output.numbers import RPM, order, scale
+from torsion.output.figures.figure import Axis, Figure
+from torsion.output.figures.joint_curves import joint_turn
+from torsion.output.numbers import scale
 from torsion.output.reported_values import amplitude, joint_model
 from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
 
 RAD = 180.0 / np.pi
-Curves = list[tuple[str, FloatArray]]  # label; (angles,)
 AXES = (
     "Angles count from the plane of the two shafts of a joint. A secondary couple acts on its shaft about the"
     " normal n of this plane, and about the axis in the plane that is perpendicular to the shaft."
@@ -53,7 +46,6 @@ def alone(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Universal joints")
     yield joint_tables.geometry(joints)
-    yield joint_tables.alone(joints)
     yield Heading("Joints together", 2)
     yield joint_tables.lines(joints)
     yield from joint_tables.at_speed(joints)
@@ -101,18 +93,15 @@ def _response(findings: Findings, joints: Joints) -> Iterator[Block]:
         return
     rows = []
     for joint in exciting:
-        wanted = joint.order * joint.ratio
-        size = amplitude(
-            findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
-        )
-        for column in (k for k, line in enumerate(response.lines) if line.order == wanted):
+        spans = [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
+        size, order = amplitude(findings, spans), joint.order * joint.ratio
+        for column in (k for k, line in enumerate(response.lines) if line.order == order):
             row = largest(size[:, column])
             error = None if row is None else response.joint_error[row, column]
-            torque = worst(size[:, column], response.speed)
-            rows.append((joint.name, f"order {order(wanted)}", *torque, error))
+            rows.append((joint.name, order, *worst(size[:, column], response.speed), error))
     yield Heading("Excitation of the train", 2)
     yield table(
-        "< Joint | < Order | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]:2",
+        "< Joint | Order:o | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]:2",
         rows,
         "Response of the train to the order of each joint",
     )
@@ -122,39 +111,22 @@ def _response(findings: Findings, joints: Joints) -> Iterator[Block]:
 def _motion(joints: Joints, number: int, line: LineFound) -> Figure:
     """Angle error, speed, acceleration and torque ratio behind every joint of one line."""
     in_line = [joints.joints[k] for k in line.joints]
-    speed = in_line[0].speed
-    rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
-    curves = [
-        ("angle error", "deg", RAD, "error"),
-        (
-            "speed ratio" if speed is None else "speed",
-            "" if speed is None else "rpm",
-            rate,
-            "speed_ratio",
-        ),
-        ("acceleration / speed²", "1/rad", square, "acceleration")
-        if speed is None
-        else ("acceleration", "rad/s²", square, "acceleration"),
-        ("torque downstream / upstream", "", 1.0, "torque_ratio"),
-    ]
+    curves = (
+        ("error", "angle error", "deg", RAD),
+        ("speed_ratio", "speed ratio", "", 1.0),
+        ("acceleration", "acceleration / speed²", "1/rad", 1.0),
+        ("torque_ratio", "torque downstream / upstream", "", 1.0),
+    )
     panels = [
         (
-            title,
-            unit,
+            Axis(title, unit),
             size,
-            [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in in_line],
+            [(f"downstream of {joint.name}", getattr(joint, name) * size) for joint in in_line],
         )
-        for title, unit, size, values in curves
+        for name, title, unit, size in curves
     ]
-    turning = (
-        "which rotates uniformly"
-        if speed is None
-        else f"which rotates uniformly at {speed * RPM:.6g} rpm"
-    )
-    caption = (
-        f"Motion downstream of {names(joints, line)} over the angle of the first shaft, {turning}"
-    )
-    return _turn(f"joint-motion-{number + 1}", caption, joints, in_line[0], panels)
+    caption = f"Motion downstream of {names(joints, line)} over the angle of the first shaft, which rotates uniformly"
+    return joint_turn(f"joint-motion-{number + 1}", caption, joints.angle, panels, in_line[0].name)
 
 
 def _couples(joints: Joints, number: int) -> Figure:
@@ -162,38 +134,18 @@ def _couples(joints: Joints, number: int) -> Figure:
     joint = joints.joints[number]
     sizes = [couple.largest for couple in joint.couples]
     unit = scale("N m", sizes)
-    size = unit.factor * max(sizes if joint.torque is None else [abs(joint.torque), *sizes])
-    panels = [
-        (
-            f"on the {couple.shaft} shaft",
-            unit.unit,
-            size,
-            [(label, unit.factor * values) for label, values in _couple_curves(couple)],
-        )
-        for couple in joint.couples
-    ]
+    size = unit.factor * max([abs(joint.torque or 0.0), *sizes])
+    panels = []
+    for couple in joint.couples:
+        curves = {
+            "about the normal": couple.normal,
+            "in the plane": couple.inplane,
+            "resultant": np.hypot(couple.normal, couple.inplane),
+        }
+        if couple.yoke is not None:
+            curves["in the turning yoke"] = couple.yoke
+        lines = [(label, unit.factor * values) for label, values in curves.items()]
+        panels.append((Axis(f"on the {couple.shaft} shaft", unit.unit), size, lines))
     first = next(joints.joints[line.joints[0]] for line in joints.lines if number in line.joints)
-    return _turn(
-        f"joint-couples-{number + 1}", f"Secondary couples of {joint.name}", joints, first, panels
-    )
-
-
-def _couple_curves(couple: CoupleFound) -> Iterator[tuple[str, FloatArray]]:
-    """About the normal, in the plane, their resultant and, where it is known, the couple in the turning yoke."""
-    yield "about the normal", couple.normal
-    yield "in the plane", couple.inplane
-    yield "resultant", np.hypot(couple.normal, couple.inplane)
-    if couple.yoke is not None:
-        yield "in the turning yoke", couple.yoke
-
-
-def _turn(
-    name: str,
-    caption: str,
-    joints: Joints,
-    first: JointFound,
-    panels: list[tuple[str, str, float, Curves]],
-) -> Figure:
-    """Curves over the angle of the shaft before the first joint of a line."""
-    quantity, angle = f"angle of the shaft upstream of {first.name}", joints.angle * RAD
-    return joint_curves.joint_turn(name, caption, angle=angle, panels=panels, quantity=quantity)
+    name, caption = f"joint-couples-{number + 1}", f"Secondary couples of {joint.name}"
+    return joint_turn(name, caption, joints.angle, panels, first.name)

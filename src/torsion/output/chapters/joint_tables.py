@@ -1,6 +1,5 @@
 """Tables of the universal joints: geometry, each by itself, the lines, motion at speed, couples, the best choice."""
 
-import cmath
 import math
 from collections.abc import Iterator
 
@@ -9,13 +8,12 @@ import numpy as np
 from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound, OptimumFound
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Paragraph, Table, filled, table
+from torsion.output.blocks import Block, Paragraph, Table, table
 from torsion.output.numbers import (
     RPM,
     degrees,
     given,
     number,
-    settled,
 )
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
@@ -25,42 +23,23 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 
 
 def geometry(joints: Joints) -> Table:
-    """Return the kind, angle, plane and phase of every joint."""
-    leading = {line.joints[0] for line in joints.lines}
+    """Return the kind, angle, plane and phase of every joint, and what it does by itself."""
     return table(
-        "< Joint -> | < Kind -> | Angle β [deg]:g -> angle | Plane against the previous joint [deg]:g -> plane | "
-        "Phase of the yokes [deg]:g -> phase | Driving yoke from the plane at angle zero [deg]:g | q = tan²(β/2)",
+        "name: < Joint -> | kind: < Kind -> | angle: Angle β [deg]:g -> angle | "
+        "plane: Plane against the previous joint [deg]:g -> plane | phase: Phase of the yokes [deg]:g -> phase | "
+        "Driving yoke from the plane at angle zero [deg]:gs | Order, reference:o? -> order | "
+        "amplitude: Transmission error [deg]:s -> error, deg | amplitude: Phase of the error [deg]:gp | "
+        "unevenness: Speed fluctuation [%]:s",
         [
             (
-                joint.name,
-                joint.kind,
-                degrees(joint.angle),
-                None if k in leading else joint.plane,
-                joint.phase,
-                settled(math.remainder(joint.yoke, math.tau), math.tau),
-                math.tan(joint.angle / 2) ** 2 if joint.kind == "cross" else None,
+                joint,
+                math.remainder(joint.yoke, math.tau),
+                joint.order * joint.ratio if joint.order else None,
             )
-            for k, joint in enumerate(joints.joints)
+            for joint in joints.joints
         ],
-        "Angles of the joints",
+        "Single joints: angles, transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
         short="Universal joints, angles in deg",
-    )
-
-
-def alone(joints: Joints) -> Table:
-    """Return the transmission error and unevenness of every joint by itself."""
-    rows = []
-    for joint in joints.joints:
-        size = abs(joint.amplitude)
-        orders = (joint.order, joint.order * joint.ratio) if joint.order and size else (None, None)
-        phase = settled(cmath.phase(joint.amplitude), math.tau) if size else None
-        rows.append((joint.name, *orders, size, size, phase, still(joint.unevenness)))
-    return table(
-        "< Joint -> | Order, own shaft -> order | Order, reference:o | Error amplitude [rad] | "
-        "Error amplitude [deg] -> error, deg | Phase [deg]:g | Speed fluctuation [%]",
-        rows,
-        "Single joints: transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
-        short="Single joints: transmission error",
     )
 
 
@@ -68,26 +47,17 @@ def lines(joints: Joints) -> Table:
     """Return the joints of each shaft line as one."""
     rows = []
     for line in joints.lines:
-        varies = line.index > STILL
-        ends = [
-            (end.speed_ratio, settled(end.at, math.tau) if varies else None)
-            for end in (line.greatest, line.least)
-        ]
-        rows.append(
-            (
-                names(joints, line),
-                _angle(line.resultant),
-                _angle(line.classical),
-                settled(line.phase, math.tau) if varies else None,
-                *ends[0],
-                *ends[1],
-                still(line.index),
-            )
-        )
+        extremes = line.greatest, line.least
+        at = [end.at if line.index > STILL else None for end in extremes]
+        phase = line.phase if line.index > STILL else None
+        speeds = [end.speed_ratio for end in extremes]
+        angle = line.resultant if line.resultant**2 > STILL else 0.0
+        ends = (speeds[0], at[0], speeds[1], at[1])
+        rows.append((line, names(joints, line), angle, phase, *ends, still(line.index)))
     return table(
-        "< Joints -> | Resultant angle [deg] -> resultant, deg | Small-angle sum [deg] -> small-angle | Phase [deg]:g | "
-        "Maximum speed ratio:7 -> maximum | at [deg]:g | Minimum:7 -> | at [deg]:g | Degree of non-uniformity [%] -> "
-        "non-uniformity, %",
+        "< Joints -> | Resultant angle [deg] -> resultant, deg | "
+        "classical: Small-angle sum [deg]:s -> small-angle | Phase [deg]:g | Maximum speed ratio:7 -> maximum | "
+        "at [deg]:gs | Minimum:7 -> | at [deg]:gs | Degree of non-uniformity [%] -> non-uniformity, %",
         rows,
         "Joints of one shaft line as one cross joint, rigid between them; angles of the first shaft",
         short=LINES,
@@ -95,11 +65,10 @@ def lines(joints: Joints) -> Table:
 
 
 def at_speed(joints: Joints) -> Iterator[Table]:
-    """Return the speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
+    """Yield the speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
     rows = [
         (
-            joint.name,
-            joint.speed,
+            joint,
             joint.speed * joint.speed_ratio.max(),
             joint.speed * joint.speed_ratio.min(),
             joint.speed**2 * still(joint.steepest),
@@ -110,7 +79,7 @@ def at_speed(joints: Joints) -> Iterator[Table]:
     ]
     if rows:
         yield table(
-            "< Joint -> | Mean speed [rpm]:6g -> rpm | Maximum downstream [rpm]:6 | Minimum [rpm]:6 | "
+            "name: < Joint -> | speed: Mean speed [rpm]:6g -> rpm | Maximum downstream [rpm]:6 | Minimum [rpm]:6 | "
             "Maximum acceleration downstream [rad/s²] -> rad/s² | Speed × angle [deg/min]",
             rows,
             "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
@@ -122,29 +91,24 @@ def couples(joints: Joints) -> Table:
     """Return the secondary couples of the joints whose torque is known."""
     rows = [
         (
-            joint.name,
-            couple.shaft,
-            joint.torque,
+            joint,
+            couple,
             math.hypot(*couple.mean),
             couple.order or None,
             *map(abs, couple.amplitude),
-            couple.largest,
-            couple.bearing,
             joint.force or None,
         )
         for joint in joints.joints
         for couple in joint.couples
     ]
-    return filled(
-        table(
-            "< Joint -> | < Shaft -> on the shaft | Torque [~N m] | Mean [~N m] -> mean | Order -> | "
-            "Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
-            "Maximum [~N m] -> maximum | Bearings [N] -> bearing, N | Force across [N]",
-            rows,
-            "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
-            "peak; bearing and transverse forces are maxima over the revolution",
-            short="Secondary couples, ~",
-        )
+    return table(
+        "name: < Joint -> | shaft: < Shaft -> on the shaft | torque: Torque [~N m] | Mean [~N m] -> mean | "
+        "Order -> | Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
+        "largest: Maximum [~N m] -> maximum | bearing: Bearings [N]:? -> bearing, N | Force across [N]:?",
+        rows,
+        "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
+        "peak; bearing and transverse forces are maxima over the revolution",
+        short="Secondary couples, ~",
     )
 
 

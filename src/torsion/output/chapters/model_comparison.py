@@ -32,7 +32,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     verdict = conclusion(comparison)
     yield Paragraph(verdict.text, verdict.kind, brief=True)
     yield table(
-        "model: < Model -> | division: < Shafts | largest_frequency_error: Frequency [%]:3 -> frequency, % | "
+        "model: < Model -> | largest_frequency_error: Frequency [%]:3 -> frequency, % | "
         "largest_shape_error: 1 − MAC [%]:3 -> 1 − MAC, % | largest_torque_error: Torques [%]:3 -> torques, % | "
         "below: Modes -> | certified: < Proven by counts | modes_seconds: Time of modes [ms]:2 | "
         "torques_seconds: Time of torques [ms]:2 | passes: < Within the tolerance -> within",

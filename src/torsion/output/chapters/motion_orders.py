@@ -6,10 +6,14 @@ import numpy as np
 
 from torsion.analyses.motion.order_tracking import TURNS, OrderTracking, TrackedTorque
 from torsion.output.blocks import Block, Paragraph, table
-from torsion.output.figures import orders_over_speed
-from torsion.output.figures.figure import Axis
-from torsion.output.numbers import RPM, counted, degrees, given, number, scale
+from torsion.output.figures.figure import Axis, Cells, Figure, Panel
+from torsion.output.figures.ranges import amplitudes, span
+from torsion.output.figures.ranges import orders as ordered_lines
+from torsion.output.numbers import RPM, counted, given, number, scale
+from torsion.output.records import along
 
+DECADES = 3.0  # below the largest amplitude that shades show
+TORQUE = "torque amplitude"
 MEAN = 2  # orders from 0 on in which, by the Hann window, the mean torque stands
 
 
@@ -33,20 +37,22 @@ def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
     )
     rows = [
         (
-            torque.element,
-            order,
-            float(torque.largest[k]),
-            float(tracking.speed[window]),
-            float(tracking.time[window]),
-            degrees(float(np.angle(torque.torque[window, k])), 3),
+            place,
+            tracking.order[k],
+            tracking.speed[window],
+            tracking.time[window],
+            torque.torque[window, k],
         )
         for torque in tracking.each
-        for k, (order, window) in enumerate(
-            zip(tracking.order.tolist(), torque.window.tolist(), strict=True)
+        for k, (place, window) in enumerate(
+            zip(along(torque, "order"), torque.window.tolist(), strict=True)
         )
     ]
     if rows:
-        titles = f"< Component | Order of {reference} | Maximum amplitude [~N m] | at [rpm] | at [s] | Phase [°]"
+        titles = (
+            f"element: < Component | Order of {reference}:g | largest: Maximum amplitude [~N m] | at [rpm] | at [s] | "
+            "Phase [deg]:3pg"
+        )
         text = "Orders: maximum amplitude and phase against the angle of the reference"
         yield table(titles, rows, text)
     for torque in tracking.each:
@@ -54,38 +60,29 @@ def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
 
 
 def _figures(tracking: OrderTracking, tracked: TrackedTorque, name: str) -> Iterator[Block]:
-    """Amplitudes over the speed, or over the time where the speed does not go one way."""
+    """Amplitudes over the speed, or over the time where the speed does not go one way, as curves and as a waterfall."""
     if len(tracking.time) < 2:
         return
-    position, over = tracking.speed * RPM, Axis(f"speed of {tracking.reference}", "rpm")
-    steps = np.diff(position)
+    x, over = tracking.speed * RPM, Axis(f"speed of {tracking.reference}", "rpm")
+    steps = np.diff(x)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
-        position, over = tracking.time, Axis("time", "s")
-    sort = np.argsort(position)
-    amplitude = tracked.waterfall[sort, MEAN:]
-    unit = scale("N m", amplitude.max(axis=1))
-    element = tracked.element
-    mark, words = f"{name} {element}".lstrip(), element + (f", {name}" if name else "")
+        x, over = tracking.time, Axis("time", "s")
+    sort = np.argsort(x)
+    x, amplitude = x[sort], tracked.waterfall[sort, MEAN:]
+    unit, over = scale("N m", amplitude.max(axis=1)), span(over, x)
+    mark = f"{name} {tracked.element}".lstrip()
+    words = tracked.element + (f", {name}" if name else "")
     sizes = np.abs(tracked.torque[sort]) * unit.factor
-    numbers = tracking.order.tolist()
-    lines = [(f"order {given(order)}", sizes[:, k]) for k, order in enumerate(numbers)]
+    lines = [
+        (f"order {given(order)}", sizes[:, k]) for k, order in enumerate(tracking.order.tolist())
+    ]
     if lines:
-        yield orders_over_speed.orders(
-            f"orders {mark}",
-            f"Orders of the torque in {words}",
-            over=over,
-            x=position[sort],
-            lines=lines,
-            unit=unit.unit,
-        )
-    multiples = np.arange(float(MEAN), tracked.waterfall.shape[1]) * tracking.resolution
-    yield orders_over_speed.waterfall(
-        f"waterfall {mark}",
-        f"Waterfall of the torque in {words}, without its mean: the darker the larger",
-        over=over,
-        y=position[sort],
-        order=multiples,
-        amplitude=amplitude * unit.factor,
-        reference=tracking.reference,
-        unit=unit.unit,
-    )
+        drawn = ordered_lines(x, lines, np.zeros(len(x), dtype=bool))
+        panel = Panel(over, amplitudes(TORQUE, unit.unit, [sizes]), drawn)
+        yield Figure(f"orders {mark}", f"Orders of the torque in {words}", (panel,))
+    order = np.arange(float(MEAN), tracked.waterfall.shape[1]) * tracking.resolution
+    size = amplitude * unit.factor
+    cells = Cells(order, x, size, TORQUE, unit.unit, float(size.max()) or 1.0, DECADES)
+    across = Axis(f"order of {tracking.reference}", "", 0.0, float(order[-1]))
+    caption = f"Waterfall of the torque in {words}, without its mean: the darker the larger"
+    yield Figure(f"waterfall {mark}", caption, (Panel(across, over, cells=cells, height=210.0),))

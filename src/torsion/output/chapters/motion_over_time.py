@@ -1,7 +1,7 @@
 """Chapter: transient responses."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -16,14 +16,15 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
-from torsion.output.numbers import RPM, Scale, counted, number, rpm, scale, symbols
-from torsion.output.selection import Element, elements
+from torsion.output.figures.figure import Axis
+from torsion.output.numbers import RPM, counted, number, rpm, scale, symbols
+from torsion.output.records import along
+from torsion.output.selection import Element, elements, highest
 from torsion.results import listed
 from torsion.rules.verdict_line import Checks
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
-MOST_ORDERS = 4  # named of those that excite it
 MOST_EVENTS = 20  # of the changes of regime that are listed
 METHOD = (
     "Exact at every sample: every mode has a closed-form response to the events, and a torque is the sum over"
@@ -35,7 +36,6 @@ FROM_EVENT_TO_EVENT = (
 )
 DRIVEN = METHOD.replace("to the events", "to the torques of every step")
 TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
-Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -59,14 +59,7 @@ def _first(names: Iterable[str]) -> str:
 def _section(
     findings: Findings, motion: TransientMotion, settings: TransientSettings
 ) -> Iterator[Block]:
-    peaks = list[Peaks]()
-    for element in elements(findings.system):
-        spans = np.array(list(element.spans))
-        high, low = motion.greatest[spans].argmax(), motion.least[spans].argmin()
-        peaks.append((element, int(spans[high]), int(spans[low])))
-    unit = scale(
-        "N m", [v for _, high, low in peaks for v in (motion.greatest[high], motion.least[low])]
-    )
+    drawn = elements(findings.system)
     yield Paragraph(_introduction(motion, settings))
     yield Paragraph(ActingTorques(motion.acting, motion.not_acting).words, brief=True)
     yield from _faults(motion, settings)
@@ -78,19 +71,18 @@ def _section(
         titles = "< Component | < Event | Start [s] | < Settings"
         yield table(titles, events, "Events; torques at the speed of the component")
     yield from _ice(motion, settings)
-    yield _peak_table(motion, peaks, unit)
+    yield _peak_table(motion, drawn)
     if motion.switching is not None:
         yield from _switching(motion.switching)
     yield from _following(motion)
-    yield from _loads(motion, peaks, settings)
+    yield from _loads(motion, drawn, settings)
     if motion.unresolved.any():
         text = (
             "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
             "peak. To resolve these modes, increase `samples`."
         )
         yield Paragraph(text, "note")
-    yield from _torque_figures(findings, motion, settings, unit)
-    yield from _speed_figure(findings, motion, settings)
+    yield from _figures(findings, motion, settings)
     yield from orders(motion.orders, motion.name)
 
 
@@ -126,14 +118,9 @@ def _steady_begin(
             )
         yield Paragraph(text, "note")
     if settings.initial is None and study.operation.rated is None:
-        torques = [torque for torque in study.train.torques if torque.order is not None]
-        names = [f"order {torque.order} at {torque.name}" for torque in torques]
-        excited = f", excited by {', '.join(dict.fromkeys(names[:MOST_ORDERS]))}" if names else ""
-        more = ", ..." if len(names) > MOST_ORDERS else ""
         text = (
             f"The file has no `initial` and no rated speed. The motion starts steady at the highest speed, "
-            f"{rpm(motion.speed_before)} rpm{excited}{more}. To start elsewhere, set `initial: rest` or "
-            f"`{{speed: ...}}`."
+            f"{rpm(motion.speed_before)} rpm. To start elsewhere, set `initial: rest` or `{{speed: ...}}`."
         )
         yield Paragraph(text, "note", brief=True)
 
@@ -163,24 +150,11 @@ def _ice(motion: TransientMotion, settings: TransientSettings) -> Iterator[Block
         yield Paragraph(text, "note")
     if not motion.ice:
         return
-    rows = [
-        (
-            ice.at,
-            ice.ice_class,
-            ice.thickness,
-            "duct" if ice.is_ducted else "open",
-            ice.factor,
-            ice.diameter,
-            ice.hub_ratio,
-            ice.pitch_ratio,
-            ice.speed / (2.0 * math.pi),
-            ice.revolutions,
-            ice.torque * 1e-3,
-        )
-        for ice in motion.ice
-    ]
-    titles = "< Propeller | < Class | H [m] | < Type | k | D [m] | d/D | P/D | n [1/s] | Revolutions | Q_{max} [kN m]"
-    yield table(titles, rows, "Maximum ice torque of the class (edition not confirmed)")
+    titles = (
+        "at: < Propeller | ice_class: < Class | thickness: H | is_ducted: < Ducted | factor: k | diameter: D | "
+        "hub_ratio: d/D | pitch_ratio: P/D | speed: n [rpm] | revolutions: Revolutions | torque: Q_{max} [~N m]"
+    )
+    yield table(titles, motion.ice, "Maximum ice torque of the class (edition not confirmed)")
     small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³ for diameters up to 1.8 H"
     large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1 for diameters beyond 1.8 H"
     text = "; ".join(dict.fromkeys(large if ice.is_large else small for ice in motion.ice))
@@ -220,62 +194,51 @@ def _following(motion: TransientMotion) -> Iterator[Block]:
             "mode: Mode | what: < Excited by | time: Time [s] | speed: Reference speed [rpm]"
             " | frequency: Frequency [Hz] | seconds: Passing time [s]:3 | share: Peak / steady resonance [%]:3"
         )
-        omitted = len(motion.passages) - MOST_PASSAGES
         text = (
             "Resonances passed: time in the half-power width, and peak for a constant acceleration"
         )
-        text += f"; {omitted} more in results.json" if omitted > 0 else ""
-        yield table(titles, motion.passages[:MOST_PASSAGES], text)
+        yield table(titles, motion.passages, text, most=MOST_PASSAGES)
     if motion.changes:
-        changes = motion.changes[:MOST_PASSAGES]
-        rows = [(_first(change.what.split(", ")), change.time) for change in changes]
         title = "Changes of regime of torques that depend on the motion"
-        yield table("< Torque | At [s]", rows, title)
+        yield table("what: < Torque | time: At", motion.changes, title, most=MOST_PASSAGES)
 
 
-def _peak_table(motion: TransientMotion, peaks: list[Peaks], unit: Scale) -> Table:
-    titles = (
-        f"< Component -> | Maximum torque [{unit.unit}] -> maximum, {unit.unit} | Time [s] -> at, s "
-        f"| Minimum torque [{unit.unit}] -> minimum, {unit.unit} | Time [s] | Initial [{unit.unit}] "
-        f"| Peak / initial:3 -> times | Peak / rated:3 | Reversals -> | Not sampled [{unit.unit}]"
-    )
-    ratios = [element.ratio for element, _, _ in peaks]
-    tops = [element.largest(motion.peak) for element, _, _ in peaks]
-    largest = max(
-        (float(top) * ratio for top, ratio in zip(tops, ratios, strict=True)), default=0.0
-    )
-    rows = []
-    for element, high, low in peaks:
-        first = element.spans[0]
-        # What is rounding beside the largest torque of the train, at its speed, is printed as 0.
-        torques = (
-            motion.greatest[high],
-            motion.least[low],
-            motion.before[first],
+def _peak_table(motion: TransientMotion, drawn: Sequence[Element]) -> Table:
+    """Return the greatest and least torque of every element, each with its time, against the torques before and rated."""
+    # What is rounding beside the largest torque of the train is printed as 0.
+    least, rows = NOTHING * highest(motion.peak), []
+    for element in drawn:
+        spans, first = list(element.spans), element.spans[0]
+        high, low = spans[motion.greatest[spans].argmax()], spans[motion.least[spans].argmin()]
+        most = max(abs(float(motion.greatest[high])), abs(float(motion.least[low])))
+        rated = 0.0 if motion.rated is None else float(motion.rated[first])
+        row = (
+            along(motion, "span", [high])[0],
+            element.name,
+            zeroed(motion.greatest[high], least),
+            zeroed(motion.least[low], least),
+            motion.least_at[low],
+            zeroed(motion.before[first], least),
+            *(most / abs(mean) if mean else None for mean in (float(motion.before[first]), rated)),
+            int(motion.reversals[spans].max()),
             element.largest(motion.unresolved),
         )
-        greatest, least, before, lacking = (
-            0.0 if abs(torque) * element.ratio < NOTHING * largest else float(torque)
-            for torque in torques
-        )
-        most = max(abs(greatest), abs(least))
-        rated = 0.0 if motion.rated is None else float(motion.rated[first])
-        times = [most / abs(mean) if mean else None for mean in (before, rated)]
-        row = (
-            element.name,
-            greatest * unit.factor,
-            float(motion.greatest_at[high]),
-            least * unit.factor,
-            float(motion.least_at[low]),
-            before * unit.factor,
-            *times,
-            int(motion.reversals[list(element.spans)].max()),
-            lacking * unit.factor,
-        )
         rows.append(row)
-    text = "Torques over time including the mean torque; a torque reversal in a gear separates its teeth"
     title = f"Transient: {motion.name}" if motion.name else "Transient response"
-    return table(titles, rows, text, short=title, rows_in_summary=3)
+    return table(
+        "< Component -> | Maximum torque [~N m] -> maximum, ~ | greatest_at: Time [s] -> at, s | "
+        "Minimum torque [~N m] -> minimum, ~ | Time [s] | Initial [~N m] | Peak / initial:3 -> times | "
+        "Peak / rated:3? | Reversals -> | Not sampled [~N m]:s",
+        rows,
+        "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
+        short=title,
+        rows_in_summary=3,
+    )
+
+
+def zeroed(torque: float, least: float) -> float:
+    """Return a torque, or 0 where it is less than the least (N m) that is no rounding."""
+    return float(torque) if abs(torque) >= least else 0.0
 
 
 def _switching(switching: Switching) -> Iterator[Block]:
@@ -287,14 +250,8 @@ def _switching(switching: Switching) -> Iterator[Block]:
     title = "Couplings with backlash, friction, stages or a capacity"
     yield table(titles, switching.couplings, title)
     if switching.events:
-        titles, number_of_events = (
-            "time: Time [s] | coupling: < Coupling -> | what: < What",
-            len(switching.events),
-        )
-        title = "Events"
-        if number_of_events > MOST_EVENTS:
-            title = f"The first {MOST_EVENTS} of {number_of_events} events"
-        yield table(titles, switching.events[:MOST_EVENTS], f"{title} of these couplings")
+        titles = "time: Time | coupling: < Coupling | what: < What"
+        yield table(titles, switching.events, "Events of these couplings", most=MOST_EVENTS)
     if switching.sensitive_after is not None:
         text = (
             f"From {number(switching.sensitive_after)} s on the motion is sensitive: impacts amplify rounding, and "
@@ -313,17 +270,9 @@ def _switching(switching: Switching) -> Iterator[Block]:
 
 
 def _loads(
-    motion: TransientMotion, peaks: list[Peaks], settings: TransientSettings
+    motion: TransientMotion, drawn: Sequence[Element], settings: TransientSettings
 ) -> Iterator[Block]:
     """Stresses of the shafts and damage, where there are any."""
-
-    def rows(values: np.ndarray) -> list[tuple[str, float]]:
-        pairs = ((element.name, float(element.largest(values))) for element, _, _ in peaks)
-        return [(name, value) for name, value in pairs if np.isfinite(value)]
-
-    if motion.stress is not None:
-        titles = "< Shaft | Maximum shear stress [N/mm²]"
-        yield table(titles, rows(motion.stress), "Maximum nominal stress of the shafts")
     line = settings.fatigue
     if motion.damage is not None and line is not None:
         mean = "no mean torque effect"
@@ -332,58 +281,44 @@ def _loads(
         yield Paragraph(
             "Fatigue: cycles of every torque by rainflow (ASTM E1049), the residue as half cycles; damage after Miner, "
             f"amplitude {number(line.amplitude)} N m for {number(line.cycles)} cycles, slope {number(line.slope)}; "
-            f"{mean}."
+            f"{mean}. A damage sum of 1 is the fatigue life."
         )
-        titles = "< Component | Damage per event:3"
-        yield table(titles, rows(motion.damage), "Miner damage sum; 1 is the fatigue life")
+    loads = [values for values in (motion.stress, motion.damage) if values is not None]
+    rows = [
+        (element.name, *(float(element.largest(values)) for values in loads)) for element in drawn
+    ]
+    if rows := [row for row in rows if np.isfinite(np.array(row[1:], float)).any()]:
+        stress = " | Maximum shear stress [N/mm²]:?" if motion.stress is not None else ""
+        damage = " | Damage per event:3?" if motion.damage is not None else ""
+        yield table(f"< Component{stress}{damage}", rows, "Maximum nominal stress and damage")
 
 
-def _torque_figures(
-    findings: Findings, motion: TransientMotion, settings: TransientSettings, unit: Scale
-) -> Iterator[Block]:
-    """Torques of the elements that the file names, else of those with the largest."""
-    parts, mark = findings.study.train.parts, f"{motion.name} ".lstrip()
-    drawn = sorted(
-        elements(findings.system), key=lambda element: -float(element.largest(motion.peak))
-    )
-    if settings.plot:
-        drawn = [element for element in drawn if parts[element.part].name in settings.plot]
-    else:
-        drawn = drawn[:MOST_CURVES]
-    for element in drawn:
-        time, torque = _with_peaks(motion, max(element.spans, key=motion.peak.__getitem__))
-        limits = _limits(findings, element)
-        yield over_time(
-            f"motion {mark}{element.name}",
-            f"Torque in {element.name}" + (f", {motion.name}" if motion.name else ""),
-            time=time,
-            lines=[(element.name, torque * unit.factor)],
-            quantity="torque",
-            unit=unit.unit,
-            limits=[(words, limit * unit.factor) for words, limit in limits],
-            has_peak=True,
-        )
-
-
-def _speed_figure(
+def _figures(
     findings: Findings, motion: TransientMotion, settings: TransientSettings
 ) -> Iterator[Block]:
-    """Speeds of the points that the file names, else of both ends of the train."""
-    train, mark = findings.study.train, f"{motion.name} ".lstrip()
+    """Torques of the elements and speeds of the points that the file names, else of the largest and of both ends."""
+    train, mark = findings.study.train, f"motion {motion.name} ".replace("  ", " ")
+    of_motion = f", {motion.name}" if motion.name else ""
+    ranked = sorted(
+        elements(findings.system), key=lambda element: -float(element.largest(motion.peak))
+    )
     stations = [(k, s) for k, s in enumerate(train.stations) if not s.is_ground]
     if settings.plot:
-        drawn = [(k, s) for k, s in stations if train.parts[s.part].name in settings.plot]
+        ranked = [element for element in ranked if train.parts[element.part].name in settings.plot]
+        stations = [(k, s) for k, s in stations if train.parts[s.part].name in settings.plot]
     else:
-        drawn = [stations[0], stations[-1]] if len(stations) > 1 else stations
-    if drawn:
-        yield over_time(
-            f"motion {mark}speeds",
-            "Speed" + (f", {motion.name}" if motion.name else ""),
-            time=motion.time,
-            lines=[(station.name, motion.speed[k] * RPM) for k, station in drawn],
-            quantity="speed",
-            unit="rpm",
-        )
+        ranked, stations = ranked[:MOST_CURVES], stations[:: max(len(stations) - 1, 1)]
+    unit = scale("N m", [highest(motion.peak)])
+    for element in ranked:
+        time, torque = _with_peaks(motion, max(element.spans, key=motion.peak.__getitem__))
+        limits = [(words, limit * unit.factor) for words, limit in _limits(findings, element)]
+        lines = [(element.name, torque * unit.factor)]
+        axis, caption = Axis("torque", unit.unit), f"Torque in {element.name}{of_motion}"
+        yield over_time(f"{mark}{element.name}", caption, time, lines, axis, limits, has_peak=True)
+    if stations:
+        speeds = [(station.name, motion.speed[k] * RPM) for k, station in stations]
+        axis = Axis("speed", "rpm")
+        yield over_time(f"{mark}speeds", f"Speed{of_motion}", motion.time, speeds, axis)
 
 
 def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:

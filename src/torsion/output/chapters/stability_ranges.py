@@ -9,9 +9,9 @@ from torsion.analyses.stability.stability_map import StabilityMap
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, filled, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.figure import Axis
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, tilted, widened
@@ -37,7 +37,6 @@ OVER = {
     "torque": ("factor on the mean torque", ""),
 }
 MOST_ROWS = 30
-MOST_VALUES = 13  # of a map, in the table
 MOST_NAMED = 6  # modes whose frequency is stated
 SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 BELOW, ABOVE = 0, 1  # the ends of a range
@@ -46,10 +45,6 @@ TILT = (
     "twice the speed of the driving shaft. Small tilting motions can therefore grow. The model is a rigid "
     "shaft that tilts about the centre of its joint (Zhu and Wang); the driving shaft rotates uniformly with "
     "the mean torque."
-)
-RANGE_TITLES = (
-    "From [rpm]:9 -> from rpm | To [rpm]:9 -> to rpm | < Type -> | Maximum growth [1/s] -> growth, 1/s | "
-    "Speed [rpm]:7 -> at rpm | < In the operating range -> operation | < Beyond the range ->"
 )
 
 
@@ -65,55 +60,23 @@ def chapter(findings: Findings) -> Iterator[Block]:
         if drift := mean_speed_words(growth_map, findings.study):
             yield Paragraph(_sentence(drift), "note")
         if growth_map.ranges:
-            yield _range_table(
-                findings, growth_map.ranges, "Unstable ranges of speed", on_terminal=True
-            )
-        if growth_map.unsolved.size:
-            yield table(
-                "Speed [rpm]:d | < Remark",
-                [
-                    (speed, "no periodic motion was found; stability is not known")
-                    for speed in growth_map.unsolved.tolist()
-                ],
-                "Speeds without a solution",
-                marks=["fail"] * growth_map.unsolved.size,
-                most=MOST_ROWS,
-            )
-        yield of_torsion(
-            findings,
-            _growth_curve(
-                findings,
-                "stability-growth",
-                "Growth rate over the speed",
-                (growth_map.speed, growth_map.growth),
-                growth_map.ranges,
-            ),
+            rows = [("", band) for band in growth_map.ranges]
+            yield _range_table(findings, rows, caption := "Unstable ranges of speed", caption)
+        if number := growth_map.unsolved.size:
+            text = f"No periodic motion was found at {counted(number, 'speed')}; stability is not known there."
+            yield Paragraph(text, "fail")
+        name, caption = "stability-growth", "Growth rate over the speed"
+        curve = growth_map.speed, growth_map.growth
+        figure = curves_over_speed.stability(
+            name, caption, *curve, growth_map.ranges, rated_rpm(findings)
         )
+        yield of_torsion(findings, figure)
     if mapped is not None:
         yield from _map(findings, mapped)
 
 
 def _sentence(text: str) -> str:
     return text if text.endswith(".") else f"{text}."
-
-
-def _growth_curve(
-    findings: Findings,
-    name: str,
-    caption: str,
-    curve: tuple[FloatArray, FloatArray],
-    ranges: "Sequence[Unstable]",
-) -> Figure:
-    """Growth rates over speed, with the unstable ranges; curve: speeds (rad/s) and growth (1/s)."""
-    speed, growth = curve
-    return curves_over_speed.stability(
-        name,
-        caption,
-        speed=speed * RPM,
-        growth=np.asarray(growth),
-        rated=rated_rpm(findings),
-        unstable=[(band.first * RPM, band.last * RPM, band.name) for band in ranges],
-    )
 
 
 def _introduction(findings: Findings, stability: Stability) -> Paragraph:
@@ -158,33 +121,30 @@ def _verdict(findings: Findings) -> Paragraph:
 
 
 def _range_table(
-    findings: Findings,
-    ranges: "Sequence[Unstable]",
-    caption: str,
-    names: Sequence[str] = (),
-    *,
-    on_terminal: bool = False,
+    findings: Findings, ranges: "Sequence[tuple[str, Unstable]]", caption: str, short: str = ""
 ) -> Table:
-    """Unstable ranges of the train, or of the tilt of the shafts called `names`, one a range."""
+    """Return unstable ranges of the train, or of the tilt of shafts, by whose name they stand."""
     speeds = findings.study.operation.speeds
-    inside = [speeds is None or band.meets(speeds.first, speeds.last) for band in ranges]
-    rows = [
-        (
-            *([names[k]] if names else []),
-            band.first,
-            band.last,
-            band.name,
-            band.growth,
-            band.at,
-            "UNSTABLE" if inside[k] else "outside",
-            "; ".join(_beyond(band)) or None,
-        )
-        for k, band in enumerate(ranges)
-    ]
-    titles = f"{'< Shaft | ' if names else ''}{RANGE_TITLES}"
-    marks = ["fail" if is_inside else "note" for is_inside in inside]
-    short = caption if on_terminal else ""
-    return filled(table(titles, rows, caption, marks=marks, most=MOST_ROWS, short=short))
+    inside = [speeds is None or band.meets(speeds.first, speeds.last) for _, band in ranges]
+    return table(
+        "< Shaft:? | first: From [rpm]:9 -> from rpm | last: To [rpm]:9 -> to rpm | < Type -> | "
+        "growth: Maximum growth [1/s] -> growth, 1/s | at: Speed [rpm]:7 -> at rpm | "
+        "< In the operating range -> operation | < Beyond the range:? ->",
+        [
+            (
+                band,
+                name,
+                band.name,
+                "UNSTABLE" if is_inside else "outside",
+                "; ".join(_beyond(band)) or None,
+            )
+            for (name, band), is_inside in zip(ranges, inside, strict=True)
+        ],
+        caption,
+        marks=["fail" if is_inside else "note" for is_inside in inside],
+        most=MOST_ROWS,
+        short=short,
+    )
 
 
 def _beyond(band: "Unstable") -> list[str]:
@@ -265,6 +225,8 @@ def _map(findings: Findings, growth_map: StabilityMap) -> Iterator[Block]:
         f"{counted(growth_map.checked, 'point')} the full model was also computed: maximum difference "
         f"{number(growth_map.error, 2)} 1/s."
     )
+    grows = np.any(growth_map.growth > SMALL, axis=0)
+    text += f" Small deviations grow at {int(grows.sum())} of {grows.size} values of the {what}."
     ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
     missed = sum(
         not np.any((growth_map.speed >= band.first) & (growth_map.speed <= band.last))
@@ -284,49 +246,10 @@ def _map(findings: Findings, growth_map: StabilityMap) -> Iterator[Block]:
     value = np.degrees(growth_map.value) if growth_map.over == "angle" else growth_map.value
     yield Heading(f"Map over speed and {what}", 2)
     yield Paragraph(text, "note" if missing else "plain")
-    yield _values(
-        growth_map, f"{what.capitalize()} [={unit}]" if unit else what.capitalize(), value
-    )
+    caption = f"Growth rate over speed and {what}; the line is growth 0"
+    axis, rated = Axis(what, unit), rated_rpm(findings)
     yield curves_over_speed.stability_map(
-        "stability-map",
-        f"Growth rate over speed and {what}; the line is growth 0",
-        speed=growth_map.speed * RPM,
-        value=value,
-        growth=growth_map.growth,
-        quantity=what,
-        unit=unit,
-        rated=rated_rpm(findings),
-    )
-
-
-def _values(growth_map: StabilityMap, title: str, value: FloatArray) -> Table:
-    """The fastest growth at values spread over the map."""
-    rows, marks = [], []
-    for k in np.unique(np.linspace(0, len(value) - 1, MOST_VALUES).round().astype(int)).tolist():
-        growth = growth_map.growth[:, k]
-        is_known = np.isfinite(growth)
-        unknown_share, grows = float((~is_known).mean()), growth[is_known] > SMALL
-        fastest, speed, unstable = None, None, None
-        verdict = "no periodic motion"
-        if is_known.any():
-            row = int(np.nanargmax(growth))
-            fastest, speed, unstable = (
-                float(growth[row]),
-                float(growth_map.speed[row]),
-                grows.mean(),
-            )
-            speeds = f"the {counted(is_known.size, 'speed')} of the map"
-            if unknown_share:
-                speeds = f"{is_known.sum()} of {is_known.size} speeds"
-            verdict = "UNSTABLE" if grows.any() else f"stable at {speeds}"
-            verdict += ", partly unknown" if unknown_share else ""
-        rows.append((float(value[k]), fastest, speed, unstable, unknown_share, verdict))
-        marks.append("fail" if grows.any() or unknown_share else "")
-    return table(
-        f"{title}:4 | Maximum growth [1/s]:4 | Speed [rpm] | Unstable speeds [%]:3 | Unknown speeds [%]:3 | <",
-        rows,
-        "Maximum growth in the map, by value",
-        marks=marks,
+        caption, growth_map.speed, axis, value, growth_map.growth, rated
     )
 
 
@@ -338,14 +261,12 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
     yield Heading("Parametric stability of the tilt", 2)
     yield Paragraph(TILT)
     yield table(
-        "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | Frequency of the tilt, y [Hz] | "
-        "z [Hz] | Decay rate, y [1/s] | z [1/s]",
+        "< Shaft | joint: < Driven by | transverse_inertia: Transverse inertia | polar_inertia: Polar inertia | "
+        "Frequency of the tilt, y [Hz] | z [Hz] | Decay rate, y [1/s] | z [1/s]",
         [
             (
+                tilting,
                 name,
-                tilting.joint,
-                tilting.transverse_inertia,
-                tilting.polar_inertia,
                 *tilting.frequency.values(),
                 *(rate / 2.0 for rate in tilting.shaft.decay[::-1]),
             )
@@ -362,9 +283,8 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
                 text = f"{check.where} is unstable: its tilt grows by up to {fastest}{note}."
             yield Paragraph(text, "fail" if check.value > 0 or check.fails else "pass")
     if bands := [(name, band) for name, tilting in stated for band in tilting.zones]:
-        names, ranges = zip(*bands, strict=True)
-        yield _range_table(findings, ranges, "Unstable ranges of the tilt", names)
+        yield _range_table(findings, bands, "Unstable ranges of the tilt")
     for count, (name, tilting) in enumerate(stated, start=1):
         caption = f"{name}: growth rate of the tilt by the couple of {tilting.joint}"
-        curve = tilting.speed, tilting.growth
-        yield _growth_curve(findings, f"tilting-{count}", caption, curve, tilting.zones)
+        curve, rated = (tilting.speed, tilting.growth), rated_rpm(findings)
+        yield curves_over_speed.stability(f"tilting-{count}", caption, *curve, tilting.zones, rated)

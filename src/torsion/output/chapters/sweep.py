@@ -1,22 +1,19 @@
-"""Chapter: what varies, how frequencies spread, and with which probability a check fails."""
+"""Chapter: what varies, how frequencies spread, which checks fail where, and with which probability."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from torsion.analyses.modes.tolerances import Tolerances
-from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.chapters import sweep_grid
-from torsion.output.chapters.sweep_grid import by_mode
+from torsion.output.blocks import Block, Heading, Paragraph, Table, head, table, texts
 from torsion.output.figures import variants
-from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
 from torsion.output.numbers import counted, unit_words
-from torsion.what_if.sweep.sweep_results import Sweep, SweptCheck
+from torsion.output.records import along
+from torsion.what_if.sweep.sweep_results import Grid, Sweep
 
-MOST_LINES, MOST_CHECKS, MOST_MODES = 6, 60, 3
-MOST_THROUGH = 60  # variants of a kind in parallel coordinates
+MOST_CHECKS, MOST_MODES = 60, 3
+MOST_ROWS, ENDS = 40, 10  # variants in the table: all, or those that use limits least and most
 METHODS = {
     "sobol": "eight scrambled Sobol sequences; intervals by Student's t over the eight",
     "latin": "a latin hypercube; intervals as for independent samples (Wilson, conservative)",
@@ -33,172 +30,125 @@ WHAT = (
 def chapter(findings: Findings) -> Iterator[Block]:
     """Yield distributions, frequencies, checks and figures of all variants."""
     sweep = findings.need(Sweep)
-    yield Heading("Sweep")
     is_grid = sweep.method == "grid"
+    yield Heading("Sweep")
     method = f"({METHODS[sweep.method]})" + ("." if is_grid else f", seed {sweep.seed}. {WHAT}")
     yield Paragraph(f"{counted(sweep.samples, 'variant')} {method}")
     if sweep.unsolved:
         why = "; ".join(sweep.faults)
         yield Paragraph(f"{counted(sweep.unsolved, 'variant')} not solved: {why}", "note")
-    yield table(
-        "name: < Parameter | law: < Distribution about the nominal value | together: Group",
-        sweep.figures,
-        "Varied parameters",
-    )
-    if is_grid:
-        yield from sweep_grid.sections(sweep)
-        return
+    titles = "name: < Parameter | law: < Distribution about the nominal value | together: Group"
+    yield table(titles, sweep.figures, "Varied parameters")
     if sweep.nominal.size:
-        columns = (sweep.nominal, sweep.mean, sweep.deviation, sweep.low, sweep.high)
+        of_samples = (
+            "mean: Mean:7 -> mean | deviation: Standard deviation:4 | low: 2.5 % quantile:7 -> 2.5 % | "
+            "high: 97.5 % quantile:7 -> 97.5 % | "
+        )
         yield table(
-            "Mode -> | Nominal [Hz]:7 -> Hz | Mean [Hz]:7 -> mean | Standard deviation [Hz]:4 | "
-            "2.5 % quantile [Hz]:7 -> 2.5 % | 97.5 % quantile [Hz]:7 -> 97.5 % | Minimum [Hz]:7 | Maximum [Hz]:7",
-            by_mode(*columns, sweep.least, sweep.greatest),
+            f"mode: Mode -> | nominal: Nominal:7 -> Hz | {'' if is_grid else of_samples}"
+            "least: Minimum:7 -> minimum | greatest: Maximum:7 -> maximum",
+            along(sweep, "mode"),
             "Natural frequencies of all variants",
             short="Natural frequencies of the variants",
         )
-        yield _spread(findings, sweep)
     if sweep.any_fails is not None:
-        yield _checks(sweep, sweep.any_fails)
-        used, levels = Axis("maximum utilisation", "%"), [Level("limit", 100.0, axis="x")]
-        panel = (used, 100.0 * sweep.any_fails.utilisation, levels, ())
-        yield variants.spread("sweep_use", "Maximum utilisation of all variants", [panel])
-        yield _shares(sweep)
-        yield from _failing(sweep)
+        of_samples = "lower: From [%]:3 | upper: To [%]:3 | median: Median utilisation [%]:4"
+        yield table(
+            "clause: < Clause -> | what: < Check | where: < Component -> | failing: Variants that fail -> fail | "
+            "probability: Probability [%]:3 -> fails, % | "
+            f"{'best: Minimum utilisation [%]:4' if is_grid else of_samples} | worst: Maximum [%]:4 -> maximum, % | "
+            "decides: < Correlates with:? | correlation: Rank correlation:2?",
+            (sweep.any_fails, *sweep.checks),
+            f"Checks over {counted(sweep.samples, 'variant')}" + (" (95 % CI)" * (not is_grid)),
+            most=MOST_CHECKS,
+            short="Checks over all variants",
+        )
+    if is_grid:
+        yield from _grid(sweep, sweep.grid)
+    else:
+        yield from _samples(findings, sweep)
     if sweep.indices:
         yield table(
-            "< Result -> | < Parameter -> | First index -> first | ± | Total index -> total | ±",
-            [
-                (
-                    index.of,
-                    index.figure,
-                    _share(index.first),
-                    _share(index.first_error),
-                    _share(index.total),
-                    _share(index.total_error),
-                )
-                for index in sweep.indices
-            ],
+            "of: < Result -> | figure: < Parameter -> | first: First index [%]:3 -> first, % | first_error: ± [%]:2 | "
+            "total: Total index [%]:3 -> total, % | total_error: ± [%]:2",
+            sweep.indices,
             "Sensitivity: share of the variance due to a parameter (Sobol's first and total index), ± half of the "
             "95 % CI",
             short="Sensitivity (Sobol indices)",
         )
 
 
-def _spread(findings: Findings, sweep: Sweep) -> Figure:
-    """Return histograms of the frequencies with the guaranteed bounds of the tolerances."""
-    tolerances = findings.get(Tolerances)
-    panels = []
-    for mode, values in enumerate(sweep.frequency[:MOST_MODES], start=1):
-        bands = [
-            Band(
-                "95 % of the variants",
-                float(sweep.low[mode - 1]),
-                float(sweep.high[mode - 1]),
-                "spread",
-            )
-        ]
-        levels = [Level("nominal", float(sweep.nominal[mode - 1]), "rated", "x")]
-        if tolerances is not None and mode <= tolerances.lower.size:
-            ends = (float(tolerances.lower[mode - 1]), float(tolerances.upper[mode - 1]))
-            levels += [
-                Level("guaranteed bound of the tolerances", end, "limit", "x") for end in ends
-            ]
-        panels.append((Axis(f"frequency of mode {mode}", "Hz"), values, levels, bands))
-    return variants.spread("sweep_frequencies", "Natural frequencies of all variants", panels)
-
-
-def _share(value: float) -> str:
-    """Return a share of a variance to thousandths: an index has no more digits than its interval."""
-    return f"{value:.3f}".replace("-", "−") if abs(value) >= 0.0005 else "< 0.001"
-
-
-def _checks(sweep: Sweep, any_fails: SweptCheck) -> Block:
-    rows = [
-        (
-            sweep_grid.check_label(check),
-            check.where,
-            check.failing,
-            check.probability,
-            check.lower or 0.0,
-            check.upper or 0.0,
-            check.median,
-            check.worst,
-            check.decides,
-            check.correlation,
-        )
-        for check in (any_fails, *sweep.checks[:MOST_CHECKS])
-    ]
-    count = len(sweep.checks)
-    extent = f" (the first {MOST_CHECKS} of {count})" if count > MOST_CHECKS else ""
-    return table(
-        "< Check -> | < Component -> | Variants that fail -> | Probability [%]:3 -> fails, % | From [%]:3 -> from | "
-        "To [%]:3 -> to | Median utilisation [%]:4 | Maximum utilisation [%]:4 -> maximum, % | < Correlates with | "
-        "Rank correlation:2",
-        rows,
-        f"Failure probability of each check (95 % CI){extent}",
-        short="Failure probability",
-    )
-
-
-def _shares(sweep: Sweep) -> Figure:
-    """The share of the variants that stay below a share of the limit, of the checks nearest to failing."""
-    shown = [check for check in sweep.checks if np.isfinite(check.utilisation).any()][:MOST_LINES]
-    lines = []
-    for pen, check in enumerate(shown):
-        used = np.sort(np.where(np.isfinite(check.utilisation), check.utilisation, np.nan)) * 100.0
-        below = np.arange(1, used.size + 1) / used.size * 100.0
-        lines.append(Line(f"{check.clause}: {check.where}", used, below, pen))
-    panel = Panel(
-        Axis("utilisation", "%", low=0.0),
-        Axis("variants below", "%", low=0.0, high=100.0),
-        tuple(lines),
-        (Level("limit", 100.0, axis="x", is_reached=True),),
-        height=240.0,
-    )
-    return Figure(
-        "sweep_shares",
-        "Variants below a utilisation, for the checks with the highest utilisation",
-        (panel,),
-    )
-
-
-def _failing(sweep: Sweep) -> Iterator[Block]:
-    """The variants over the two figures that decide most, and over all."""
-    names = [figure.name for figure in sweep.figures]
-    if sweep.any_fails is None or len(names) < 2 or not 0 < sweep.any_fails.failing < sweep.samples:
+def _samples(findings: Findings, sweep: Sweep) -> Iterator[Block]:
+    """Yield the figures of samples: frequencies, utilisations, and the variants over the parameters that decide most."""
+    if sweep.nominal.size:
+        tolerances = findings.get(Tolerances)
+        bounds = zip(*((tolerances.lower, tolerances.upper) if tolerances else ()), strict=True)
+        yield variants.frequencies(sweep, [(float(low), float(high)) for low, high in bounds])
+    if sweep.any_fails is None:
         return
-    ranked = sorted(
-        (check for check in sweep.checks if check.correlation is not None),
-        key=lambda one: -one.probability,
-    )
-    decisive = list(dict.fromkeys(check.decides for check in ranked if check.failing))
-    pair = list(dict.fromkeys([*decisive, *names]))[:2]
-    (x, across), (y, down) = (_over(sweep, names.index(name)) for name in pair)
-    fails = sweep.any_fails.fails
-    marks = (
-        Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
-        Marks("a check fails", x[fails], y[fails], "cross", "unstable"),
-    )
-    yield Figure(
-        "sweep_variants",
-        f"Variants by {pair[0]} and {pair[1]}",
-        (Panel(across, down, marks=marks),),
-    )
-    if len(names) > 2:
-        low, wide = sweep.factor.min(axis=0), np.ptp(sweep.factor, axis=0)
-        share = (sweep.factor - low) / np.where(wide > 0.0, wide, 1.0)
-        groups: list[tuple[str, Role, FloatArray]] = [
-            ("every check passes", "pale", share[~fails][:MOST_THROUGH]),
-            ("a check fails", "unstable", share[fails][:MOST_THROUGH]),
-        ]
-        caption = "Parameters of the variants that pass and of the variants that fail, each from minimum to maximum"
-        yield variants.through("sweep_values", caption, axes=names, groups=groups)
+    yield variants.shares(sweep)
+    names = [figure.name for figure in sweep.figures]
+    if len(names) > 1 and 0 < sweep.any_fails.failing < sweep.samples:
+        decisive = [check.decides for check in sweep.checks if check.failing and check.decides]
+        pair = list(dict.fromkeys([*decisive, *names]))[:2]
+        yield variants.failing(sweep, sweep.any_fails.fails, [names.index(name) for name in pair])
 
 
-def _over(sweep: Sweep, number: int) -> tuple[FloatArray, Axis]:
-    """The values of a figure, and their axis: of a law relative to the file."""
-    figure = sweep.figures[number]
-    if figure.unit is None:
-        return 100.0 * sweep.factor[:, number], Axis(f"{figure.name} / nominal", "%")
-    return sweep.factor[:, number], Axis(figure.name, unit_words(figure.unit))
+def _grid(sweep: Sweep, grid: Grid | None) -> Iterator[Block]:
+    """Yield where checks change, the figure of one or two parameters, and the variants."""
+    if grid is None:
+        text = "The report does not list the variants, because there are too many."
+        yield Paragraph(text, "note")
+        return
+    axis = grid.axes[0]
+    if grid.turns:
+        yield table(
+            "clause: < Clause -> | what: < Check | where: < Component -> | kept: Passes at:6 -> passes | "
+            "failing: Fails at:6 -> fails | between: Limit at about -> limit at about",
+            [(sweep.checks[turn.check], turn) for turn in grid.turns],
+            f"Changes between pass and fail over {axis.name} [{unit_words(axis.unit)}]",
+            short="Changes between pass and fail",
+        )
+    elif len(grid.axes) == 1 and sweep.any_fails is not None and axis.is_numeric:
+        word = "every" if sweep.any_fails.failing else "no"
+        text = "No check changes between pass and fail in this range"
+        yield Paragraph(f"{text}: {word} variant fails.")
+    if len(grid.axes) == 1:
+        yield variants.curve(grid, sweep.checks)
+    elif len(grid.axes) == 2:
+        yield from variants.maps(grid)
+    yield _variants(sweep, grid)
+
+
+def _variants(sweep: Sweep, grid: Grid) -> Table:
+    """Return all variants in their order, or the best and the worst; a variant without a solution with its fault."""
+    shown, caption, why = list(range(sweep.samples)), "Variants", dict(grid.why)
+    if sweep.samples > MOST_ROWS:
+        lost = np.isin(shown, list(why))
+        ranked = np.lexsort((np.nan_to_num(grid.greatest), grid.fails, lost)).tolist()
+        shown = [*ranked[:ENDS], *ranked[-ENDS:]]
+        caption = f"The {ENDS} variants with the lowest and the {ENDS} with the highest utilisation"
+    modes = len(grid.frequency[:MOST_MODES])
+    titles = [f"Mode {mode} [Hz]:7 -> mode {mode}, Hz" for mode in range(1, modes + 1)]
+    titles += ["Maximum utilisation [%]:4? -> maximum, %", "< Check:?", "< Verdict -> verdict"]
+    rows = []
+    for variant in shown:
+        decisive = int(grid.decisive[variant])
+        check = sweep.checks[decisive] if decisive >= 0 else None
+        verdict = "fails" if grid.fails[variant] else "passes"
+        if variant in why:
+            verdict = f"not solved: {why[variant]}"
+        elif not sweep.checks:
+            verdict = "solved"
+        rows.append(
+            (
+                *grid.words(variant),
+                *grid.frequency[:modes, variant].tolist(),
+                float(grid.greatest[variant]) if sweep.checks else None,
+                check and f"{check.clause}: {check.where}",
+                verdict,
+            )
+        )
+    columns = (*(texts(axis.name, axis.name) for axis in grid.axes), *head(" | ".join(titles)))
+    marks = ["fail" if grid.fails[variant] else "" for variant in shown]
+    return table(columns, rows, caption, marks=marks, short="" if sweep.checks else caption)

@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import given_rpm
+from torsion.output.records import along
 from torsion.output.reported_values import reference
 
 MOST_ROWS = 60
@@ -36,13 +39,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Tolerances")
     if findings.study.has_tolerances:
         yield Paragraph(WHAT)
-        bands = zip(tolerances.frequency, tolerances.lower, tolerances.upper, strict=True)
         yield table(
-            "Mode -> | Frequency [Hz]:7 -> Hz | Minimum [Hz]:7 -> minimum | Maximum [Hz]:7 -> maximum | "
-            "Down [%]:3 | Up [%]:3",
+            "mode: Mode -> | frequency: Frequency:7 -> Hz | lower: Minimum:7 -> minimum | "
+            "upper: Maximum:7 -> maximum | Down [%]:3 | Up [%]:3",
             [
-                (mode, nominal, low, high, low / nominal - 1.0, high / nominal - 1.0)
-                for mode, (nominal, low, high) in enumerate(bands, start=1)
+                (place, place.lower / place.frequency - 1.0, place.upper / place.frequency - 1.0)
+                for place in along(tolerances, "mode")
             ],
             "Natural frequencies within the tolerances",
             short="Frequencies within the tolerances",
@@ -55,46 +57,28 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(ALONE)
         yield _single_couplings(tolerances)
     if tolerances.aims:
-        rows = [
-            (
-                aim.mode,
-                aim.frequency,
-                aim.coupling,
-                aim.stiffness,
-                aim.factor,
-                "no stiffness reaches it" if aim.stiffness is None else "",
-                aim.softest,
-                aim.stiffest,
-            )
-            for aim in tolerances.aims
-        ]
         yield table(
-            "Mode -> | Target frequency [Hz]:7 -> target, Hz | < Coupling -> | Required stiffness [N m/rad]:7 -> k | "
-            "Required / nominal stiffness:5 -> k / nominal | < Remark -> | Without it [Hz]:7 | Rigid [Hz]:7",
-            rows,
-            "Stiffness for a target frequency",
+            "mode: Mode -> | frequency: Target frequency:7 -> target, Hz | coupling: < Coupling -> | "
+            "stiffness: Required stiffness:7 -> k | factor: Required / nominal stiffness:5 -> k / nominal | "
+            "softest: Without it:7 | stiffest: Rigid:7",
+            tolerances.aims,
+            "Stiffness for a target frequency; none (–) if no stiffness reaches it",
             short="Stiffness for a target frequency",
         )
 
 
-def _dominant_parameters(tolerances: Tolerances) -> Block:
-    rows = [
-        (
-            mode + 1,
-            figure.figure,
-            figure.tolerance,
-            float(figure.sensitivity[mode]),
-            float(figure.change[mode]),
-        )
-        for mode in range(tolerances.frequency.size)
-        for figure in sorted(tolerances.figures, key=lambda figure: -float(figure.change[mode]))[
-            :MOST_FIGURES
-        ]
-    ]
+def _dominant_parameters(tolerances: Tolerances) -> Table:
+    """Return the parameters that move each mode most, the largest change first."""
+    rows = []
+    for mode in range(tolerances.frequency.size):
+        changes = [-float(figure.change[mode]) for figure in tolerances.figures]
+        for k in np.argsort(changes, kind="stable")[:MOST_FIGURES].tolist():
+            rows += along(tolerances.figures[k], "mode", [mode])
     count = len(tolerances.figures)
     extent = f" (the first {MOST_FIGURES} of {count} of each mode)" * (count > MOST_FIGURES)
     return table(
-        "Mode -> | < Parameter -> | Tolerance [%]:3 | Sensitivity:3 | Change of the mode, ± [%]:3 -> ± %",
+        "mode: Mode -> | figure: < Parameter -> | tolerance: Tolerance [%]:3 | sensitivity: Sensitivity:3 | "
+        "change: Change of the mode, ± [%]:3 -> ± %",
         rows[:MOST_ROWS],
         f"Dominant parameters{extent}",
         short="Dominant parameters",
@@ -106,67 +90,35 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
     speeds, critical = findings.study.operation.speeds, findings.get(CriticalSpeeds)
     if speeds is None or critical is None or not tolerances.critical_lower.size:
         return
-    bands = zip(
-        critical.crossings, tolerances.critical_lower, tolerances.critical_upper, strict=True
-    )
-    possible = [
-        (low, crossing, high)
-        for crossing, low, high in bands
+    bands = tolerances.critical_lower.tolist(), tolerances.critical_upper.tolist()
+    rows = [
+        (crossing, low, high, crossing.line.named(reference(findings)))
+        for crossing, low, high in zip(critical.crossings, *bands, strict=True)
         if low <= speeds.last and high >= speeds.first
     ]
     within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
-    if not possible:
+    if not rows:
         yield Paragraph(f"Within the tolerances the speed range {within} has no critical speed.")
         return
-    is_certain = all(crossing.is_inside for _, crossing, _ in possible)
-    rows = [
-        (
-            low,
-            crossing.speed,
-            high,
-            crossing.order,
-            crossing.mode,
-            crossing.line.named(reference(findings)),
-            *([] if is_certain else ["" if crossing.is_inside else "only within the tolerances"]),
-        )
-        for low, crossing, high in possible[:MOST_ROWS]
-    ]
-    count = len(possible)
-    extent = f" (the lowest {MOST_ROWS} of {count})" if count > MOST_ROWS else ""
     yield table(
-        "Minimum [rpm] | Critical speed [rpm] | Maximum [rpm] | Order:o | Mode | < Excited by"
-        + " | < In the range" * (not is_certain),
+        "Minimum [rpm] | speed: Critical speed [rpm] | Maximum [rpm] | order: Order:o | mode: Mode | < Excited by | "
+        "is_inside: < Nominally in the range",
         rows,
-        f"Critical speeds that can lie in the speed range {within} within the tolerances{extent}",
+        f"Critical speeds that can lie in the speed range {within} within the tolerances",
+        most=MOST_ROWS,
     )
 
 
-def _single_couplings(tolerances: Tolerances) -> Block:
+def _single_couplings(tolerances: Tolerances) -> Table:
     """Return what each coupling alone does, mode by mode, the largest effect first."""
     rows = []
     for mode, frequency in enumerate(tolerances.frequency.tolist()):
-        effects = [
-            (
-                float(coupling.upper[mode] - coupling.lower[mode]),
-                float(coupling.stiffest[mode] - coupling.softest[mode]),
-                coupling,
-            )
-            for coupling in tolerances.couplings
-        ]
-        for width, _, coupling in sorted(effects, key=lambda effect: effect[:2], reverse=True):
-            band = coupling.tolerance, coupling.lower[mode], coupling.upper[mode], width / frequency
-            rows.append(
-                (
-                    mode + 1,
-                    coupling.coupling,
-                    *(band if coupling.tolerance else [None] * 4),
-                    coupling.softest[mode],
-                    coupling.stiffest[mode],
-                )
-            )
+        places = [along(coupling, "mode", [mode])[0] for coupling in tolerances.couplings]
+        places.sort(key=lambda place: (place.lower - place.upper, place.softest - place.stiffest))
+        rows += [(place, (place.upper - place.lower) / frequency) for place in places]
     return table(
-        "Mode | < Coupling | Tolerance [%]:3 | Soft [Hz]:7 | Stiff [Hz]:7 | Change [%]:3 | Without it [Hz]:7 | "
-        "Rigid [Hz]:7",
+        "mode: Mode | coupling: < Coupling | tolerance: Tolerance [%]:3 | lower: Soft:7 | upper: Stiff:7 | "
+        "Change [%]:3 | softest: Without it:7 | stiffest: Rigid:7",
         rows[:MOST_ROWS],
         "Effect of each coupling on each mode",
     )

@@ -1,6 +1,7 @@
 """Torques, stresses, bending and growth rates as curves over the speed, or over the frequency."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from torsion.output.figures.ranges import (
     span,
     unanswered,
 )
+from torsion.output.numbers import RPM
 
 STANDING = "nearly singular: next to a resonance that nothing damps"
 NO_ANSWER = "singular: no answer"
@@ -183,49 +185,6 @@ def frequency(
     )
 
 
-def periodic(
-    name: str,
-    caption: str,
-    *,
-    first_speed: FloatArray,
-    speed: FloatArray,
-    lines: Sequence[tuple[str, FloatArray | None, FloatArray]],
-    unit: str,
-    none: BoolArray,
-    coarse: BoolArray,
-    grows: BoolArray,
-    unstable: Bands = (),
-    rated: float | None = None,
-) -> Figure:
-    """Return torque orders by the first order and by the exact periodic motion.
-
-    Speeds in rpm; lines: (name, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
-
-    none, coarse, grows: (speeds,) no periodic motion, not resolved, unstable.
-    """
-    _, bands = unanswered(speed, none, NO_MOTION)
-    drawn, marks = list[Line](), list[Marks]()
-    for k, (words, first, exact) in enumerate(lines):
-        label = words.removeprefix("order ")
-        drawn.append(Line(f"{words}, exact", speed, exact, 2 * k, label, weight=1.7, symbol="dot"))
-        if first is not None:
-            drawn.append(Line(f"{words}, first order", first_speed, first, 2 * k + 1))
-        marks.append(Marks("unstable motion", speed[grows], exact[grows], "cross", "unstable"))
-        marks.append(Marks("not resolved", speed[coarse], exact[coarse], "box", "unstable"))
-    y = amplitudes("torque amplitude", unit, [line.y for line in drawn])
-    x = span(SPEED, np.append(first_speed, speed))
-    panel = Panel(
-        x,
-        y,
-        tuple(drawn),
-        rated_level(rated),
-        barred_bands((), unstable) + bands,
-        tuple(marks),
-        height=140.0,
-    )
-    return Figure(name, caption, (panel,))
-
-
 def bending(
     name: str,
     caption: str,
@@ -265,56 +224,50 @@ def bending(
 def stability(
     name: str,
     caption: str,
-    *,
     speed: FloatArray,
     growth: FloatArray,
-    unstable: Sequence[tuple[float, float, str]],
-    rated: float | None = None,
+    ranges: Sequence[Any],
+    rated: float | None,
 ) -> Figure:
     """Return the growth rate over the speed, with room above it for the names of the unstable ranges.
 
-    speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name.
+    speed: (speeds,) rad/s; growth: (speeds,) 1/s, NaN where there is no periodic motion; rated: rpm.
     """
-    _, missing = unanswered(speed, ~np.isfinite(growth), NO_MOTION)
-    grows, ranges = np.zeros(len(speed), dtype=bool), list[Band]()
-    for low, high, words in unstable:
-        ranges.append(Band("unstable range", low, high, "unstable", label=words))
-        grows |= (speed >= low) & (speed <= high) & (growth > 0)
+    growth, grows = np.asarray(growth), np.zeros(len(speed), dtype=bool)
+    _, bands = unanswered(x := speed * RPM, ~np.isfinite(growth), NO_MOTION)
+    unstable = list[Band]()
+    for band in ranges:
+        ends = band.first * RPM, band.last * RPM
+        unstable.append(Band("unstable range", *ends, "unstable", label=band.name))
+        grows |= (speed >= band.first) & (speed <= band.last) & (growth > 0)
     values = np.append(growth[np.isfinite(growth)], 0.0)
     room = HEAD * float(np.ptp(values))
     panel = Panel(
-        span(SPEED, speed),
+        span(SPEED, x),
         Axis("growth rate", "1/s", high=float(values.max()) + room if room and ranges else None),
-        (Line("growth rate", speed, growth, "plain", symbol="dot"),),
+        (Line("growth rate", x, growth, "plain", symbol="dot"),),
         (Level("", 0.0, "zero", is_reached=True), *rated_level(rated)),
-        (*ranges, *missing),
-        (Marks("unstable", speed[grows], growth[grows], "disc", "unstable"),),
+        (*unstable, *bands),
+        (Marks("unstable", x[grows], growth[grows], "disc", "unstable"),),
         height=200.0,
     )
     return Figure(name, caption, (panel,))
 
 
 def stability_map(
-    name: str,
     caption: str,
-    *,
     speed: FloatArray,
+    axis: Axis,
     value: FloatArray,
     growth: FloatArray,
-    quantity: str,
-    unit: str,
-    rated: float | None = None,
+    rated: float | None,
 ) -> Figure:
-    """Return the growth rate as colours; speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s or NaN."""
-    finite = growth[np.isfinite(growth)]
+    """Return the growth rate as colours; speed: (speeds,) rad/s; value: (values,); growth: (speeds, values) 1/s or NaN."""
+    finite, x = growth[np.isfinite(growth)], speed * RPM
     largest = float(np.quantile(np.abs(finite), SHARE)) if finite.size else 1.0
-    cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)
-    behind = (
-        (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),)
-        if finite.size < growth.size
-        else ()
-    )
-    x, y = span(SPEED, speed), span(Axis(quantity, unit), value)
-    return Figure(
-        name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=190.0),)
-    )
+    cells = Cells(x, value, growth.T, "growth rate", "1/s", largest or 1.0)
+    unknown = Band(NO_MOTION, float(x[0]), float(x[-1]), "no answer")
+    bands = (unknown,) if finite.size < growth.size else ()
+    axes = span(SPEED, x), span(axis, value)
+    panel = Panel(*axes, (), rated_level(rated), bands, cells=cells, height=190.0)
+    return Figure("stability-map", caption, (panel,))

@@ -1,12 +1,10 @@
-"""Figures of variants: curves over one figure, maps over two, spreads, and lines through the values of many."""
+"""Figures of variants: curves over one parameter, maps over two, histograms, and what passes and what fails."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray
-from torsion.output.figures.contours import level_line
+from torsion.arrays import FloatArray
 from torsion.output.figures.figure import (
     Axis,
     Band,
@@ -16,235 +14,168 @@ from torsion.output.figures.figure import (
     Line,
     Marks,
     Panel,
-    Role,
     Symbol,
     runs,
 )
-from torsion.output.numbers import number, unit_words
-from torsion.what_if.sweep.sweep_results import Grid, GridAxis
+from torsion.output.numbers import unit_words
+from torsion.what_if.sweep.sweep_results import Grid, GridAxis, Sweep, SweptCheck
 
-MOST_MODES = 3  # in one figure
+MOST_MODES, MOST_CHECKS = 3, 6  # in one figure
 MOST_BINS = 40
 SAME = 1e-12  # relative: values that differ by less are one
-FEWEST_LINES = 5  # values along an axis between which lines are drawn
-CONTOURS = 8  # of a frequency
-LIMIT = 100.0  # % of a limit
 LEAST_RANGE = 200.0  # % beyond the limit up to which colours differ, at most
-TALL = 250.0
+UTILISATION = Axis("utilisation", "%", low=0.0)
 
 
-def curve(grid: Grid, lines: Sequence[tuple[str, int]]) -> Figure:
-    """Shares of limits and frequencies over the one figure of a grid; lines: name and place of the checks shown."""
-    x, axis, levels = _scale(grid.axes[0])
-    bands = _not_kept(x, grid.fails, is_numeric=not axis.places)
-    symbol: Symbol | None = "dot" if axis.places or x.size <= MOST_BINS else None
-    panels = []
-    if lines:
-        used = [
-            Line(words, x, 100.0 * grid.utilisation[check], pen, symbol=symbol)
-            for pen, (words, check) in enumerate(lines)
-        ]
-        limit = Level("limit", LIMIT, is_reached=True)
-        panels.append(
-            Panel(
-                axis,
-                Axis("utilisation", "%", low=0.0),
-                tuple(used),
-                (limit, *levels),
-                bands,
-                height=TALL,
-            )
-        )
-    modes = tuple(
-        Line(f"mode {mode}", x, frequency, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
-        for mode, frequency in enumerate(grid.frequency[:MOST_MODES], start=1)
+def curve(grid: Grid, checks: Sequence[SweptCheck]) -> Figure:
+    """Draw utilisations and frequencies over the one parameter of a grid, and where a check fails."""
+    x, axis, nominal = _coordinate(grid.axes[0])
+    levels = () if nominal is None else (Level("the file", nominal, "rated", "x"),)
+    ends = (axis.low, axis.high) if axis.places else (x[0], x[-1])
+    edges = np.array([ends[0], *(x[1:] + x[:-1]) / 2.0, ends[1]], dtype=float)
+    bands = tuple(
+        Band("a check fails", float(edges[first]), float(edges[last + 1]), "unstable")
+        for first, last in runs(grid.fails)
     )
+    symbol: Symbol | None = "dot" if axis.places or x.size <= MOST_BINS else None
+    used = tuple(
+        Line(f"{check.clause}: {check.where}", x, 100.0 * check.utilisation, pen, symbol=symbol)
+        for pen, check in enumerate(_most_used(checks))
+    )
+    modes = tuple(
+        Line(f"mode {mode}", x, hertz, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
+        for mode, hertz in enumerate(grid.frequency[:MOST_MODES], start=1)
+    )
+    limit = Level("limit", 100.0, is_reached=True)
+    panels = [Panel(axis, UTILISATION, used, (limit, *levels), bands, height=250.0)] if used else []
     if modes:
         panels.append(Panel(axis, Axis("natural frequency", "Hz"), modes, levels, bands))
-    return Figure(
-        "sweep_curve", f"Limits and natural frequencies over {grid.axes[0].name}", tuple(panels)
-    )
+    caption = f"Limits and natural frequencies over {grid.axes[0].name}"
+    return Figure("sweep_curve", caption, tuple(panels))
 
 
 def maps(grid: Grid) -> Iterator[Figure]:
-    """The greatest share of all limits, and every frequency, over the two figures of a grid."""
-    (y, down, _), (x, across, _) = (_scale(axis) for axis in grid.axes)
+    """Draw the maximum utilisation, and every frequency, over the two parameters of a grid."""
+    (y, down, nominal_y), (x, across, nominal_x) = map(_coordinate, grid.axes)
     names = f"{grid.axes[0].name} and {grid.axes[1].name}"
-    marks = tuple(_points(grid, x, y))
-    used = 100.0 * grid.greatest.reshape(grid.shape) - LIMIT
+    marks = []
+    if nominal_x is not None and nominal_y is not None:
+        place = np.array([nominal_x]), np.array([nominal_y])
+        marks.append(Marks("the file", *place, "star", "rated", labels=("the file",)))
+    rows, columns = np.nonzero((grid.fails & ~(grid.greatest > 1.0)).reshape(grid.shape))
+    if rows.size:
+        words = "no answer, or not wholly judged"
+        marks.append(Marks(words, x[columns], y[rows], "cross", "unstable"))
+
+    def drawn(name: str, caption: str, cells: Cells) -> Figure:
+        panel = Panel(across, down, cells=cells, marks=tuple(marks), height=325.0)
+        return Figure(name, f"{caption} over {names}", (panel,))
+
+    used = 100.0 * grid.greatest.reshape(grid.shape) - 100.0
     if np.isfinite(used).any():
-        largest = min(max(float(np.nanmax(used[np.isfinite(used)])), LIMIT), LEAST_RANGE)
-        cells = Cells(
-            x,
-            y,
-            np.where(np.isinf(used), largest, used),
-            "beyond the limit (below zero: met)",
-            "%",
-            largest,
-        )
-        yield Figure(
-            "sweep_map",
-            f"Maximum utilisation − 100 % over {names}",
-            (Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL),),
-        )
+        largest = float(np.clip(used[np.isfinite(used)].max(), 100.0, LEAST_RANGE))
+        title = "beyond the limit (below zero: met)"
+        cells = Cells(x, y, np.minimum(used, largest), title, "%", largest)
+        yield drawn("sweep_map", "Maximum utilisation − 100 %", cells)
     for mode, values in enumerate(grid.frequency[:MOST_MODES], start=1):
-        finite, frequency = values[np.isfinite(values)], values.reshape(grid.shape)
-        if not finite.size or np.ptp(finite) <= 1e-9 * finite.max():
-            continue
-        caption = f"Natural frequency of mode {mode} over {names}"
-        if across.places or down.places or min(grid.shape) < FEWEST_LINES:
-            largest = float(finite.max())
-            decades = float(np.log10(largest / finite.min()))
-            cells = Cells(x, y, frequency, "natural frequency", "Hz", largest, decades)
-            panel = Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL)
-        else:
-            panel = Panel(
-                across, down, tuple(_contours(x, y, frequency)), marks=marks, height=1.3 * TALL
+        finite = values[np.isfinite(values)]
+        if finite.size and np.ptp(finite) > 1e-9 * finite.max():
+            name, caption = f"sweep_map_mode_{mode}", f"Natural frequency of mode {mode}"
+            decades = float(np.log10(finite.max() / finite.min()))
+            hertz, title = values.reshape(grid.shape), "natural frequency"
+            yield drawn(
+                name, caption, Cells(x, y, hertz, title, "Hz", float(finite.max()), decades)
             )
-        yield Figure(f"sweep_map_mode_{mode}", caption, (panel,))
 
 
-def spread(
-    name: str,
-    caption: str,
-    panels: Sequence[tuple[Axis, FloatArray, Sequence[Level], Sequence[Band]]],
-) -> Figure:
-    """How often values (variants,) lie where, a panel for each quantity; in % of the variants."""
-    up = Axis("variants", "%", low=0.0)
-    return Figure(
-        name,
-        caption,
-        tuple(
-            Panel(
-                _reaching(axis, values, levels),
-                up,
-                (_histogram(values),),
-                tuple(levels),
-                tuple(bands),
-                height=130.0,
-            )
-            for axis, values, levels, bands in panels
-        ),
-    )
-
-
-def _reaching(axis: Axis, values: FloatArray, levels: Sequence[Level]) -> Axis:
-    """As far as the values and the levels."""
-    extent = np.append(values[np.isfinite(values)], [level.value for level in levels])
-    room = 0.03 * float(np.ptp(extent)) or 1e-3 * abs(float(extent[0])) or 1.0
-    return replace(axis, low=float(extent.min()) - room, high=float(extent.max()) + room)
-
-
-def through(
-    name: str, caption: str, *, axes: Sequence[str], groups: Sequence[tuple[str, Role, FloatArray]]
-) -> Figure:
-    """Parallel coordinates: of every variant a line through its values, 0..1 of their ranges.
-
-    groups: name, pen and values (variants, axes); the last lies on top.
-    """
-    places = np.arange(float(len(axes)))
-    lines = []
-    for words, pen, values in groups:
-        x = np.tile(np.append(places, np.nan), len(values))
-        y = 100.0 * np.column_stack([values, np.full(len(values), np.nan)]).ravel()
-        lines.append(Line(words, x, y, pen, weight=0.7 if pen == "pale" else 1.0))
-    across = Axis(
-        "figure",
-        low=-0.8,
-        high=len(axes) - 0.2,
-        places=tuple(zip(places.tolist(), axes, strict=True)),
-    )
-    return Figure(
-        name,
-        caption,
-        (Panel(across, Axis("place in its range", "%", -3.0, 103.0), tuple(lines), height=TALL),),
-    )
-
-
-def _scale(axis: GridAxis) -> tuple[FloatArray, Axis, tuple[Level, ...]]:
-    """The places of its values, the axis, and the value of the file on it; names where values are no numbers."""
+def _coordinate(axis: GridAxis) -> tuple[FloatArray, Axis, float | None]:
+    """Return the places of its values, the axis, and the place of the file's; names where values are no numbers."""
     if axis.is_numeric:
-        levels = tuple(
-            Level("the file", value, "rated", "x") for value in [axis.in_file] if value is not None
-        )
-        return (
-            axis.number,
-            Axis(axis.name, unit_words(axis.unit), float(axis.number[0]), float(axis.number[-1])),
-            levels,
-        )
+        ends = float(axis.number[0]), float(axis.number[-1])
+        return axis.number, Axis(axis.name, unit_words(axis.unit), *ends), axis.in_file
     positions = np.arange(float(len(axis.words)))
     places = tuple(zip(positions.tolist(), axis.words, strict=True))
-    matches = (
-        np.flatnonzero(axis.number == axis.in_file).tolist() if axis.in_file is not None else []
-    )
-    levels = tuple(Level("the file", float(position), "rated", "x") for position in matches[:1])
-    return positions, Axis(axis.name, low=-0.5, high=len(positions) - 0.5, places=places), levels
+    nominal = [] if axis.in_file is None else positions[axis.number == axis.in_file].tolist()
+    ends = -0.5, len(positions) - 0.5
+    return positions, Axis(axis.name, "", *ends, places=places), nominal[0] if nominal else None
 
 
-def _not_kept(x: FloatArray, fails: BoolArray, *, is_numeric: bool) -> tuple[Band, ...]:
-    """Where a check fails, half way to the neighbours that pass."""
-    edges = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2.0, [x[-1]]])
-    if not is_numeric:
-        edges[0], edges[-1] = x[0] - 0.5, x[-1] + 0.5
-    return tuple(
-        Band("a check fails", float(edges[a]), float(edges[b + 1]), "unstable")
-        for a, b in runs(fails)
-    )
+def _most_used(checks: Sequence[SweptCheck]) -> list[SweptCheck]:
+    """Return the checks with the highest utilisation of any variant."""
+    known = [check for check in checks if np.isfinite(check.utilisation).any()]
+    return sorted(known, key=lambda check: -(check.worst or 0.0))[:MOST_CHECKS]
 
 
-def _points(grid: Grid, x: FloatArray, y: FloatArray) -> Iterator[Marks]:
-    """The file among the variants, and variants that fail without a share of a limit that shows it."""
-    coordinates = []
-    for axis, positions in zip(grid.axes, (y, x), strict=True):
-        coordinate = None if axis.in_file is None else axis.in_file
-        if coordinate is not None and not axis.is_numeric:
-            rows = np.flatnonzero(axis.number == coordinate)
-            coordinate = float(positions[rows[0]]) if rows.size else None
-        coordinates.append(coordinate)
-    if None not in coordinates:
-        yield Marks(
-            "the file",
-            np.array([coordinates[1]]),
-            np.array([coordinates[0]]),
-            "star",
-            "rated",
-            labels=("the file",),
-        )
-    else:
-        yield Marks("", np.empty(0), np.empty(0))
-    hidden = np.argwhere((grid.fails & ~(grid.greatest > 1.0)).reshape(grid.shape))
-    if hidden.size:
-        yield Marks(
-            "no answer, or not wholly judged", x[hidden[:, 1]], y[hidden[:, 0]], "cross", "unstable"
-        )
-
-
-def _contours(x: FloatArray, y: FloatArray, values: FloatArray) -> Iterator[Line]:
-    """Lines of round values of a frequency, each with its value."""
-    finite = values[np.isfinite(values)]
-    step = float(np.ptp(finite)) / (CONTOURS + 1)
-    power = 10.0 ** np.floor(np.log10(step))
-    step = power * next(factor for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= step)
-    for level in np.arange(np.ceil(finite.min() / step), finite.max() / step) * step:
-        pieces = list(level_line(x, y, values, float(level)))
-        if pieces:
-            along, up = (
-                np.concatenate([np.append(piece[k], np.nan) for piece in pieces]) for k in (0, 1)
+def frequencies(sweep: Sweep, bounds: Sequence[tuple[float, float]]) -> Figure:
+    """Draw histograms of the lowest modes; bounds: Hz, those that are guaranteed of every mode, if they are known."""
+    panels = []
+    for mode, values in enumerate(sweep.frequency[:MOST_MODES]):
+        levels = [Level("nominal", float(sweep.nominal[mode]), "rated", "x")]
+        levels += [
+            Level("guaranteed bound of the tolerances", end, "limit", "x")
+            for end in (bounds[mode] if mode < len(bounds) else ())
+        ]
+        spread = float(sweep.low[mode]), float(sweep.high[mode])
+        extent = np.append(values[np.isfinite(values)], [level.value for level in levels])
+        room = 0.03 * float(np.ptp(extent)) or 1e-3 * abs(float(extent[0])) or 1.0
+        ends = float(extent.min()) - room, float(extent.max()) + room
+        panels.append(
+            Panel(
+                Axis(f"frequency of mode {mode + 1}", "Hz", *ends),
+                Axis("variants", "%", low=0.0),
+                (histogram(values),),
+                tuple(levels),
+                (Band("95 % of the variants", *spread, "spread"),),
             )
-            yield Line("", along, up, "plain", f"{number(float(level), 4)} Hz", label_at="anywhere")
+        )
+    return Figure("sweep_frequencies", "Natural frequencies of all variants", tuple(panels))
 
 
-def _histogram(values: FloatArray) -> Line:
-    """Steps (bins,) in % of the variants."""
+def histogram(values: FloatArray) -> Line:
+    """Return steps (bins,) in % of the variants."""
     finite = values[np.isfinite(values)]
-    if (
-        finite.size and np.ptp(finite) <= SAME * np.abs(finite).max()
-    ):  # between values that differ by rounding lie no bins
-        finite = np.full_like(finite, finite[0])
-    bins = int(np.clip(np.sqrt(finite.size), 5, MOST_BINS))
-    count, edges = np.histogram(finite, bins)
-    x, y = (
-        np.repeat(edges, 2),
-        np.concatenate([[0.0], np.repeat(100.0 * count / max(values.size, 1), 2), [0.0]]),
+    if finite.size and np.ptp(finite) <= SAME * np.abs(finite).max():
+        finite = np.full_like(
+            finite, finite[0]
+        )  # between values that differ by rounding lie no bins
+    count, edges = np.histogram(finite, int(np.clip(np.sqrt(finite.size), 5, MOST_BINS)))
+    share = np.repeat(100.0 * count / max(values.size, 1), 2)
+    return Line(
+        "", np.repeat(edges, 2), np.array([0.0, *share, 0.0]), base=np.zeros(2 * edges.size)
     )
-    return Line("", x, y, 0, base=np.zeros(x.size))
+
+
+def shares(sweep: Sweep) -> Figure:
+    """Draw which share of the variants stays below a utilisation, of the checks nearest to failing."""
+    lines = []
+    known = (check for check in sweep.checks if np.isfinite(check.utilisation).any())
+    for pen, check in zip(range(MOST_CHECKS), known, strict=False):
+        used = 100.0 * np.sort(np.where(np.isfinite(check.utilisation), check.utilisation, np.nan))
+        below = np.arange(1, used.size + 1) / used.size * 100.0
+        lines.append(Line(f"{check.clause}: {check.where}", used, below, pen))
+    limit = Level("limit", 100.0, axis="x", is_reached=True)
+    up = Axis("variants below", "%", low=0.0, high=100.0)
+    panel = Panel(UTILISATION, up, tuple(lines), (limit,), height=240.0)
+    caption = "Variants below a utilisation, for the checks with the highest utilisation"
+    return Figure("sweep_shares", caption, (panel,))
+
+
+def failing(sweep: Sweep, fails: np.ndarray, pair: Sequence[int]) -> Figure:
+    """Draw the variants that pass and those that fail over two of the parameters."""
+    values, axes = [], []
+    for parameter in pair:
+        figure, factor = sweep.figures[parameter], sweep.factor[:, parameter]
+        is_relative = figure.unit is None
+        values.append(100.0 * factor if is_relative else factor)
+        axes.append(
+            Axis(f"{figure.name} / nominal", "%")
+            if is_relative
+            else Axis(figure.name, unit_words(figure.unit or ""))
+        )
+    x, y = values
+    marks = (
+        Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
+        Marks("a check fails", x[fails], y[fails], "cross", "unstable"),
+    )
+    names = " and ".join(sweep.figures[parameter].name for parameter in pair)
+    return Figure("sweep_variants", f"Variants by {names}", (Panel(axes[0], axes[1], marks=marks),))
