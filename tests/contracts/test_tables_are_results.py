@@ -412,7 +412,12 @@ OF_OTHERS = {  # columns of figures that follow from declared ones by a formula 
     "Speed and acceleration": ("Maximum", "Minimum", "Speed × angle"),
     "Secondary couples": ("Mean", "Amplitude"),
     "Optimum phase": ("Phase now", "Optimum", "Non-uniformity"),
-    "Response of the train to the order": ("Order", "Maximum torque", "Speed", "Estimated model error"),
+    "Response of the train to the order": (
+        "Order",
+        "Maximum torque",
+        "Speed",
+        "Estimated model error",
+    ),
     "Shafts and their": ("Lowest", "z"),
     "Rigid shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"),
     "Natural frequencies of the models": ("",),
