@@ -159,6 +159,9 @@ class Sized(Declared):
             _READING.reset(before)
 
 
+WITH_UNIT = {"type": "string", "pattern": r"^\s*[+−-]?\.?[0-9]"}  # for an editor
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Reads a number in SI or text with a unit into a float in `unit`, within the limits.
@@ -254,7 +257,7 @@ class Quantity:
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         meaning = f"a number with a unit; in SI: {self.unit}; usually {self.usual_words()}"
-        text = {"type": "string", "description": meaning, "x-unit": [self.unit]}
+        text = {"description": meaning, "examples": [units.example(self.unit)]} | WITH_UNIT
         plain = text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
         return plain | {"x-usual": self.range.ends}
 
@@ -422,11 +425,11 @@ _of_mean = {
     "properties": {
         "of_mean": {
             "description": "share of the mean torque, %",
-            "anyOf": [{"type": "number"}, {"type": "string", "x-unit": ["1"]}],
+            "anyOf": [{"type": "number"}, WITH_UNIT],
             "x-usual": SHARE_OF_MEAN.range.ends,
         }
     },
 }
-_amount = {"anyOf": [{"type": "number"}, {"type": "string", "x-unit": ["N*m", "1"]}, _of_mean]}
+_amount = {"anyOf": [{"type": "number"}, WITH_UNIT, _of_mean]}
 Exact = Annotated[Fraction, _read_by(read_exact), WithJsonSchema(_exact)]
 TorqueAmount = Annotated[Amount, _read_by(read_amount), WithJsonSchema(_amount)]

@@ -7,7 +7,6 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
 from pydantic_core import core_schema
 
-from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import Declared, OneOrMany
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
@@ -44,7 +43,7 @@ class _Declarations(GenerateJsonSchema):
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
         inner, default = self.generate_inner(schema["schema"]), schema.get("default")
-        is_plain = isinstance(default, str | bool | int | float) and inner.get("x-unit") is None
+        is_plain = isinstance(default, str | bool | int | float) and "pattern" not in inner
         return inner | {"default": default} if is_plain and "$ref" not in inner else inner
 
     def field_title_should_be_set(self, schema: Any) -> bool:
@@ -91,7 +90,6 @@ def json_schema() -> Schema:
         "table": TABLE,
         **parts,
     }
-    schema["$defs"] |= _with_quantities(schema)
     _add_aliases(schema)
     return schema
 
@@ -127,39 +125,6 @@ def _offer(body: Schema, aliases: Mapping[str, str]) -> None:
         body["required"].remove(key)
         words = [key, *(alias for alias, meant in aliases.items() if meant == key)]
         body.setdefault("allOf", []).append({"anyOf": [{"required": [word]} for word in words]})
-
-
-def _with_quantities(body: Any) -> Schema:
-    """Refer every text with a unit to the definition of its quantity; these definitions by name."""
-    definitions: Schema = {}
-    if isinstance(body, dict):
-        expected = body.pop("x-unit", None)
-        if expected is not None:
-            name = " or ".join(
-                units.speak(unit).removeprefix("a ").removeprefix("an ") for unit in expected
-            )
-            name = name.replace(" ", "-")
-            body["$ref"] = f"#/$defs/{name}"
-            definitions[name] = _quantity(expected)
-    for part in (
-        list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ()
-    ):
-        definitions |= _with_quantities(part)
-    return definitions
-
-
-def _quantity(expected: list[str]) -> Schema:
-    """The definition of a text with a number and one of these SI units, or another of its dimension."""
-    words = " or ".join(
-        units.speak(unit) + ("" if unit == "1" else f" in {unit}") for unit in expected
-    )
-    examples = [units.example(unit) for unit in expected]
-    return {
-        "type": "string",
-        "description": f"{words}, for example {' or '.join(examples)}",
-        "pattern": r"^\s*[+−-]?\.?[0-9]",
-        "examples": examples,
-    }
 
 
 def _or_null(body: Schema) -> Schema:
