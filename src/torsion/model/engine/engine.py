@@ -2,9 +2,9 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
@@ -159,9 +159,7 @@ class Engine(Crankshaft, keyword="engine"):
         if bool(order) == bool(angles) and (z > 1 or order):
             message = f"`firing_order` and `firing_angles` {'exclude each other' if order else 'are both missing'}"
             raise refuse(message, "firing_order: [1, 3, 4, 2]", "firing_angles" if order else "")
-        if order and sorted(order) != list(range(1, z + 1)):
-            message = f"`firing_order` does not name each of {z} cylinders once"
-            raise refuse(message, f"numbers 1 to {z}", "firing_order")
+        self._refuse_unless_each_once("firing_order", order, f"numbers 1 to {z}")
         if angles and len(angles) != z:
             message = f"`firing_angles` are {len(angles)}, cylinders {z}"
             raise refuse(message, "one angle a cylinder", "firing_angles")
@@ -169,11 +167,14 @@ class Engine(Crankshaft, keyword="engine"):
             limit = f"from 0 to below {360 * self.revolutions} deg"
             raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
 
+    def _refuse_unless_each_once(self, key: str, numbers: Iterable[int], hint: str) -> None:
+        """Refuse a key that is given and does not name every cylinder once."""
+        if getattr(self, key) and sorted(numbers) != list(range(1, self.cylinders + 1)):
+            message = f"`{key}` does not name each of {self.cylinders} cylinders once"
+            raise refuse(message, hint, key)
+
     def _check_throws(self) -> None:
-        numbers = sorted(number for throw in self.throws for number in throw)
-        if self.throws and numbers != list(range(1, self.cylinders + 1)):
-            message = f"`throws` do not name each of {self.cylinders} cylinders once"
-            raise refuse(message, "throws: [[1, 2], [3, 4]]", "throws")
+        self._refuse_unless_each_once("throws", chain(*self.throws), "throws: [[1, 2], [3, 4]]")
         fires = [self._cycle * float(share) for share in self._cycles]
         for throw in self.lanes:
             angles = sorted(fires[number - 1] for number in throw)

@@ -221,17 +221,22 @@ def _law_of_diagrams(gas: Gas, frame: Frame, cylinder: Cylinder) -> Law:
         law = GasLaw("speed", np.array(speeds, dtype=np.float64), firing, motored)
         words = "indicator diagrams over the speed, each with its own load"
         return Law(law, words, curves, remarks)
-    loads = np.append(motored[0, 0].real, firing[:, 0].real)
-    if np.any(np.diff(loads[1:]) <= 0):
+    law = _over_load(firing, motored[:1])
+    if np.any(np.diff(law.at[1:]) <= 0):
         message = "list several diagrams without a speed in order of rising load"
         raise GasFault(message, "lowest imep first")
-    if loads[0] >= loads[1]:
+    if law.at[0] >= law.at[1]:
         message = "the diagram gives no more torque than its compression mirrored"
         raise GasFault(message, "is `tdc` right?")
-    rows = np.concatenate([motored[:1], firing])
-    law = GasLaw("load", loads, rows, motored[:1], len(diagrams) == 1, float(loads[-1]))
     words = "indicator diagram, at other loads in a straight line from the motored one"
     return Law(law, words, curves, remarks)
+
+
+def _over_load(firing: ComplexArray, motored: ComplexArray) -> GasLaw:
+    """Return the law of harmonics (loads, harmonics) N m over their mean torque, from the motored ones on."""
+    loads = np.append(motored[0, 0].real, firing[:, 0].real)
+    rows = np.concatenate([motored[:1], firing])
+    return GasLaw("load", loads, rows, motored, len(firing) == 1, float(loads[-1]))
 
 
 @lru_cache(maxsize=32)
@@ -273,12 +278,10 @@ def _of_cycle(gas: Gas, frame: Frame) -> Law:
         )
         for cycle, imep in zip(cycles, gas.imep, strict=True)
     )
-    loads, rows = np.append(none[0, 0].real, firing[:, 0].real), np.concatenate([none[:1], firing])
-    if loads[0] >= loads[1]:
+    law = _over_load(firing, np.concatenate([none[:1], none]) if several else none)
+    if law.at[0] >= law.at[1]:
         message = "the imep is below the imep of the motored cycle"
         raise GasFault(message, "the cycle would take heat away", "imep")
-    motored = np.concatenate([none[:1], none]) if several else none
-    law = GasLaw("load", loads, rows, motored, not several, float(loads[-1]))
     ends = dict.fromkeys((cycles[0], cycles[-1]))
     heat = " to ".join(f"{cycle.heat / 1e3:.5g} kJ" for cycle in ends)
     start = " to ".join(f"{math.degrees(cycle.start):.4g}" for cycle in ends)
