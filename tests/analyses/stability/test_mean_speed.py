@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,9 @@ def text(
     return whole
 
 
+@cache
 def solved(**change: object) -> Findings:
+    """Solved once for each change."""
     return torsion.run(torsion.parse(text(**change), "drum.yaml"))  # type: ignore[arg-type]
 
 
