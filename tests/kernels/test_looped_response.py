@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.loops import Chords, looped_response
+from torsion.kernels.chords import Chords
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import Status, status, tree_response
 
@@ -18,8 +18,8 @@ def test_two_parallel_springs_act_as_one_of_their_sum():
     pair = Tree(
         np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.zeros(2, dtype=bool)
     )
-    answer = looped_response(
-        pair, closing([0], [1], [1 / 30]), np.array([5.0]), np.array([1.0, -1.0])
+    answer = tree_response(
+        pair, np.array([5.0]), np.array([1.0, -1.0]), chords=closing([0], [1], [1 / 30])
     )
     np.testing.assert_allclose(answer.angle[:, 0], [1 / 150, -1 / 225], rtol=1e-14)
     np.testing.assert_allclose(
@@ -33,7 +33,7 @@ def test_a_twist_in_a_loop_of_parallel_springs_locks_torque_in():
         np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.array([True, False])
     )
     w, twist = np.array([2.0]), 0.1
-    answer = looped_response(pair, closing([0], [1], [1 / 30], [twist]), w, np.zeros(2))
+    answer = tree_response(pair, w, np.zeros(2), chords=closing([0], [1], [1 / 30], [twist]))
     x = 30 * twist / (120 - 4 * 3)
     np.testing.assert_allclose(answer.angle[1, 0], x, rtol=1e-14)
     np.testing.assert_allclose(answer.torque[1, 0], -90 * x, rtol=1e-14)
@@ -44,9 +44,8 @@ def test_a_loop_through_ground_equals_the_spring_to_ground_as_a_held_leaf():
     parent, held = np.array([-1, 0, 1, -1]), np.array([True, False, False, True])
     inertia, flexibility = np.array([0, 2.0, 3.0, 0]), np.array([0, 0.01, 0.02, 0])
     w, force = np.array([1.0, 4.0]), np.array([0, 1.0, 2.0, 0])
-    looped = looped_response(
-        Tree(parent, flexibility, inertia, held), closing([2], [3], [0.05]), w, force
-    )
+    open_tree = Tree(parent, flexibility, inertia, held)
+    looped = tree_response(open_tree, w, force, chords=closing([2], [3], [0.05]))
     leaf = Tree(np.array([-1, 0, 1, 2]), np.array([0, 0.01, 0.02, 0.05]), inertia, held)
     plain = tree_response(leaf, w, force)
     np.testing.assert_allclose(looped.angle, plain.angle, rtol=1e-13)
@@ -68,7 +67,7 @@ def test_torques_of_stiff_trains_with_two_loops_agree_with_many_digits(seed):
     tree = Tree(parent, np.r_[0, 1 / stiffness[1:]], inertia, np.zeros(n, dtype=bool))
     loops = closing(begin, end, 1 / (soft * (1 + 1j * eta)), [0.0, 1e-3])
     hc = tree.flexibility / (1 + 1j * eta)
-    answer = looped_response(tree, loops, w, force, twist=twist, compliance=hc)
+    answer = tree_response(tree, w, force, twist=twist, compliance=hc, chords=loops)
     spans = [(int(parent[i]), i, complex(hc[i]), twist[i]) for i in range(1, n)]
     spans += [
         (a, b, complex(h), float(q))
@@ -103,8 +102,8 @@ def test_resonance_of_the_closed_train_is_marked():
     pair = Tree(
         np.array([-1, 0]), np.array([0, 1 / 64]), np.array([2.0, 2.0]), np.zeros(2, dtype=bool)
     )
-    answer = looped_response(
-        pair, closing([0], [1], [1 / 36]), np.array([0.0, 5, 10]), np.array([1.0, 0])
+    answer = tree_response(
+        pair, np.array([0.0, 5, 10]), np.array([1.0, 0]), chords=closing([0], [1], [1 / 36])
     )
     assert status(answer.amplification, answer.residual).tolist() == [
         Status.SINGULAR,
@@ -116,4 +115,4 @@ def test_resonance_of_the_closed_train_is_marked():
 def test_a_span_between_separate_parts_is_refused():
     two = Tree(np.array([-1, -1]), np.zeros(2), np.ones(2), np.zeros(2, dtype=bool))
     with pytest.raises(ValueError, match="only connection of two parts"):
-        looped_response(two, closing([0], [1], [1.0]), np.array([1.0]), np.ones(2))
+        tree_response(two, np.array([1.0]), np.ones(2), chords=closing([0], [1], [1.0]))

@@ -83,13 +83,13 @@ def damped(
         laws=laws,
     )
     lowest = np.argsort(roots.eigenvalue.imag, kind="stable")[:count]
-    eigenvalue = roots.eigenvalue[lowest]
+    eigenvalue, torque = roots.eigenvalue[lowest], roots.torque[:, lowest]
     return DampedModes(
         eigenvalue.imag / (2.0 * math.pi),
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
         roots.angle[condensed.node][:, lowest] * system.speed_ratio[:, None],
-        span_torques(system, roots.torque[:, lowest]),
+        span_torques(system, torque, torque),
         roots.real_root,
         speed,
     )

@@ -298,21 +298,18 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
         from torsion.analyses.modes.bars import referred_modes
 
         referred = referred_modes(tree, count)
-        shafts = referred.shafts
-        outer = referred.torque if shafts is None else shafts.torque_outer
-        torque = bar_torques(system, referred.torque, outer)
+    elif chords.size:
+        from torsion.kernels.variant_networks import counted_modes
+
+        ends = node[system.driving[chords]], node[system.driven[chords]]
+        flexibility = (system.flexibility / system.span_ratio**2)[chords]
+        referred = counted_modes(tree, *ends, flexibility, count)
     else:
-        if chords.size:
-            from torsion.kernels.variant_networks import counted_modes
+        from torsion.kernels.natural_modes import tree_modes
 
-            ends = node[system.driving[chords]], node[system.driven[chords]]
-            flexibility = (system.flexibility / system.span_ratio**2)[chords]
-            referred = counted_modes(tree, *ends, flexibility, count)
-        else:
-            from torsion.kernels.natural_modes import tree_modes
-
-            referred = tree_modes(tree, count)
-        torque = span_torques(system, referred.torque, chords, referred.loop_torque)
+        referred = tree_modes(tree, count)
+    outer = referred.torque if referred.shafts is None else referred.shafts.torque_outer
+    torque = span_torques(system, referred.torque, outer, chords, referred.loop_torque)
     shape, hertz, ratio = _rows(referred.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
     if not (ratio == 1.0).all():
         shape = np.asarray(shape * ratio[:, None])
@@ -349,14 +346,21 @@ def chord_spans(system: System) -> IntArray:
 def span_torques(
     system: System,
     torque: np.ndarray,
+    outer: np.ndarray,
     chords: IntArray = NONE,
     chord_torque: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """Return torques (spans, columns) N m at each driving station's speed, from those (tree stations, columns).
+    """Return torques (spans, columns) N m at each driving station, from those (tree stations, columns) at both ends.
 
-    chord_torque: (chords, columns) N m at one speed, positive when the driving side pushes.
+    outer: `torque` itself without distributed shafts; chord_torque: (chords, columns) N m at one speed, positive when
+    the driving side pushes.
     """
     condensed = system.condensed
+    if outer is not torque:
+        from_parent = condensed.span[condensed.sign > 0]
+        at_driving = outer.copy()
+        at_driving[from_parent] = torque[from_parent]
+        torque = at_driving
     stated = _rows(torque, condensed.span)
     scale = condensed.sign * system.span_ratio
     if condensed.extra.size:
@@ -365,14 +369,6 @@ def span_torques(
     if chords.size:
         stated[chords] = chord_torque * condensed.sign[chords, None]
     return stated if (scale == 1.0).all() else np.asarray(stated / scale[:, None])
-
-
-def bar_torques(system: System, torque: np.ndarray, torque_outer: np.ndarray) -> np.ndarray:
-    """Return torques (spans, columns) N m at each driving station, from those (tree stations, columns) at both ends."""
-    from_parent = system.condensed.span[system.condensed.sign > 0]
-    at_driving = torque_outer.copy()
-    at_driving[from_parent] = torque[from_parent]
-    return span_torques(system, at_driving)
 
 
 def _rows(values: np.ndarray, index: IntArray) -> np.ndarray:

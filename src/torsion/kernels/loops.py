@@ -1,14 +1,13 @@
-"""Natural modes and forced response of a train with closed loops (power splits): a tree, and chords that close it."""
+"""Natural modes of a train with closed loops (power splits): a tree, and chords that close it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.elimination import eliminate, eliminate_undamped, forced
+from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.chords import around, pairs
+from torsion.kernels.elimination import eliminate_undamped, forced
 from torsion.kernels.factors import jacobi_svd, star_mesh_factor
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
@@ -23,7 +22,6 @@ from torsion.kernels.reduction import (
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import TreeResponse, amplification_of, pose, residual_of
 from torsion.sources import source
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -60,19 +58,6 @@ class LoopedTrain:
             torque=torque[:size],
             loop_torque=torque[size:],
         )
-
-
-@dataclass(frozen=True)
-class Chords:
-    """The spans that close loops in a tree: angle[end] = angle[begin] - compliance torque + twist.
-
-    The tree should hold the stiffest spans of every loop and these the softest; a tree of soft spans loses digits.
-    """
-
-    begin: IntArray  # (chords,) station
-    end: IntArray  # (chords,) station, on which the torque is counted
-    compliance: NDArray[Any]  # (chords,) or (chords, frequencies) rad/(N m)
-    twist: NDArray[Any]  # (chords,) or (chords, frequencies) rad
 
 
 def graph_modes(
@@ -198,102 +183,6 @@ def _with_all_reactions(
     return np.vstack([with_reactions(train.tree, bodies, torque[:size], load), torque[size:]])
 
 
-def looped_response(
-    tree: Tree,
-    chords: Chords,
-    w: FloatArray,
-    force: NDArray[Any],
-    *,
-    twist: NDArray[Any] | None = None,
-    ground_damping: FloatArray | None = None,
-    compliance: NDArray[Any] | None = None,
-) -> TreeResponse:
-    """Response of tree and chords; arguments as of `tree_response`, torques of chords in addition.
-
-    Loop torques follow from the twist around each loop, summed span by span, of the open train under the sources and
-    under a pair of unit torques in place of each chord. A frequency at which the open train is in
-    resonance is marked as singular. Raises ValueError if a chord joins parts that the tree does not join.
-    """
-    sign, pair = around(tree, chords.begin, chords.end), pairs(tree.size, chords.begin, chords.end)
-    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance}
-    problem = pose(tree, w, force, twist=twist, **given)
-    equations = problem.equations(slice(None))
-    hc = _rows(tree.flexibility if compliance is None else compliance)
-    with np.errstate(all="ignore"):
-        # The open train under the sources, then under a pair of unit torques in place of each chord.
-        sides = eliminate(problem.plan, equations.own, equations.compliance, guard=True)
-        angles, torques = forced(sides, equations.force, equations.twist)
-        acting = np.where(tree.held, 0.0, pair)[:, :, None]
-        units = [forced(sides, row) for row in acting]
-        torque, loss = _loop_torques(
-            chords, sign, [hc * row for row in (torques, *(unit[1] for unit in units))], twist
-        )
-        loss *= amplification_of(equations.own, sides)
-        for unit, row in zip(units, torque, strict=True):
-            angles, torques = angles + unit[0] * row, torques + unit[1] * row
-        loss[
-            ~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0))
-            | np.isnan(loss)
-        ] = np.inf
-        result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
-
-        # The residual is that of the tree under the torques of the chords, and of the chords themselves.
-        problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
-        result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
-    return result
-
-
-def _rows(values: NDArray[Any]) -> NDArray[Any]:
-    """Values with an axis for the frequencies."""
-    return np.asarray(values).reshape(len(values), -1)
-
-
-def _loop_torques(
-    chords: Chords,
-    sign: FloatArray,
-    wound: list[NDArray[Any]],
-    twist: NDArray[Any] | None,
-) -> tuple[ComplexArray, FloatArray]:
-    """Return torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve.
-
-    wound: compliance times torque (stations, frequencies) rad of the open train, then under each pair of unit torques.
-    """
-    compliance = np.broadcast_to(_rows(chords.compliance), (len(sign), wound[0].shape[1]))
-    open_twist = _rows(chords.twist) + sign @ wound[0]
-    if twist is not None:
-        open_twist = open_twist - sign @ _rows(twist)
-    # (frequencies, chords, chords), complex where the chords alone have losses too
-    matrix = np.stack([-(sign @ row).T for row in wound[1:]], axis=-1)
-    matrix = matrix.astype(np.result_type(matrix, compliance), copy=False)
-    terms = sum(np.abs(sign) @ np.abs(row) for row in wound[1:]) + np.abs(compliance)
-    chord, identity = np.arange(len(sign)), np.eye(len(sign))
-    matrix[:, chord, chord] += compliance.T
-    scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
-
-    # The smallest singular value of the scaled equations says how many digits are lost.
-    lost = ~np.isfinite(scaled).all(axis=(1, 2))
-    scaled[lost] = identity
-    smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
-    lost |= smallest == 0
-    scaled[lost] = identity
-    torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(
-        np.complex128
-    )
-    torque[:, lost] = np.nan
-    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / smallest))
-
-
-def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
-    """Worst residual (frequencies,) of the equation of any chord, relative to the terms in it."""
-    wound, twist = _rows(chords.compliance) * answer.chord_torque, _rows(chords.twist)
-    begin, end = answer.angle[chords.begin], answer.angle[chords.end]
-    error = np.abs(end - begin + wound - twist) / (
-        np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist)
-    )
-    worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)
-    return worst
-
-
 @source("Kruskal1956")
 def stiffest_tree(
     tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray
@@ -321,30 +210,3 @@ def stiffest_tree(
     return LoopedTrain(
         new, station, source, sign, station[near[torn]], station[far[torn]], soft[torn]
     )
-
-
-def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
-    """+1 and -1 (chords, stations) for the spans whose twists add up to angle[first] - angle[second]; else 0.
-
-    Raises ValueError for a chord between parts that nothing else joins.
-    """
-    sign = np.zeros((len(first), tree.size))
-    for chord, ends in enumerate(zip(second.tolist(), first.tolist(), strict=True)):
-        ends_reached = list(ends)
-        for side, direction in ((0, 1.0), (1, -1.0)):
-            while tree.parents[ends_reached[side]] >= 0:
-                sign[chord, ends_reached[side]] += direction
-                ends_reached[side] = tree.parents[ends_reached[side]]
-        if ends_reached[0] != ends_reached[1] and not tree.held[ends_reached].all():
-            raise ValueError(
-                f"chord {chord} is the only connection of two parts; expected it in the tree"
-            )
-    return sign
-
-
-def pairs(stations: int, first: IntArray, second: IntArray) -> FloatArray:
-    """Torques (chords, stations) with which a unit torque in each chord acts on the tree."""
-    pair, chord = np.zeros((len(first), stations)), np.arange(len(first))
-    np.add.at(pair, (chord, second), 1.0)
-    np.add.at(pair, (chord, first), -1.0)
-    return pair

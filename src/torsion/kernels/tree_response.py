@@ -1,14 +1,15 @@
 """Forced response of a tree at many frequencies, with full torques, a residual and an amplification of errors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
+from torsion.kernels.chords import Chords, around, chord_residual, chord_torques, columns, pairs
 from torsion.kernels.distributed.span_laws import Pi
 from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate, forced, layout
 from torsion.kernels.tree import Tree
@@ -20,7 +21,6 @@ SHORTEST_CHUNK, LONGEST_CHUNK = (
     512,
     2048,
 )  # columns; fewer, and calls cost more than sums (measured)
-Part = slice | IntArray
 
 
 class Status(IntEnum):
@@ -50,54 +50,32 @@ class TreeResponse:
     amplification: FloatArray
     chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
 
-    @classmethod
-    def blank(cls, tree: Tree, frequencies: int) -> "TreeResponse":
-        """Return a response to be filled in place."""
-        angle, torque = np.zeros((2, tree.size, frequencies), dtype=np.complex128)
-        outer = torque if tree.shafts is None else torque.copy()
-        residual, amplification = np.full((2, frequencies), np.nan)
-        none = np.zeros((0, frequencies), dtype=np.complex128)
-        return cls(angle, torque, outer, residual, amplification, none)
-
-    def store(self, part: Part, block: "TreeResponse") -> None:
-        """Replace what stands at the frequencies `part`."""
-        for name, values in vars(self).items():
-            values[..., part] = getattr(block, name)
-
 
 def tree_response(
     tree: Tree,
     w: FloatArray,
     force: NDArray[Any],
     *,
-    twist: NDArray[Any] | None = None,
-    ground_damping: FloatArray | None = None,
-    compliance: NDArray[Any] | None = None,
     check: bool = True,
-    shaft_loss: FloatArray | None = None,
+    **given: Any,
 ) -> TreeResponse:
-    """Response of every station and span at circular frequencies `w` (frequencies,) rad/s.
+    """Response of every station and span; `given`, and all but `check`, as of `pose`.
 
-    Of trains of one layout side by side the tree has a column of inertias (and `compliance` one) for each frequency.
-    force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
-    angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
-    ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
-    shaft_loss: loss factor (shafts,) of the shear modulus of each distributed shaft of the tree, whose compliance is
-    not used and whose twist must be 0.
     check: also compute residual and amplification. A singular frequency is never raised or warned of: see `status`.
-    Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    given = {"ground_damping": ground_damping, "compliance": compliance, "shaft_loss": shaft_loss}
-    problem = pose(tree, w, force, twist=twist, **given)
-    result = TreeResponse.blank(tree, problem.w.size)
-    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // tree.size, LONGEST_CHUNK))
-    for start in range(0, problem.w.size, length):
-        part = np.arange(start, min(start + length, problem.w.size))
-        block = solve_part(problem, slice(start, start + length), check=check)
-        result.store(slice(start, start + length), block)
-        if (lost := part[np.isinf(block.amplification)]).size:
-            result.store(lost, solve_part(problem, lost, check=check, guard=True))
+    problem = pose(tree, w, force, **given)
+    size, number, chords = tree.size, problem.w.size, problem.chords
+    angle, torque = np.empty((2, size, number), dtype=np.complex128)
+    outer = torque if tree.shafts is None else torque.copy()
+    of_chords = np.empty((0 if chords is None else len(chords.begin), number), dtype=np.complex128)
+    residual, amplification = np.empty((2, number))
+    result = TreeResponse(angle, torque, outer, residual, amplification, of_chords)
+    length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // size, LONGEST_CHUNK))
+    for part in (slice(start, start + length) for start in range(0, number, length)):
+        solved = _solved(problem, part, check=check)
+        for values, found in zip(vars(result).values(), solved, strict=True):
+            values[..., part] = found
     return result
 
 
@@ -154,25 +132,26 @@ class Equations:
 
 @dataclass(frozen=True)
 class Problem:
-    """What `tree_response` is given, checked once; arrays have one column, or one for each frequency."""
+    """What `tree_response` is given, checked once; arrays have a column for each frequency, or stand for all."""
 
     plan: Layout
     tree: Tree
     w: FloatArray  # (frequencies,) rad/s
-    force: NDArray[Any]  # (stations, .) N m
-    twist: NDArray[Any] | None  # (stations, .) rad of the span
-    damping: FloatArray  # (stations, .) N m s/rad to ground
-    compliance: NDArray[Any]  # (stations, .) rad/(N m)
+    force: NDArray[Any]  # (stations, ...) N m
+    twist: NDArray[Any] | None  # (stations, ...) rad of the span
+    damping: FloatArray  # (stations, ...) N m s/rad to ground
+    compliance: NDArray[Any]  # (stations, ...) rad/(N m)
     shaft_loss: FloatArray  # (shafts,) loss factor of each distributed shaft
+    chords: Chords | None
 
-    def equations(self, part: Part) -> Equations:
+    def equations(self, part: slice) -> Equations:
         """Return the equations at the frequencies of `part`."""
         w, tree, shafts = self.w[part], self.tree, self.tree.shafts
-        stiffness: NDArray[Any] = _columns(tree.inertia_columns, part) * -(w * w)
+        stiffness: NDArray[Any] = columns(tree.inertia_columns, part) * -(w * w)
         if self.damping.any():
-            stiffness = stiffness + 1j * (w * _columns(self.damping, part))
-        compliance, force = _columns(self.compliance, part), _columns(self.force, part)
-        twist = None if self.twist is None else _columns(self.twist, part)
+            stiffness = stiffness + 1j * (w * columns(self.damping, part))
+        compliance, force = columns(self.compliance, part), columns(self.force, part)
+        twist = None if self.twist is None else columns(self.twist, part)
         if shafts is None:
             return Equations(stiffness, compliance, force, twist)
 
@@ -197,9 +176,20 @@ def pose(
     twist: NDArray[Any] | None = None,
     ground_damping: FloatArray | None = None,
     compliance: NDArray[Any] | None = None,
+    chords: Chords | None = None,
     shaft_loss: FloatArray | None = None,
 ) -> Problem:
-    """Return the problem in the arrays that the elimination takes; arguments and errors as of `tree_response`."""
+    """Return the problem of the response at circular frequencies `w` (frequencies,) rad/s, in fitting arrays.
+
+    Of trains of one layout side by side the tree has a column of inertias (and `compliance` one) for each frequency.
+    force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
+    angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
+    ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
+    chords: spans that close loops in the tree.
+    shaft_loss: loss factor (shafts,) of the shear modulus of each distributed shaft of the tree, whose compliance is
+    not used and whose twist must be 0.
+    Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
+    """
     w, shafts, none = np.asarray(w, dtype=np.float64), tree.shafts, np.zeros(tree.size)
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
@@ -239,55 +229,42 @@ def pose(
             raise ValueError(
                 "a twist is imposed on a span with distributed inertia; expected a plain span next to it"
             )
-    acting = np.where(tree.held, 0.0, force.T).T.reshape(tree.size, -1)
-    return Problem(
-        layout(tree, rigid),
-        tree,
-        w,
-        acting,
-        twist.reshape(tree.size, -1) if twist.any() else None,
-        damping.reshape(tree.size, -1),
-        hc.reshape(tree.size, -1),
-        loss,
-    )
+    acting = np.where(tree.held, 0.0, force.T).T
+    imposed = twist if twist.any() else None
+    return Problem(layout(tree, rigid), tree, w, acting, imposed, damping, hc, loss, chords)
 
 
-def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
-    """Return the columns of `values` that `part` names; a single column stands for all."""
-    return values if values.shape[1] == 1 else values[:, part]
-
-
-def solve_part(problem: Problem, part: Part, *, check: bool, guard: bool = False) -> TreeResponse:
-    """Return the response at the frequencies of `part`."""
-    given, plan = problem.equations(part), problem.plan
+def _solved(problem: Problem, part: slice, *, check: bool) -> tuple[NDArray[Any], ...]:
+    """Return the fields of the response at the frequencies of `part`."""
+    given, plan, tree = problem.equations(part), problem.plan, problem.tree
     with np.errstate(all="ignore"):
-        sides = eliminate(plan, given.own, given.compliance, guard=guard)
+        sides = eliminate(plan, given.own, given.compliance, guard=True)
         angle, torque = forced(sides, given.force, given.twist)
-        columns = angle.shape[1]
-        residual, amplification = np.full((2, columns), np.nan)
-        lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0))
+        residual, amplification = np.full((2, angle.shape[1]), np.nan)
+        of_chords, loss = np.zeros((0, angle.shape[1]), dtype=np.complex128), np.ones(1)
+        if problem.chords is not None:
+            chords = problem.chords.at(part)
+            ends = chords.begin, chords.end
+            pair = np.where(tree.held, 0.0, pairs(tree.size, *ends))
+            units = [forced(sides, row) for row in pair[:, :, None]]
+            wound = [given.compliance * row for row in (torque, *(unit[1] for unit in units))]
+            of_chords, loss = chord_torques(chords, around(tree, *ends), wound, given.twist)
+            for unit, row in zip(units, of_chords, strict=True):
+                angle, torque = angle + unit[0] * row, torque + unit[1] * row
+            given = replace(given, force=given.force + pair.T @ of_chords)
+            residual = chord_residual(chords, angle, of_chords)
+        lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0) + of_chords.sum(axis=0))
         if check:
-            residual = equilibrium_residual(plan, given, angle, torque)
-            amplification = amplification_of(given.own, sides)
+            residual = np.fmax(equilibrium_residual(plan, given, angle, torque), residual)
+            amplification = amplification_of(given.own, sides) * loss
             lost |= ~np.isfinite(amplification)
         amplification[lost] = np.inf
         outer = torque
-        if given.pi is not None and problem.tree.shafts is not None:
-            node, outer = problem.tree.shafts.node, torque.copy()
+        if given.pi is not None and tree.shafts is not None:
+            node, outer = tree.shafts.node, torque.copy()
             outer[node] -= given.pi[2] * angle[node]
-            torque[node] += given.pi[1] * angle[problem.tree.shaft_parent]
-    chords = np.zeros((0, columns), dtype=np.complex128)
-    return TreeResponse(angle, torque, outer, residual, amplification, chords)
-
-
-def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
-    """Return the worst relative residual of any equation, (frequencies,), of a response found in any way."""
-    given, torque = problem.equations(slice(None)), response.torque
-    if given.pi is not None and problem.tree.shafts is not None:
-        torque = torque.copy()
-        torque[problem.tree.shafts.node] -= given.pi[1] * response.angle[problem.tree.shaft_parent]
-    with np.errstate(all="ignore"):
-        return equilibrium_residual(problem.plan, given, response.angle, torque)
+            torque[node] += given.pi[1] * angle[tree.shaft_parent]
+    return angle, torque, outer, residual, amplification, of_chords
 
 
 def amplification_of(station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.loops import graph_modes, pairs, stiffest_tree
+from torsion.kernels.chords import pairs
+from torsion.kernels.loops import graph_modes, stiffest_tree
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.network_counts import Elimination, Network, Way, modal_way, network_count
 from torsion.kernels.sturm import expected_width

@@ -12,7 +12,7 @@ from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, pose, residual_of, status, tree_response
+from torsion.kernels.tree_response import Status, status, tree_response
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
@@ -139,16 +139,10 @@ def test_at_standstill_a_held_shaft_twists_by_its_flexibility(trains) -> None:
     assert np.allclose(found.torque[1:, 0], -10.0, rtol=1e-15)
 
 
-def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
+def test_residual_of_lossy_shafts_is_rounding(trains) -> None:
     train, bars = _train(2)
-    w, force = np.array([100.0, 2000.0]), np.arange(7.0)
-    given = replace(train, shafts=bars), w, force
-    problem, answer = (
-        solve(*given, shaft_loss=np.full(6, 0.01)) for solve in (pose, tree_response)
-    )
-    assert residual_of(problem, answer).max() < 1e-14
-    answer.torque[3] *= 1.0 + 1e-6
-    assert residual_of(problem, answer).min() > 1e-9
+    given = replace(train, shafts=bars), np.array([100.0, 2000.0]), np.arange(7.0)
+    assert tree_response(*given, shaft_loss=np.full(6, 0.01)).residual.max() < 1e-14
 
 
 def test_a_twist_along_a_bar_is_refused() -> None:

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
-from torsion.analyses.undamped_modes import bar_torques, span_torques
+from torsion.analyses.undamped_modes import span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
+from torsion.kernels.chords import Chords
 from torsion.kernels.tree_response import complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
-    from torsion.kernels.loops import Chords
 
 TOGETHER = 2048  # frequencies at once: of fewer, calls cost more than sums
 NOTHING: "Mapping[int, Secant]" = {}
@@ -155,19 +155,14 @@ def swept(
     }
     if (shafts := system.condensed_shafts) is not None:
         acting["shaft_loss"] = condensed.loss_factor[shafts.node]
-        result = tree_response(replace(tree, shafts=shafts), w, sources.force, **acting)
-        torque = bar_torques(system, result.torque, result.torque_outer)
-    else:
-        if chords.size:
-            from torsion.kernels.loops import looped_response
-
-            links = _chords(system, chords, w, sources)
-            result = looped_response(tree, links, w, sources.force, **acting)
-        else:
-            result = tree_response(tree, w, sources.force, **acting)
-        with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
-            torque = span_torques(system, result.torque, chords, result.chord_torque)
-    with np.errstate(invalid="ignore"):
+        tree = replace(tree, shafts=shafts)
+    if chords.size:
+        acting["chords"] = _chords(system, chords, w, sources)
+    result = tree_response(tree, w, sources.force, **acting)
+    with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
+        torque = span_torques(
+            system, result.torque, result.torque_outer, chords, result.chord_torque
+        )
         angle = result.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, result.residual, status(result.amplification, result.residual))
 
@@ -231,10 +226,8 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
 
 
-def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> "Chords":
+def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> Chords:
     """Return the spans `chords` that close loops, with their compliance and imposed twist."""
-    from torsion.kernels.loops import Chords
-
     condensed, ratio = system.condensed, system.span_ratio[chords]
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
     compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
