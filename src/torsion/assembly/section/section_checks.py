@@ -1,6 +1,9 @@
 """Whether triangles make one cross-section: whole, without overlaps, drawn about the axis of its shaft."""
 
+from functools import partial
+
 import numpy as np
+import skfem
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.section.section_mesh import (
@@ -91,13 +94,10 @@ def _triangle(mesh: Triangles, where: BoolArray, what: str, hint: str) -> Sectio
 
 def _twice_areas(mesh: Triangles) -> FloatArray:
     """(triangles, 7) determinant of the map from the unit triangle, at its six nodes and in its middle."""
-    a, b = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
-    c, zero = 1.0 - a - b, np.zeros_like(a)
-    by_a = np.array([1 - 4 * c, 4 * a - 1, zero, 4 * (c - a), 4 * b, -4 * b])
-    by_b = np.array([1 - 4 * c, zero, 4 * b - 1, -4 * a, 4 * a, 4 * (c - b)])
-    x = mesh.points[mesh.nodes]
-    along = np.einsum("tnd,nk->tkd", x, by_a), np.einsum("tnd,nk->tkd", x, by_b)
-    return np.asarray(along[0][..., 0] * along[1][..., 1] - along[0][..., 1] * along[1][..., 0])
+    at = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
+    shape = skfem.MeshTri2(*(np.ascontiguousarray(rows.T) for rows in (mesh.points, mesh.nodes)))
+    by = partial(shape.mapping().J, X=at)
+    return np.asarray(by(0, 0) * by(1, 1) - by(0, 1) * by(1, 0))
 
 
 def _refuse_broken_sides(mesh: Triangles) -> None:

@@ -19,6 +19,13 @@ MOST = 10_000  # triangles; they are divided into four at least once
 PLANE = {"triangle": 3, "triangle6": 6}
 LOWER = ("vertex", "line", "line3")  # points and sides, by which a mesher marks boundaries
 
+# Of the four triangles in one: their corners among its nodes, and its functions at the middles of their sides.
+_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+_AT = np.vstack([np.eye(3), (np.eye(3) + np.roll(np.eye(3), 1, axis=1)) / 2.0])[_QUARTERS]
+_MIDDLES = (_AT + np.roll(_AT, -1, axis=1)) / 2.0  # (4, 3, 3) barycentric
+_SHAPES = np.concatenate(
+    [_MIDDLES * (2.0 * _MIDDLES - 1.0), 4.0 * _MIDDLES * np.roll(_MIDDLES, -1, axis=2)], axis=2
+)
 _GAUSS = np.polynomial.legendre.leggauss(2)  # exact for the area under a parabola
 
 
@@ -188,37 +195,7 @@ def _area_under(points: FloatArray, sides: IntArray) -> FloatArray:
 
 def refined(mesh: Triangles) -> Triangles:
     """Every triangle divided into four, of the same, straight or curved, outline."""
-    points, nodes = mesh.points, mesh.nodes
-    edges, first, edge_of_side = edges_of(mesh.sides)
-    (low, high), amid = points[edges.T], points[mesh.sides[first, 2]]
-    quarters = [_quarter(low, amid, high), _quarter(high, amid, low)]
-    inner = [_inner(points[nodes], corner) for corner in range(3)]
-    edge = edge_of_side.reshape(-1, 3)
-    turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
-    at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
-    within = (
-        len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
-    )
-    a, b, c, ab, bc, ca = nodes.T
-    new = [
-        (a, ab, ca, at_first[:, 0], within[0], at_last[:, 2]),
-        (ab, b, bc, at_last[:, 0], at_first[:, 1], within[1]),
-        (ca, bc, c, within[2], at_last[:, 1], at_first[:, 2]),
-        (ab, bc, ca, within[1], within[2], within[0]),
-    ]
-    return Triangles(
-        np.concatenate([points, *quarters, *inner]),
-        np.concatenate([np.stack(triangle, 1) for triangle in new]),
-    )
-
-
-def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:
-    """The point of a parabola at a quarter of its parameter."""
-    return np.asarray(0.375 * near + 0.75 * amid - 0.125 * far)
-
-
-def _inner(nodes: FloatArray, corner: int) -> FloatArray:
-    """(triangles, 2) the point halfway between the nodes amid the two sides at a corner; `at` (triangles, 6, 2)."""
-    b, c = (corner + 1) % 3, (corner + 2) % 3
-    adjacent, across = nodes[:, 3 + corner] + nodes[:, 3 + c], nodes[:, 3 + b]
-    return np.asarray(0.5 * adjacent + 0.25 * across - 0.125 * (nodes[:, b] + nodes[:, c]))
+    finer = with_middles(mesh.points, mesh.nodes[:, _QUARTERS].reshape(-1, 3))
+    middles = np.einsum("qmn,tnd->tqmd", _SHAPES, mesh.points[mesh.nodes])
+    finer.points[finer.nodes[:, 3:]] = middles.reshape(-1, 3, 2)
+    return finer
