@@ -4,7 +4,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.errors import SolveError
 from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import tree_response
@@ -184,11 +183,6 @@ def test_roots_from_undamped_start_values_satisfy_the_equations_at_any_size(size
         modes.eigenvalue, -decay + 1j * np.sqrt(start**2 - decay**2), rtol=1e-12
     )
     np.testing.assert_allclose(modes.eigenvalue.real, -decay, rtol=1e-10)
-
-
-def test_large_trains_ask_for_start_values():
-    with pytest.raises(SolveError, match="as start"):
-        damped_modes(tree(range(-1, 400), np.full(401, 1e-4), np.ones(401)))
 
 
 @pytest.mark.parametrize(

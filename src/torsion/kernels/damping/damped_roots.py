@@ -1,6 +1,6 @@
 """All roots of the determinant of a damped tree at once: how many there are, rough ones to start from, and the roots.
 
-The start is the first-order form, the roots follow by simultaneous iteration (Ehrlich 1967, Aberth 1973).
+They start from the undamped frequencies and follow by simultaneous iteration (Ehrlich 1967, Aberth 1973).
 """
 
 from collections.abc import Mapping
@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.elimination import EPS, Layout, layout
-from torsion.kernels.reduction import rigidity
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 
@@ -24,6 +23,8 @@ if TYPE_CHECKING:
 CONVERGED = 1e-13  # step relative to the root
 DOUBLE = 1e-6  # a double root is no better than the root of the precision: steps and gaps of such pairs, relative
 SWEEPS = 300
+PAIR = np.array([-0.01 + 1j, -0.011 - 1j])  # starts over an undamped frequency, not quite conjugate
+TURN = 0.3  # rad, from the negative real axis, of all other starts: two of them may oscillate
 FAR = (1e-60, 1e60)  # rad/s: all roots but 0 lie between
 
 
@@ -61,107 +62,21 @@ def number_of_roots(train: DampedTree) -> tuple[int, int]:
     return zeros, degree - zeros
 
 
-def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
-    """Eigenvalues of the first-order form in sqrt(J) speed and torque/sqrt(k), skew-symmetric where undamped.
-
-    Rigid spans are merged, massless stations are eliminated: where dampers act on them by their speeds, else by
-    the balance of torques. All eigenvalues are returned, the structural zeros among them.
-    """
-    tree, bodies = train.tree, rigidity(train.tree)
-    moving = np.unique(bodies.body[~bodies.fixed])
-    count = len(moving)
-    body = np.where(
-        bodies.fixed, count, np.searchsorted(moving, bodies.body)
-    )  # the last one is the ground
-    inertia, ground = np.zeros((2, count + 1))
-    np.add.at(inertia, body, tree.inertia)
-    np.add.at(ground, body, train.ground)
-    span = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0))
-    ends, flexibility, viscous = (
-        body[np.stack([span, tree.parent[span]])],
-        tree.flexibility[span],
-        train.viscous[span],
-    )
-    if train.laws:
-        ends, flexibility, viscous = _with_states(train, span, (ends, flexibility, viscous), count)
-        extra_states = sum(len(law.terms) for law in train.laws.values())
-        inertia, ground = (
-            np.concatenate([values[:-1], np.zeros(extra_states), values[-1:]])
-            for values in (inertia, ground)
-        )
-        count += extra_states
-
-    # Twists of all spans, then springs by their torques and dampers by their speeds.
-    twist = np.subtract(*np.eye(count + 1)[ends])[:, :count]
-    elastic = np.isfinite(flexibility)
-    G = twist[elastic] / np.sqrt(flexibility[elastic])[:, None]
-    C = np.diag(ground[:-1]) + twist.T @ (viscous[:, None] * twist)
-    return np.linalg.eigvals(
-        _condense(inertia[:-1], C, G, *_slow_groups(inertia, ground, ends[:, viscous > 0]))
-    )
-
-
-def _with_states(
-    train: DampedTree, span: IntArray, spans: tuple[IntArray, FloatArray, FloatArray], count: int
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Ends, flexibility and viscous damping of the spans, and of a spring and a damper in a row for every term.
-
-    Between the two of a term is a station without inertia of its own, numbered from `count` on; the ground is last.
-    """
-    ends, flexibility, viscous = spans
-    extra_states = sum(len(law.terms) for law in train.laws.values())
-    ends = np.where(ends == count, count + extra_states, ends)
-    flexibility, viscous, state, extra = flexibility.copy(), viscous.copy(), count, []
-    for station, law in train.laws.items():
-        (row,) = np.flatnonzero(span == station)
-        flexibility[row], viscous[row] = 1.0 / law.static, 0.0
-        for k, tau in law.terms:
-            extra += [(ends[0, row], state, 1.0 / k, 0.0), (state, ends[1, row], np.inf, k * tau)]
-            state += 1
-    first, second, soft, damping = np.array(extra).T
-    ends = np.hstack([ends, np.array([first, second], dtype=np.int64)])
-    return ends, np.append(flexibility, soft), np.append(viscous, damping)
-
-
-def _condense(
-    inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: FloatArray, slowed: IntArray
-) -> FloatArray:
-    """The matrix of the first-order form; stations without inertia condensed (`_slow_groups`)."""
-    heavy = np.flatnonzero(inertia > 0)
-    torques = np.eye(len(G))
-    if len(balanced):
-        basis, _ = np.linalg.qr(G @ balanced.T, mode="complete")
-        torques = basis[:, len(balanced) :]
-    root = 1 / np.sqrt(inertia[heavy])
-    speed_speed = C[np.ix_(heavy, heavy)] * np.outer(root, root)
-    torque_speed = torques.T @ G[:, heavy] * root
-    matrix = np.block(
-        [[-speed_speed, -torque_speed.T], [torque_speed, np.zeros((torques.shape[1],) * 2)]]
-    )
-    if len(slowed):
-        coupled = C[np.ix_(slowed, heavy)] * root
-        turned = G[:, slowed].T @ torques
-        right = np.hstack([-coupled, -turned])
-        left = np.vstack([-coupled.T, turned.T])
-        matrix += left @ np.linalg.solve(C[np.ix_(slowed, slowed)], right)
-    return matrix
-
-
-def _slow_groups(
-    inertia: FloatArray, ground: FloatArray, dampers: IntArray
-) -> tuple[FloatArray, IntArray]:
-    """Stations without inertia by what sets their speed, from the graph alone, in which the last one is the ground.
-
-    `dampers` (2, dampers) are the stations that each damper joins.
-
-    First (groups, stations) 1 where in a group that no damper ties to anything: its torques balance. Then the numbers
-    of the others, and of all but one of each balanced group: dampers set their speed.
-    """
-    light = np.append(inertia[:-1] == 0, False)
-    within = light[dampers].all(axis=0)
-    group = connected(len(light), *dampers[:, within])
-    free = np.setdiff1d(group[light], np.append(group[ground > 0], group[dampers[:, ~within]]))
-    return (group[:-1] == free[:, None]).astype(float), np.setdiff1d(np.flatnonzero(light), free)
+def rough_roots(train: DampedTree, number: int) -> ComplexArray:
+    """Return as many starts (number,): a pair for each undamped frequency, others spread over the rates of its parts."""
+    tree = train.tree
+    w = tree_modes(tree.cut(np.isinf(tree.flexibility))).frequency
+    c, inertia = np.abs(np.concatenate([train.ground, train.viscous])), tree.inertia
+    flexibility = tree.flexibility[np.isfinite(tree.flexibility)]
+    c, inertia, flexibility = (values[values > 0] for values in (c, inertia, flexibility))
+    slow = [1.0 / tau for law in train.laws.values() for _, tau in law.terms]
+    swings = np.sqrt(1.0 / np.outer(flexibility, inertia))
+    rates = np.outer(c, 1.0 / inertia), 1.0 / np.outer(c, flexibility), swings, slow
+    rate = np.concatenate([np.ravel(values) for values in rates])
+    others = np.arange(number - 2 * len(w))
+    spread = np.quantile(rate, (others + 1.0) / (len(others) + 1.0)) if len(others) else np.empty(0)
+    aside = spread * np.exp(1j * (np.pi + TURN * (-1.0) ** others))
+    return np.concatenate([np.outer(PAIR, w).ravel(), aside])
 
 
 def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) -> ComplexArray:

@@ -13,9 +13,9 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.damping.damped_roots import (
     DampedTree,
-    first_order_eigenvalues,
     number_of_roots,
     polish_together,
+    rough_roots,
 )
 from torsion.kernels.elimination import EPS, SpanSides, eliminate, spread
 from torsion.kernels.spanning_forest import connected
@@ -24,7 +24,6 @@ from torsion.kernels.tree import Tree
 if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
 
-LARGEST_FIRST_ORDER = 300  # stations: the dense start costs their cube
 OVERDAMPED = 1e-7  # |Im|/|root| of a critically damped pair in double precision: below it, roots count as real
 REPEATED = 1e-11  # relative distance below which roots share a space of shapes
 LOSS_STAGE = 0.1  # largest loss factor added at once in the continuation from none
@@ -59,10 +58,9 @@ def damped_modes(
     """All oscillating modes and all real roots; with `start`, only the modes grown from those.
 
     ground_damping, viscous (N m s/rad), loss_factor: (stations,), default none. start: (modes,) rad/s, undamped
-    circular frequencies above 0; needed from 300 movable stations on, and enough for light damping at any size (of
-    the real roots only those met on the way are then listed). Loss factors act on oscillating modes alone. laws: of
-    spans of some stations in place of stiffness and damping; all roots at once have a state more for each of their
-    terms, and a law of a power of s needs `start`.
+    circular frequencies above 0, enough for light damping (of the real roots only those met on the way are then
+    listed). Loss factors act on oscillating modes alone. laws: of spans of some stations in place of stiffness and
+    damping; a law of a power of s needs `start`.
     Raises SolveError if roots do not settle, ValueError for arrays that do not fit.
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
@@ -95,14 +93,7 @@ def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = Fals
 
 
 def _all_roots(train: DampedTree, zeros: int, number: int) -> tuple[ComplexArray, FloatArray]:
-    movable = int(np.count_nonzero(~np.array(train.plan.prescribed)))
-    if movable > LARGEST_FIRST_ORDER:
-        raise SolveError(
-            f"damped modes: {movable} movable stations, expected at most {LARGEST_FIRST_ORDER}; "
-            "give undamped frequencies as start"
-        )
-    rough: ComplexArray = first_order_eigenvalues(train).astype(np.complex128)
-    rough = rough[np.argsort(np.abs(rough))[len(rough) - number :]]
+    rough = rough_roots(train, number)
     root = polish_together(train, rough, zeros, lossy=0.0)
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = (root.imag > 0) & ~real
