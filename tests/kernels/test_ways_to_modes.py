@@ -3,31 +3,10 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.factors import start_frequencies
 from torsion.kernels.mode_shapes import shapes_at
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import reduce_tree, rigidity
 from torsion.kernels.sturm import count_bounds, enclose, expected_width
 from torsion.kernels.tree import Tree
-
-
-@pytest.mark.parametrize("shape", ["branched", "bushy"])
-def test_eigenvalues_of_the_square_are_only_a_start(shape, monkeypatch):
-    rng = np.random.default_rng(26)
-    reach = {"branched": 3, "bushy": 25}[shape]
-    parent = [-1] + [int(rng.integers(max(0, i - reach), i)) for i in range(1, 25)]
-    tree = Tree(
-        np.array(parent),
-        10 ** -rng.uniform(3, 6, 25),
-        10 ** rng.uniform(-1, 1, 25),
-        np.zeros(25, bool),
-    )
-    right = tree_modes(tree)
-    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", 0)
-    found = tree_modes(tree)
-    np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-15)
-    np.testing.assert_allclose(found.angle, right.angle, rtol=1e-11)
-    np.testing.assert_allclose(found.torque, right.torque, rtol=1e-11)
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
@@ -68,24 +47,6 @@ def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, sha
     lower, upper, proven = enclose(tree, modes.frequency, 1, passed)
     assert proven.all()
     assert np.mean((upper - lower) / modes.frequency < 2.1 * width) > 0.9
-
-
-@pytest.mark.parametrize("for_square", [0, 99])
-@pytest.mark.parametrize("parent", [range(-1, 11), [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8]])
-def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(
-    parent, for_square, monkeypatch
-):
-    monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", for_square)
-    rng = np.random.default_rng(30)
-    tree = Tree(
-        np.array(parent),
-        10 ** -rng.uniform(3, 6, 12),
-        10 ** rng.uniform(-1, 1, 12),
-        np.zeros(12, bool),
-    )
-    known = rigidity(tree)
-    start = start_frequencies(reduce_tree(tree, known), known.elastic)
-    np.testing.assert_allclose(start, tree_modes(tree).frequency, rtol=1e-11)
 
 
 def test_the_few_lowest_modes_of_a_large_tree_are_the_first_of_all(random_tree):

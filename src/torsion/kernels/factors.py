@@ -1,8 +1,7 @@
 """Factors G of J^-1/2 K J^-1/2 = G G^T whose singular values are the natural frequencies, and those values.
 
 The stiffness matrix is never assembled: rounding its diagonal would already spoil the low frequencies of a stiff train.
-On a tree G has one column a spring; on any other graph the star-mesh elimination gives a triangular factor whose
-entries are sums, products and quotients of positive numbers.
+The star-mesh elimination gives a triangular factor whose entries are sums, products and quotients of positive numbers.
 """
 
 import numpy as np
@@ -11,43 +10,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.reduction import ReducedTrain
 
-_BODIES_FOR_SQUARE = (
-    150  # above, the eigenvalues of G^T G take less than a decomposition (measured)
-)
-_BODIES_FOR_DENSE = 1000  # above, a dense decomposition is slower than counting (measured)
-_SPREAD = 1e6  # of singular values that a plain decomposition leaves right to about 1e-10
-_SPREAD_OF_SQUARE = 1e5  # whose squares are right to about 1e-5
 _DGEJSV_FULL_ACCURACY = 2  # joba='F': columns are scaled, rows may be badly scaled too
-
-
-def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
-    """Estimate the elastic natural frequencies (elastic,) rad/s, ascending, to about eps times the highest.
-
-    None where the train is too large for a dense decomposition, or its frequencies lie too far apart for it.
-    """
-    if len(train.inertia) > _BODIES_FOR_DENSE:
-        return None
-    if not train.acyclic or len(train.stiffness) + np.count_nonzero(train.ground) != elastic:
-        factor = star_mesh_factor(train)[:, :elastic]
-    else:
-        factor = incidence_factor(train)
-    if len(factor) > _BODIES_FOR_SQUARE:
-        square = np.linalg.eigvalsh(factor.T @ factor)
-        return np.sqrt(square) if square[0] * _SPREAD_OF_SQUARE**2 > square[-1] else None
-    values = np.asarray(np.linalg.svd(factor, compute_uv=False)[::-1], dtype=np.float64)
-    return values if values[0] * _SPREAD > values[-1] else None
-
-
-def incidence_factor(train: ReducedTrain) -> FloatArray:
-    """Return G (bodies, springs + ties to ground): sqrt(k/J) at both ends of a spring, with opposite signs."""
-    springs, tied = len(train.stiffness), np.flatnonzero(train.ground)
-    root, column = 1.0 / np.sqrt(train.inertia), np.arange(springs)
-    factor = np.zeros((len(train.inertia), springs + len(tied)), order="F")
-    strength = np.sqrt(train.stiffness)
-    factor[train.inner, column] = strength * root[train.inner]
-    factor[train.outer, column] = -strength * root[train.outer]
-    factor[tied, springs + np.arange(len(tied))] = np.sqrt(train.ground[tied]) * root[tied]
-    return factor
 
 
 def star_mesh_factor(train: ReducedTrain) -> FloatArray:

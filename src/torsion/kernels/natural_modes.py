@@ -7,7 +7,6 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.factors import start_frequencies
 from torsion.kernels.mode_shapes import (
     ShaftModes,
     Shapes,
@@ -20,7 +19,6 @@ from torsion.kernels.mode_shapes import (
 from torsion.kernels.reduction import (
     Rigidity,
     cut,
-    reduce_tree,
     rigid_shapes,
     rigidity,
     with_reactions,
@@ -31,19 +29,10 @@ from torsion.kernels.tree import Tree
 from torsion.sources import source
 
 _SETTLED = (
-    1e-14  # relative change of a frequency after which its shape is that of the final frequency
+    1e-15  # relative change of a frequency after which its shape is that of the final frequency
 )
-_STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead
-_STEPS_OF_SHAFTS = 6  # Newton's, from a bracket
-_TRUSTED = (
-    0.1  # relative distance from the start beyond which a step is taken to have left its mode
-)
+_STEPS = 6  # more, from a bracket; Rayleigh quotients converge cubically, Newton's steps of shafts less fast
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
-_START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
-_STATIONS_FOR_COUNTS = (
-    300  # from which the few lowest modes are sooner found by counts than all at once (measured)
-)
-_FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
 
 
@@ -67,7 +56,8 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
     else:
-        frequency, shapes = _polish(solved, *_start(tree, solved, bodies, wanted))
+        low, high = brackets(solved, rigid + np.arange(wanted))
+        frequency, shapes = _polish(solved, low, high)
         frequency, lower, upper, wrong = _enclosed(solved, frequency, rigid, shapes.passed)
         if wrong.any():  # what bisection has corrected has another shape
             shapes = shapes_at(solved, frequency)
@@ -81,33 +71,13 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     )
 
 
-def _start(
-    tree: Tree, solved: Tree, bodies: Rigidity, wanted: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.
-
-    `solved` is the same train without rigid spans between fixed stations.
-    """
-    modes = len(bodies.free_roots) + np.arange(wanted)
-    if tree.shafts is not None:
-        low, high = brackets(solved, modes)
-        room = _BEYOND * (high - low)
-        return low + 0.5 * (high - low), low - room, high + room
-    is_few = tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * bodies.elastic
-    start = None if is_few else start_frequencies(reduce_tree(tree, bodies), bodies.elastic)
-    if start is None or not np.all(start > 0.0):
-        start = bisect(solved, modes, tolerance=_START_BISECTION)
-    start = start[:wanted].copy()
-    return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
-
-
-def _polish(
-    tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, Shapes]:
-    """Frequencies (m,) after Rayleigh's steps within `low` and `high`, ascending, and the shapes that go with them."""
+def _polish(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[FloatArray, Shapes]:
+    """Frequencies (m,) by Rayleigh's steps within the brackets, ascending, and the shapes that go with them."""
+    frequency, room = low + 0.5 * (high - low), _BEYOND * (high - low)
+    low, high = low - room, high + room
     shapes = shapes_at(tree, frequency)
     left, correction = np.arange(len(frequency)), shapes.correction
-    for step in range(1 + (_STEPS if tree.shafts is None else _STEPS_OF_SHAFTS)):
+    for step in range(1 + _STEPS):
         if step:
             again = shapes_at(tree, frequency[left])
             shapes.put(left, again)

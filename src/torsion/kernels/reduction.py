@@ -35,7 +35,6 @@ class ReducedTrain:
     outer: IntArray  # (springs,)
     stiffness: FloatArray
     ground: FloatArray
-    acyclic: bool  # False where the elimination of a massless station has closed a loop
 
 
 def rigidity(tree: Tree) -> Rigidity:
@@ -104,7 +103,6 @@ def reduce_tree(
         outer=far_body[spring],
         stiffness=1.0 / flexibility[spring],
         ground=ground,
-        acyclic=chords is None,
     )
     return train if train.inertia.min(initial=1.0) > 0.0 else _without_massless(train)
 
@@ -116,10 +114,9 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
         train.inner.tolist(), train.outer.tolist(), train.stiffness.tolist(), strict=True
     ):
         neighbours[a][b] = neighbours[b][a] = neighbours[a].get(b, 0.0) + k
-    ground, acyclic = train.ground.tolist(), train.acyclic
+    ground = train.ground.tolist()
     for body in np.flatnonzero(train.inertia == 0.0)[::-1].tolist():
         star = list(neighbours[body].items())
-        acyclic = acyclic and len(star) + (ground[body] > 0.0) <= 2
         total = sum(neighbours[body].values()) + ground[body]
         for position, (a, k) in enumerate(star):
             del neighbours[a][body]
@@ -136,7 +133,7 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
     inner, outer, stiffness = np.array(springs, dtype=np.float64).reshape(-1, 3).T
     ends = inner.astype(np.int64), outer.astype(np.int64)
     return ReducedTrain(
-        train.head[kept], train.inertia[kept], *ends, stiffness, np.array(ground)[kept], acyclic
+        train.head[kept], train.inertia[kept], *ends, stiffness, np.array(ground)[kept]
     )
 
 
