@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-import mpmath as mp
 import numpy as np
 import pytest
 
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 from torsion.kernels.distributed.dense_elements import (
     dense_modes,
-    largest_right_vectors,
     static_bends,
 )
 from torsion.kernels.distributed.span_laws import Shafts
@@ -81,35 +79,6 @@ def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest
     momentum[found.inside.reshape(-1)] += element.coupling_turn.reshape(-1)
     if held == "none":
         assert np.abs(momentum).max() < 1e-13 * scale * whole.static.moving_inertia.sum()
-
-
-VALUES = {
-    "the square and its correction": np.concatenate(
-        (10.0 ** -np.linspace(0, 2.5, 6), 10.0 ** -np.linspace(2.7, 4, 8))
-    ),
-    "close ones before the gap": np.array(
-        [1.0, 0.3, 1e-2, 1e-2 * (1 + 1e-9), 5e-3, 4.99e-3, *np.full(8, 1e-4)]
-    ),
-    "without a gap": 0.98 ** np.arange(14),
-    "too far apart for the square": 10.0 ** -np.arange(14.0),
-}
-
-
-@pytest.mark.parametrize("which", VALUES)
-def test_vectors_are_as_right_as_those_of_a_decomposition(which: str) -> None:
-    """To eps times the largest singular value over the least wanted one, times the reach of its gap."""
-    rng, values, wanted = np.random.default_rng(1), VALUES[which], 6
-    left, right = (np.linalg.qr(rng.standard_normal((size, 14)))[0] for size in (16, 14))
-    matrix = (left * values) @ right.T
-    exact = mp.svd_r(mp.matrix(matrix.tolist()))[2]
-    found = largest_right_vectors(matrix, wanted)
-    assert found.shape == (14, wanted)
-    assert np.allclose(found.T @ found, np.eye(wanted), rtol=0, atol=1e-14)
-    behind = np.array([[float(exact[k, i]) for i in range(14)] for k in range(wanted, 14)])
-    tolerance = (
-        20 * 2.0**-53 * values[0] / values[wanted - 1] / (1.0 - values[wanted] / values[wanted - 1])
-    )
-    assert np.abs(behind @ found).max() < tolerance
 
 
 @pytest.mark.parametrize("degree", [1, 2, 7])

@@ -20,12 +20,6 @@ from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
 from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
-_SPREAD_OF_SQUARE = (
-    1e6  # of the squares of singular values, whose vectors the square leaves right to about 1e-9
-)
-_COLUMNS_BEYOND = 8  # columns beyond those wanted among which a gap is looked for
-_GAP = 0.9  # ratio of the squares at a gap
-
 
 @dataclass(frozen=True)
 class Bends:
@@ -51,7 +45,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
         )
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
     mass = _rows_of_inertia(tree, shafts, coordinates, local)
-    y = largest_right_vectors(mass, _number(tree, element, count))
+    y = np.linalg.svd(mass, full_matrices=False)[2][: _number(tree, element, count)].T
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
     order = np.argsort(square, kind="stable")
@@ -203,36 +197,3 @@ def _balance(
         turned, element.modes.shape[1], axis=1
     ) * element.coupling_turn.reshape(-1)
     return balance
-
-
-def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
-    """Right singular vectors (columns, number) of a matrix, of the largest singular value first.
-
-    The eigenvectors of C'C take half the time of a decomposition of C, and are right to eps times the ratio of the
-    squares. What they have of all the vectors behind a gap is taken out by one step of first order, which leaves the
-    square of that error; those before it are separated by a decomposition of their own products with C. So all are
-    as right as from a decomposition of C. Where there is no gap, or the ratio is too large, C itself is decomposed.
-    """
-    square, vectors = np.linalg.eigh(matrix.T @ matrix)
-    square, vectors = square[::-1], vectors[:, ::-1]
-    kept = _before_gap(square, number)
-    if kept == 0:
-        return np.asarray(np.linalg.svd(matrix, full_matrices=False)[2][:number].T)
-    image = matrix @ vectors
-    products = image[:, kept:].T @ image[:, :kept]
-    corrected = vectors[:, :kept] + vectors[:, kept:] @ (
-        products / (square[:kept] - square[kept:, None])
-    )
-    turn = np.linalg.svd(matrix @ corrected, full_matrices=False)[2][:number]
-    return np.asarray(corrected @ turn.T)
-
-
-def _before_gap(square: FloatArray, number: int) -> int:
-    """How many of the descending eigenvalues lie before the widest gap at `number` or somewhat beyond; 0: none does."""
-    enough = np.flatnonzero(square[:-1] * _SPREAD_OF_SQUARE > square[0])[number - 1 :][
-        :_COLUMNS_BEYOND
-    ]
-    if not number or not len(enough):
-        return 0
-    ratio = square[enough + 1] / square[enough]
-    return int(enough[ratio.argmin()]) + 1 if ratio.min() < _GAP else 0
