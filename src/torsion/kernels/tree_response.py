@@ -45,8 +45,8 @@ class TreeResponse:
     torque_outer: (
         ComplexArray  # (stations, frequencies) N m; `torque` itself where no span has inertia
     )
-    residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it; NaN if not checked
-    # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
+    residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it
+    # (frequencies,) growth of relative errors of the data; infinite where singular
     amplification: FloatArray
     chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
 
@@ -55,13 +55,11 @@ def tree_response(
     tree: Tree,
     w: FloatArray,
     force: NDArray[Any],
-    *,
-    check: bool = True,
     **given: Any,
 ) -> TreeResponse:
-    """Response of every station and span; `given`, and all but `check`, as of `pose`.
+    """Response of every station and span; arguments and errors as of `pose`.
 
-    check: also compute residual and amplification. A singular frequency is never raised or warned of: see `status`.
+    A singular frequency is never raised or warned of: see `status`.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
     problem = pose(tree, w, force, **given)
@@ -73,7 +71,7 @@ def tree_response(
     result = TreeResponse(angle, torque, outer, residual, amplification, of_chords)
     length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // size, LONGEST_CHUNK))
     for part in (slice(start, start + length) for start in range(0, number, length)):
-        solved = _solved(problem, part, check=check)
+        solved = _solved(problem, part)
         for values, found in zip(vars(result).values(), solved, strict=True):
             values[..., part] = found
     return result
@@ -103,12 +101,7 @@ def complex_compliance(
 
 
 def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]:
-    """`Status` at each frequency, (frequencies,) uint8; a residual that is NaN is not judged.
-
-    Raises ValueError where the amplification is NaN: such a response was not checked.
-    """
-    if np.isnan(amplification).any():
-        raise ValueError("the response was computed without its check, so that it has no status")
+    """`Status` at each frequency, (frequencies,) uint8; a residual that is NaN is not judged."""
     loss = np.fmax(EPS * amplification, residual)
     lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
     lines[~(loss < 1)] = Status.SINGULAR
@@ -234,14 +227,14 @@ def pose(
     return Problem(layout(tree, rigid), tree, w, acting, imposed, damping, hc, loss, chords)
 
 
-def _solved(problem: Problem, part: slice, *, check: bool) -> tuple[NDArray[Any], ...]:
+def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
     """Return the fields of the response at the frequencies of `part`."""
     given, plan, tree = problem.equations(part), problem.plan, problem.tree
     with np.errstate(all="ignore"):
         sides = eliminate(plan, given.own, given.compliance, guard=True)
         angle, torque = forced(sides, given.force, given.twist)
-        residual, amplification = np.full((2, angle.shape[1]), np.nan)
-        of_chords, loss = np.zeros((0, angle.shape[1]), dtype=np.complex128), np.ones(1)
+        amplification, residual = amplification_of(given.own, sides), np.zeros(angle.shape[1])
+        of_chords = np.zeros((0, angle.shape[1]), dtype=np.complex128)
         if problem.chords is not None:
             chords = problem.chords.at(part)
             ends = chords.begin, chords.end
@@ -252,13 +245,11 @@ def _solved(problem: Problem, part: slice, *, check: bool) -> tuple[NDArray[Any]
             for unit, row in zip(units, of_chords, strict=True):
                 angle, torque = angle + unit[0] * row, torque + unit[1] * row
             given = replace(given, force=given.force + pair.T @ of_chords)
+            amplification *= loss
             residual = chord_residual(chords, angle, of_chords)
-        lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0) + of_chords.sum(axis=0))
-        if check:
-            residual = np.fmax(equilibrium_residual(plan, given, angle, torque), residual)
-            amplification = amplification_of(given.own, sides) * loss
-            lost |= ~np.isfinite(amplification)
-        amplification[lost] = np.inf
+        residual = np.fmax(equilibrium_residual(plan, given, angle, torque), residual)
+        total = angle.sum(axis=0) + torque.sum(axis=0) + of_chords.sum(axis=0) + amplification
+        amplification[~np.isfinite(total)] = np.inf
         outer = torque
         if given.pi is not None and tree.shafts is not None:
             node, outer = tree.shafts.node, torque.copy()
