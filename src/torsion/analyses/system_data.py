@@ -23,6 +23,18 @@ GIVEN_AS = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", 
 
 
 @reported
+class ComponentRow:
+    """A component of the train."""
+
+    name: str = result("", "its name")
+    kind: str = result("", "its kind, as the file names it")
+    ratio: Fraction = result("", "its speed / reference speed; of a gear that of its driving wheel")
+    speed: float | None = result("rad/s", "its speed at the rated point; null without one")
+    source: str | None = result("", "where its data come from; null if the file does not say")
+    note: str | None = result("", "note of the file, or null")
+
+
+@reported
 class InertiaRow:
     """An inertia that a component gives a station."""
 
@@ -139,6 +151,7 @@ class TorqueRow:
 class SystemData:
     """What the system consists of."""
 
+    components: tuple[ComponentRow, ...] = result("", "components, in the order of the file")
     inertias: tuple[InertiaRow, ...] = result("", "inertias, those of shafts at their ends")
     total: float = result(
         "kg*m**2", "sum of the referred inertias that are not fixed", key="total_kg_m2"
@@ -178,7 +191,20 @@ def system_data(evidence: Results) -> SystemData:
         if train.parts[mesh.part].kind == "gear"
     ]
     inertias = tuple(_inertias(evidence))
+    rated = evidence.study.operation.rated
+    components = [
+        ComponentRow(
+            part.name,
+            part.kind,
+            part.ratio,
+            None if rated is None else rated.speed * float(part.ratio),
+            part.source,
+            part.note,
+        )
+        for part in train.parts
+    ]
     return SystemData(
+        components=tuple(components),
         inertias=inertias,
         total=sum(row.referred for row in inertias if math.isfinite(row.referred)),
         elements=tuple(_elastic_row(evidence, element) for element in elements(evidence.system)),

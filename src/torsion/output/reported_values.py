@@ -28,7 +28,6 @@ UNDAMPED = (
     "speeds and "
     "no maximum over the range. Give the damping of the train."
 )
-NOT_STATED = "not stated"  # of a source
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 

@@ -132,11 +132,10 @@ def _frequencies(cases: Cases) -> Iterator[Table]:
 
 
 def _loads(cases: Cases) -> Iterator[Figure]:
-    """Yield the most stressed shaft in every case; without shafts the coupling nearest to its rating."""
+    """Yield the most stressed shaft in every case; without shafts the component with the largest torque."""
     from torsion.output.chapters.component_loads import stress_curves
 
     stresses: Loads = {}
-    torque_over_rating: Loads = {}
     torque: Loads = {}
     for name, case in cases.items():
         if not (case.is_answered and responds(case)):
@@ -146,15 +145,11 @@ def _loads(cases: Cases) -> Iterator[Figure]:
             curve = stress_curves(case, bar)
             stresses.setdefault(bar.name, {})[name] = (curve.speed * RPM, curve.stress)
         for element in elements(case.system):
-            ratings = case.study.train.parts[element.part].ratings
             values = synthesis(case, element.spans)
             if element.kind != "shaft":
                 torque.setdefault(element.name, {})[name] = (speed, values)
-            if ratings is not None and ratings.vibratory_torque:
-                curve_over_rating = speed, values / ratings.vibratory_torque
-                torque_over_rating.setdefault(element.name, {})[name] = curve_over_rating
 
-    component = _largest(stresses or torque_over_rating or torque)
+    component = _largest(stresses or torque)
     if stresses:
         caption = f"Vibratory shear stress of {component} in the cases"
         content = "case-stress", caption, stresses[component], "shear stress amplitude", "N/mm²"

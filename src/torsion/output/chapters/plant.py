@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from torsion.analyses.system_data import SystemData, system_data
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.model.parts import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
-from torsion.output.numbers import degrees, given_rpm
-from torsion.output.reported_values import NOT_STATED, rated, reference
+from torsion.output.numbers import degrees
+from torsion.output.reported_values import reference
 from torsion.output.station_layout import Layout, label, layout
 from torsion.primitives import Bar, Constraint
 
@@ -22,25 +23,18 @@ MOST_LINKS = 60  # of a train that a page draws
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """The components with their speeds and sources."""
-    speed, parts = rated(findings), findings.study.train.parts
-    noted = any(part.note for part in parts)
-    rows = []
-    for position, part in enumerate(parts, 1):
-        speed_columns = [given_rpm(speed * float(part.ratio))] if speed is not None else []
-        words = [part.source or NOT_STATED, *([part.note or ""] if noted else [])]
-        rows.append((position, part.name, part.kind, part.ratio, *speed_columns, *words))
     yield Heading("The plant")
     if description := findings.study.description.strip():
         yield Paragraph(description)
     yield Paragraph(
         f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel."
     )
-    speeds, notes = (
-        "Rated speed [rpm] | " if speed is not None else "",
-        " | < Note" if noted else "",
+    yield table(
+        "name: < Component | kind: < Kind | ratio: Speed ratio | speed: Rated speed [rpm]:6g? | "
+        "source: < Source of the data:? | note: < Note:?",
+        (findings.get(SystemData) or system_data(findings)).components,
+        "Components",
     )
-    titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the data{notes}"
-    yield table(titles, rows, "Components")
 
 
 def sketch(findings: Findings) -> Sketch:
