@@ -18,6 +18,7 @@ from torsion.kernels.mode_shapes import (
 )
 from torsion.kernels.reduction import (
     Rigidity,
+    bends,
     cut,
     rigid_shapes,
     rigidity,
@@ -32,6 +33,9 @@ _SETTLED = (
     1e-15  # relative change of a frequency after which its shape is that of the final frequency
 )
 _STEPS = 6  # more, from a bracket; Rayleigh quotients converge cubically, Newton's steps of shafts less fast
+_DENSE = 200  # stations up to which a decomposition finds a start sooner than counts (measured)
+_SPREAD = 1e6  # of its values that it leaves right to about 1e-10
+_TRUSTED = 0.1  # relative distance from such a start beyond which a step has left its mode
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
 _FULL_BISECTION = 2.0**-52
 
@@ -56,8 +60,7 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
     else:
-        low, high = brackets(solved, rigid + np.arange(wanted))
-        frequency, shapes = _polish(solved, low, high)
+        frequency, shapes = _polish(solved, *_start(tree, solved, bodies, wanted))
         frequency, lower, upper, wrong = _enclosed(solved, frequency, rigid, shapes.passed)
         if wrong.any():  # what bisection has corrected has another shape
             shapes = shapes_at(solved, frequency)
@@ -71,10 +74,28 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     )
 
 
-def _polish(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[FloatArray, Shapes]:
-    """Frequencies (m,) by Rayleigh's steps within the brackets, ascending, and the shapes that go with them."""
-    frequency, room = low + 0.5 * (high - low), _BEYOND * (high - low)
-    low, high = low - room, high + room
+def _start(
+    tree: Tree, solved: Tree, bodies: Rigidity, wanted: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.
+
+    `solved` is the same train without rigid spans between fixed stations.
+    """
+    if tree.shafts is None and tree.size <= _DENSE:
+        inertia = np.sqrt(tree.moving_inertia)[:, None] * bends(tree, bodies)[3]
+        values = np.linalg.svd(inertia, compute_uv=False)[: bodies.elastic]
+        if values[-1] * _SPREAD > values[0]:
+            start = np.asarray(1.0 / values[:wanted], dtype=np.float64)
+            return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
+    low, high = brackets(solved, len(bodies.free_roots) + np.arange(wanted))
+    room = _BEYOND * (high - low)
+    return low + 0.5 * (high - low), low - room, high + room
+
+
+def _polish(
+    tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, Shapes]:
+    """Frequencies (m,) after Rayleigh's steps within `low` and `high`, ascending, and the shapes that go with them."""
     shapes = shapes_at(tree, frequency)
     left, correction = np.arange(len(frequency)), shapes.correction
     for step in range(1 + _STEPS):

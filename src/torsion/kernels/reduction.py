@@ -171,3 +171,48 @@ def with_reactions(
 def _inside(tree: Tree, bodies: Rigidity) -> BoolArray:
     """Stations (stations,) whose span is rigid and joins fixed stations."""
     return np.asarray(bodies.fixed & (tree.static.flexibility == 0.0) & (tree.parent >= 0))
+
+
+def bends(tree: Tree, bodies: Rigidity) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Coordinates whose sum of squares is the elastic energy: torque times the root of the flexibility of each span.
+
+    Spans that are not rigid (springs,), those roots, the bend of each over its root (springs, coordinates), and angles
+    (stations, coordinates) rad. Angles are sums along the tree, about a mean that the inertia holds still or about a
+    fixed station: rigid motions are left out, and no angle is a small difference of large ones.
+    """
+    spring = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
+    root = np.sqrt(tree.flexibility[spring])
+    fixed = np.unique(bodies.body[bodies.fixed])
+    first = np.unique(bodies.component[fixed], return_index=True)[1]
+    angle = _angles(tree, bodies.component, spring, fixed[first]) * root
+    bend, ties = np.eye(len(spring)), angle[np.delete(fixed, first)]
+    if len(ties):
+        ties = ties / np.linalg.norm(ties, axis=1, keepdims=True)
+        bend = np.linalg.qr(ties.T, mode="complete")[0][:, len(ties) :]
+        angle = angle @ bend
+    angle[bodies.fixed] = 0.0
+    return spring, root, bend, angle
+
+
+def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) -> FloatArray:
+    """Angles (stations, springs) for a twist of 1 in each, such that the weighted mean of a part's angles is zero.
+
+    The weight is the inertia; in a part that is fixed it is only at the first of its `fixed` stations.
+    """
+    weight = np.where(np.isin(component, component[fixed]), 0.0, tree.moving_inertia)
+    weight[fixed] = 1.0
+    beyond = _beyond(tree)[:, spring]
+    before = (component[:, None] == component[spring]) & ~beyond
+    outer, inner = weight @ beyond, weight @ before
+    total = outer + inner
+    total[total == 0.0] = 1.0
+    return np.where(beyond, inner / total, 0.0) - np.where(before, outer / total, 0.0)
+
+
+def _beyond(tree: Tree) -> BoolArray:
+    """(stations, stations) whether a station is at the outer end of a span, or beyond."""
+    beyond = np.eye(tree.size, dtype=np.bool_)
+    for i in range(tree.size - 1, -1, -1):
+        if tree.parents[i] >= 0:
+            beyond[tree.parents[i]] |= beyond[i]
+    return beyond.T

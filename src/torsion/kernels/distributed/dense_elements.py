@@ -4,20 +4,18 @@ For few, coarse elements of high degree of which many modes are wanted. In coord
 elastic energy, with the inertia in a factor C, the singular values c of C give s = 1/c^2; Rayleigh's quotient of the
 energies, span by span, corrects them. Massless stations need no care. Nothing is proven.
 
-Every span that bends has a coordinate, its torque times the root of its flexibility; the modes inside the elements are
-the others. Angles follow as sums along the tree, about a mean that the inertia holds still or about a fixed station:
-rigid motions are left out beforehand, and no angle is a small difference of large ones.
+Every span that bends has a coordinate; the modes inside the elements are the others.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.distributed.condensed_element import CondensedElements
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
-from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity
+from torsion.kernels.reduction import Rigidity, bends, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
 
@@ -144,45 +142,11 @@ def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Ben
     """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
     tree = train.static
     rigid_bodies = rigidity(tree)
-    spring = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
-    root = np.sqrt(tree.flexibility[spring])
-    bodies = np.unique(rigid_bodies.body[rigid_bodies.fixed])
-    first = np.unique(rigid_bodies.component[bodies], return_index=True)[1]
-    angle = _angles(tree, rigid_bodies.component, spring, bodies[first]) * root
-    bend, ties = np.eye(len(spring)), angle[np.delete(bodies, first)]
-    if len(ties):
-        ties = ties / np.linalg.norm(ties, axis=1, keepdims=True)
-        bend = np.linalg.qr(ties.T, mode="complete")[0][:, len(ties) :]
-        angle = angle @ bend
+    spring, root, bend, angle = bends(tree, rigid_bodies)
     angle = np.concatenate((angle, _balance(tree, rigid_bodies, shafts, element)), axis=1)
-    angle[rigid_bodies.fixed] = 0.0
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
     return Bends(spring, root, bend, angle, inside)
-
-
-def _angles(tree: Tree, component: IntArray, spring: IntArray, fixed: IntArray) -> FloatArray:
-    """Angles (stations, springs) for a twist of 1 in each, such that the weighted mean of a part's angles is zero.
-
-    The weight is the inertia; in a part that is fixed it is only at the first of its `fixed` stations.
-    """
-    weight = np.where(np.isin(component, component[fixed]), 0.0, tree.moving_inertia)
-    weight[fixed] = 1.0
-    beyond = _beyond(tree)[:, spring]
-    before = (component[:, None] == component[spring]) & ~beyond
-    outer, inner = weight @ beyond, weight @ before
-    total = outer + inner
-    total[total == 0.0] = 1.0
-    return np.where(beyond, inner / total, 0.0) - np.where(before, outer / total, 0.0)
-
-
-def _beyond(tree: Tree) -> BoolArray:
-    """(stations, stations) whether a station is at the outer end of a span, or beyond."""
-    beyond = np.eye(tree.size, dtype=np.bool_)
-    for i in range(tree.size - 1, -1, -1):
-        if tree.parents[i] >= 0:
-            beyond[tree.parents[i]] |= beyond[i]
-    return beyond.T
 
 
 def _balance(
