@@ -169,3 +169,9 @@ def test_a_decimal_comma_within_braces_is_told_as_one(value, words):
 def test_what_sound_keys_need_of_each_other_is_told_beside_faulty_ones(component, wanted):
     found = stated(f"name: x\ntrain:\n  - {component}\n")
     assert of(found, *((3, words) for words in wanted)), found
+
+
+def test_a_faulty_key_hides_no_clash_of_other_keys():
+    text = TRAIN.replace("stiffness: 1e4", "stiffness: 1e4, psi: -1, max_torque_rare: 5 kN*m")
+    told = stated(text)
+    assert of(told, (5, "out of range"), (5, "needs `max_torque`")), told

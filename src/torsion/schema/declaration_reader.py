@@ -73,20 +73,21 @@ def _between_sound_keys(
         return
     for field in kind.model_fields.keys() - sound.keys():
         vars(partly).pop(field, None)
-    for check in kind.__pydantic_decorators__.model_validators.values():
-        if check.info.mode == "after":
-            try:
-                check.func(partly)
-            except PydanticCustomError as refusal:
-                yield {
-                    "type": "fault",
-                    "loc": (),
-                    "msg": "",
-                    "input": values,
-                    "ctx": refusal.context or {},
-                }
-            except AttributeError:  # it reads a key that is faulty
-                continue
+    validators = kind.__pydantic_decorators__.model_validators
+    others = [
+        check.func
+        for name, check in validators.items()
+        if check.info.mode == "after" and name != "_as_a_whole"
+    ]
+    for refuse in (*(clash.check for clash in kind.clashes), kind.refuse_clashes, *others):
+        try:
+            refuse(partly)
+        except PydanticCustomError as refusal:
+            context = refusal.context or {}
+            yield {"type": "fault", "loc": (), "msg": "", "input": values, "ctx": context}
+            return
+        except AttributeError:  # it reads a key that is faulty
+            continue
 
 
 def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:

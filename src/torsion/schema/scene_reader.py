@@ -280,10 +280,11 @@ def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
     """A link with the component that closes the loop, which is read in the words of its kind."""
     keys = declared(LinkKeys, _shallow(entry, ("between",)), path, faults)
-    kind = next((kind for kind in LINKS if isinstance(entry, dict) and entry.get(kind)), None)
+    kinds = entry if isinstance(entry, dict) else {}
+    kind = next((kind for kind in LINKS if kinds.get(kind) is not None), None)
     if kind is None:
         return None
-    component = one_component(kind, entry[kind], (*path, kind), faults)  # type: ignore[index]
+    component = one_component(kind, kinds[kind], (*path, kind), faults)
     return Link(keys.between, component) if keys and component else None
 
 
