@@ -506,6 +506,89 @@ def every_number_of_a_table_is_a_declared_result(scene: str) -> None:
     assert list(dict.fromkeys(wrong)) == []
 
 
+UNDECLARED = {  # by begin of the caption: columns that no quantity declares; "" stands for all
+    # words that a chapter makes of declared values, and values of several results side by side
+    "Checks, each": ("Value", "Limit", "Unit", "Order", "Rule, clause", "Verdict"),
+    "Barred ranges": ("Order", "Mode", "λ"),
+    "Critical speeds in the": ("Excited by",),
+    "Critical speeds, order by mode": ("",),
+    "Couplings and dampers with tables: values": ("Modal loss",),
+    "Natural frequencies over the speed": ("Mean torque of", "k of"),
+    "Power balance": ("Power",),
+    "Vibratory torque (": ("Torque reversal",),
+    "Shafts and their": ("Supports", "Lowest", "z"),
+    "Critical bending": ("Shaft", "Whirl", "In the range"),
+    "Whirl over": ("Whirl at", "Stability"),
+    "Forces of the shafts": ("Shaft",),
+    "Maximum torque amplitude": ("",),
+    "Maximum angular amplitude": ("",),
+    # all cases in one table
+    "Cases": ("",),
+    "Checks by case": ("",),
+    "Natural frequencies of the cases": ("",),
+    "Changes of the input": ("",),
+    # the plan and the sources
+    "Computed steps": ("",),
+    "Not computed": ("",),
+    "Rules used": ("",),
+    # motion, joints, stability, variants and comparisons
+    "Best candidates": ("",),
+    "Changes": ("",),
+    "Checks over": ("",),
+    "Correlation": ("",),
+    "Critical speeds that can lie": ("",),
+    "Design variables": ("",),
+    "Dominant parameters": ("",),
+    "Effect of": ("",),
+    "Events": ("",),
+    "Failure probability": ("",),
+    "First order against": ("",),
+    "Identified": ("",),
+    "Joints of": ("",),
+    "Angles of": ("",),
+    "Maximum errors": ("",),
+    "Maximum growth": ("",),
+    "Maximum ice": ("",),
+    "Maximum nominal stress": ("",),
+    "Measured": ("",),
+    "Natural frequencies of": ("",),
+    "Natural frequencies within": ("",),
+    "Optimum phase": ("",),
+    "Orders": ("",),
+    "Resonances passed": ("",),
+    "Response of the train": ("",),
+    "Secondary couples": ("",),
+    "Sensitivity": ("",),
+    "Single joints": ("",),
+    "Speed and acceleration": ("",),
+    "Speeds with unreliable": ("",),
+    "Stiffness for": ("",),
+    "The ": ("",),
+    "Torque amplitudes at": ("",),
+    "Torques over time": ("",),
+    "Torques that": ("",),
+    "Unstable ranges": ("",),
+    "Variants": ("",),
+    "Rigid shafts that tilt": ("",),
+    "Couplings with backlash": ("",),
+    "Updated parameters": ("",),
+}
+
+
+def every_column_is_a_declared_quantity_or_listed(scene: str) -> None:
+    tables = (block for block in chapters(solved(scene), is_full=True) if isinstance(block, Table))
+    assert not [
+        f"{table.caption[:50]} | {column.title}"
+        for table in tables
+        for column in table.columns
+        if not column.name
+        and not any(
+            table.caption.startswith(caption) and column.title.startswith(titles)
+            for caption, titles in UNDECLARED.items()
+        )
+    ]
+
+
 def test_another_number_is_none_of_the_results() -> None:
     assert holds("826.97", "rpm", [86.6])
     assert not holds("827.07", "rpm", [86.6])

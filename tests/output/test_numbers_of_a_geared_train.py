@@ -147,15 +147,17 @@ def test_frequencies_shares_and_holzer_tables(found: Findings) -> None:
     inertia, stiffness = referred()
     kinetic = inertia[:, None] * shape**2
     elastic = stiffness[:, None] * (B @ shape) ** 2
-    shares = rows_of(found, "Shares of the kinetic and elastic energy")
+    shares = rows_of(found, "Shares of the kinetic")
     for mode in range(3):
         row = rows_of(found, "Natural frequencies of the undamped train")[str(mode + 1)]
         assert value(row["Frequency"]) == pytest.approx(w[mode] / (2.0 * math.pi), rel=1e-6)
         assert int(row["Nodes"]) == mode + 1
         for what, names, energy in (("kinetic", STATIONS, kinetic), ("elastic", SPANS, elastic)):
-            stated = [value(shares[f"{what}: {name}"][f"Mode {mode + 1}"]) for name in names]
+            cells = [shares[f"{what}: {name}"][f"Mode {mode + 1}"] for name in names]
+            stated = [0.0 if cell == "–" else value(cell) for cell in cells]
             wanted = 100.0 * energy[:, mode] / energy[:, mode].sum()
-            assert stated == pytest.approx(wanted.tolist(), rel=5e-3)
+            wanted = np.where(wanted < 2.0, 0.0, wanted)
+            assert stated == pytest.approx(wanted.tolist(), rel=1e-2)
     for mode in (0, 1):
         table = rows_of(found, f"Holzer table of mode {mode + 1}")
         angle = shape[:, mode] / shape[0, mode]
@@ -220,7 +222,7 @@ def test_what_excites_and_what_damps(found: Findings) -> None:
 
 
 def test_mean_torques_at_rated_speed_and_their_largest(found: Findings) -> None:
-    table = rows_of(found, "Mean torque at")
+    table = rows_of(found, "Mean torque, each")
     for name, ratio in zip(SPANS, SPAN_RATIO, strict=True):
         wanted = {
             "Speed of the component": 30.0 * ratio * RPM,

@@ -274,7 +274,7 @@ def test_couplings_by_title(found: Findings) -> None:
 
 
 def test_mean_torque_by_title_and_in_json(found: Findings) -> None:
-    (row,) = rows_of(found, "Mean torque at")
+    (row,) = rows_of(found, "Mean torque, each")
     wanted = {
         "Speed of the component": 12.0 * RPM,
         "Mean torque": 10.0,

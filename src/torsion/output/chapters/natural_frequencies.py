@@ -1,6 +1,7 @@
 """Chapter: natural frequencies with their certificate, mode plots, Holzer tables and energy shares."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -167,10 +168,12 @@ def _shares(modes: Modes) -> Table:
     """Return the energy shares of named stations, of all inner stations of a shaft together, and of elements."""
     shown = range(1, min(len(modes.frequency), MOST_MODES) + 1)
     titles = "component: < Component" + "".join(f" | share@{k}: Mode {k} [%]:3" for k in shown)
-    shares = [share for share in modes.energy_shares if share.share.max() >= SMALLEST_SHARE]
-    caption = (
-        f"Shares of the kinetic and elastic energy, above {100 * SMALLEST_SHARE:g} % in any mode"
-    )
+    shares = [
+        replace(share, share=np.where(share.share >= SMALLEST_SHARE, share.share, np.nan))
+        for share in modes.energy_shares
+        if share.share.max() >= SMALLEST_SHARE
+    ]
+    caption = f"Shares of the kinetic and elastic energy, from {100 * SMALLEST_SHARE:g} % on"
     return table(titles, shares, caption)
 
 
