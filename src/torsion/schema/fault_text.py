@@ -26,6 +26,16 @@ class Node:
     height: int = 0  # lists and mappings within each other
     source: "Source | None" = None  # of a value that a table states: the text of that table
 
+    def as_list(self, parts: "list[Node]") -> "Node":
+        """Return the parts as a list in its place."""
+        values = [part.value for part in parts]
+        return replace(self, value=values, parts=dict(enumerate(parts)), keys={})
+
+    def as_mapping(self, parts: "dict[str | int, Node]", **changes: Any) -> "Node":
+        """Return the parts as a mapping in its place."""
+        value = {str(key): part.value for key, part in parts.items()}
+        return replace(self, value=value, parts=parts, **changes)
+
 
 @dataclass(frozen=True, eq=False)
 class Source:

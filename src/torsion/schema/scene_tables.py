@@ -25,7 +25,6 @@ from torsion.schema.table_rows import (
     TRAIN,
     Reading,
     Rows,
-    list_node,
 )
 from torsion.tables import first_comment, table_text
 
@@ -63,10 +62,10 @@ def table_name(value: object) -> str | None:
 def _spliced(node: Node, key: str, reading: Reading) -> Node:
     """The node with every table below it replaced; the node itself where there is none. `key` is what it stands at."""
     if table_name(node.value) and (key == TRAIN or key in MAPPINGS or key in PAIRS):
-        return list_node(node, _table(node, key, reading))
+        return node.as_list(_table(node, key, reading))
     if isinstance(node.value, list):
         parts = [part for item in node.parts.values() for part in _items(item, key, reading)]
-        return node if parts == list(node.parts.values()) else list_node(node, parts)
+        return node if parts == list(node.parts.values()) else node.as_list(parts)
     if not isinstance(node.value, dict):
         return node
     if key == LIBRARY and {"from", ROW} <= node.value.keys():
@@ -82,7 +81,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
         name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
         rows = None if name is None else _table(part, name, reading)
-        inner[step] = _spliced(part, last, reading) if rows is None else list_node(part, rows)
+        inner[step] = _spliced(part, last, reading) if rows is None else part.as_list(rows)
     if inner == node.parts:
         return node
     value = node.value | {step: part.value for step, part in inner.items()}
@@ -103,7 +102,7 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
     shaft = entry.parts["shaft"]
     listed, parts = shaft.parts[SECTIONS], dict(shaft.parts)
     if isinstance(listed.value, str) or table_name(listed.value):
-        parts[SECTIONS] = list_node(listed, _table(listed, SECTIONS, reading))
+        parts[SECTIONS] = listed.as_list(_table(listed, SECTIONS, reading))
         if reading.is_ended:
             return []
     shaft_entry = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
@@ -185,5 +184,4 @@ def _from_library(node: Node, reading: Reading) -> Node:
     origin = stated.value if stated else first_comment(table.text) or "no source stated"
     source = replace(stated or row.parts[ROW], value=f"{name.value}, size {wanted}: {origin}")
     parts = row.parts | {"source": source} | node.parts | {ROW: replace(size, value=wanted)}
-    value = {str(step): part.value for step, part in parts.items()}
-    return replace(node, value=value, parts=parts, keys=row.keys | node.keys)
+    return node.as_mapping(parts, keys=row.keys | node.keys)

@@ -57,14 +57,9 @@ def sections(entry: Node, source: Source, fault: Faulty) -> list[Node]:
                 key: position for key, position in shaft.keys.items() if key in kept
             } | section.keys
             named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
-            entries.append(
-                _mapping(
-                    "shaft",
-                    _with_parts(
-                        replace(section, keys=keys), {"name": named, **kept, **section.parts}
-                    ),
-                )
-            )
+            body = section.as_mapping({"name": named, **kept, **section.parts}, keys=keys)
+            at_body = {"shaft": (body.line, body.column)}
+            entries.append(body.as_mapping({"shaft": body}, keys=at_body))
     if not entries:
         fault(listed, "there is no section", EXAMPLE)
     return entries
@@ -84,7 +79,7 @@ def _row(row: Node, fault: Faulty) -> Node | None:
     if isinstance(row.value, list) and 2 <= len(row.value) <= len(ROW):
         parts: dict[str | int, Node] = dict(zip(ROW, row.parts.values(), strict=False))
         places = {str(key): (part.line, part.column) for key, part in parts.items()}
-        return _with_parts(replace(row, keys=places), parts)
+        return row.as_mapping(parts, keys=places)
     if isinstance(row.value, dict):
         for key in ("name", SECTIONS):
             if key in row.parts:
@@ -100,13 +95,3 @@ def _row(row: Node, fault: Faulty) -> Node | None:
         "a row is [length, diameter], [length, diameter, bore], or by keys",
     )
     return None
-
-
-def _with_parts(node: Node, parts: dict[str | int, Node]) -> Node:
-    """The node with other values in it."""
-    return replace(node, value={str(key): part.value for key, part in parts.items()}, parts=parts)
-
-
-def _mapping(key: str, body: Node) -> Node:
-    """A mapping of one key, at the place of its value."""
-    return _with_parts(replace(body, keys={key: (body.line, body.column)}), {key: body})

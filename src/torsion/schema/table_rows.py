@@ -171,12 +171,6 @@ class Reading:
     rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # by table and key
 
 
-def list_node(node: Node, parts: list[Node]) -> Node:
-    """The parts as a list in the place of a node."""
-    values = [part.value for part in parts]
-    return replace(node, value=values, parts=dict(enumerate(parts)), keys={})
-
-
 def _kind_of(cell: Cell | None) -> str:
     """The kind that the cell of a row names, by its own word or by another; empty without a cell."""
     word = "" if cell is None else cell.text.casefold()
@@ -320,7 +314,7 @@ class Rows:
             return None
         if self.key in PAIRS:
             pair = [body.parts.get(key, self._node(None, begin)) for key in SPEED_AND_TORQUE]
-            return list_node(self._node([], begin), pair)
+            return self._node([], begin).as_list(pair)
         if self.key == HARMONICS:
             return self._harmonic(body)
         if kind is None:
@@ -410,7 +404,7 @@ class Rows:
             cell = Cell("", body.line, body.column)
             self.fault(cell, f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
         parts = [body.parts[key] for key in keys if key in body.parts]
-        return body if has_parts else list_node(replace(body), parts)
+        return body if has_parts else body.as_list(parts)
 
     def _by_load(self, rows: Sequence[Node]) -> list[Node]:
         """Rows of the same load, or speed, as one table."""
@@ -426,10 +420,9 @@ class Rows:
                 table[1].append(self._harmonic(row))
         nodes = []
         for load, harmonics in tables.values():
-            parts: dict[str | int, Node] = {key: load, "rows": list_node(replace(load), harmonics)}
-            value = {step: part.value for step, part in parts.items()}
+            parts: dict[str | int, Node] = {key: load, "rows": load.as_list(harmonics)}
             places = dict.fromkeys(map(str, parts), (load.line, load.column))
-            nodes.append(replace(load, value=value, parts=parts, keys=places))
+            nodes.append(load.as_mapping(parts, keys=places))
         return nodes
 
 
