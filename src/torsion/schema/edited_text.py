@@ -9,7 +9,7 @@ from torsion.errors import InputError, Path
 from torsion.schema.fault_text import Node, Source, line_starts
 from torsion.schema.overlay import node_at
 from torsion.schema.scene_tables import with_tables
-from torsion.schema.yaml_source import Extents, extents, in_brackets, parse_source, yaml_text
+from torsion.schema.yaml_source import in_brackets, parse_source, yaml_text
 
 Edit = tuple[int, int, str]  # from, to, what stands there instead
 LIBRARY = {"from", "size"}  # of a coupling whose row is written out
@@ -77,33 +77,27 @@ def _own_node(source: Source, path: Path) -> Node:
 
 def _edits(source: Source, changes: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
     """Raises LookupError where a value does not stand in the text."""
-    ends, starts = extents(source.text), line_starts(source.text)
     added: dict[Path, dict[str, Any]] = {}
     for path, new in changes:
         if node_at(source.root, path) is None:
             added.setdefault(path[:-1], {})[str(path[-1])] = new.value
             continue
         node = _own_node(source, path)
-        begin = starts[node.line - 1] + node.column - 1
-        yield begin, _end(ends, node), in_brackets(new.value)
+        yield node.begin, node.end, in_brackets(new.value)
     for path, keys in added.items():
         node = _own_node(source, path)
-        end, is_flow = ends.collections[node.line, node.column]
         entries = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
-        if is_flow:
-            yield end - 1, end - 1, ", " * bool(node.value) + ", ".join(entries)
+        if node.is_flow:
+            yield node.end - 1, node.end - 1, ", " * bool(node.value) + ", ".join(entries)
         else:
-            behind = next((start - 1 for start in starts if start > end), len(source.text))
+            behind = _line_end(source.text, node.end)
             yield behind, behind, "".join("\n" + " " * (node.column - 1) + line for line in entries)
 
 
-def _end(ends: Extents, node: Node) -> int:
-    position = node.line, node.column
-    return (
-        ends.scalars[position]
-        if not isinstance(node.value, dict | list)
-        else ends.collections[position][0]
-    )
+def _line_end(text: str, position: int) -> int:
+    """Return where the line of a position ends."""
+    end = text.find("\n", position)
+    return len(text) if end < 0 else end
 
 
 def _removal(source: Source, path: Path) -> Edit:
@@ -111,15 +105,12 @@ def _removal(source: Source, path: Path) -> Edit:
     parent, node = _own_node(source, path[:-1]), _own_node(source, path)
     if len(parent.parts) == 1 and len(path) > 1:
         return _removal(source, path[:-1])
-    ends, starts, text = extents(source.text), line_starts(source.text), source.text
-    line, column = parent.keys[str(path[-1])]
-    begin, end = starts[line - 1] + column - 1, _end(ends, node)
-    if (parent.line, parent.column) in ends.collections and ends.collections[
-        parent.line, parent.column
-    ][1]:
+    text, (line, column) = source.text, parent.keys[str(path[-1])]
+    line_start = line_starts(text)[line - 1]
+    begin, end = line_start + column - 1, node.end
+    if parent.is_flow:
         following = text[end:].lstrip()
         if following.startswith(","):
             return begin, len(text) - len(following[1:].lstrip()), ""
         return len(text[:begin].rstrip().removesuffix(",")), end, ""
-    behind = next((start for start in starts if start > end), len(text))
-    return starts[line - 1], behind, ""
+    return line_start, min(_line_end(text, end) + 1, len(text)), ""

@@ -24,6 +24,9 @@ class Node:
     keys: dict[str, tuple[int, int]] = field(default_factory=dict)
     size: int = 1  # values in it and itself, aliases written out
     height: int = 0  # lists and mappings within each other
+    begin: int = 0  # position in the text of the file
+    end: int = 0  # behind it; of a list or mapping without brackets behind the last value in it
+    is_flow: bool = False  # it stands in brackets
     source: "Source | None" = None  # of a value that a table states: the text of that table
 
     def as_list(self, parts: "list[Node]") -> "Node":

@@ -6,15 +6,13 @@ merge keys, repeated keys, keys other than text and several documents are refuse
 
 import math
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
-from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
+from torsion.schema.fault_text import Node, Source, end_of, input_error
 from torsion.schema.missing_marks import missing_mark
 from torsion.schema.other_words import ALIAS
 from torsion.user_files import LARGEST_SCENE, read_file
@@ -144,32 +142,6 @@ def parse_source(text: str, name: str) -> Source:
     return with_canonical_keys(source)
 
 
-@dataclass(frozen=True)
-class Extents:
-    """Where the values of a text end, as positions in it, by the line and column at which they begin."""
-
-    scalars: dict[tuple[int, int], int]
-    collections: dict[tuple[int, int], tuple[int, bool]]  # end, and whether it stands in brackets
-
-
-def extents(text: str) -> Extents:
-    """Return the extents in a text that can be read; a list or mapping without brackets ends with the last value in it."""
-    starts = line_starts(text)
-    extents_found, opened, last = Extents({}, {}), list[Any](), 0
-    events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
-    for event in events:
-        end = starts[event.end_mark.line] + event.end_mark.column
-        if isinstance(event, yaml.ScalarEvent | yaml.AliasEvent):
-            extents_found.scalars[_mark(event)] = last = end
-        elif isinstance(event, yaml.CollectionStartEvent):
-            opened.append(event)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            begin = opened.pop()
-            last = end if begin.flow_style else last
-            extents_found.collections[_mark(begin)] = last, bool(begin.flow_style)
-    return extents_found
-
-
 def yaml_text(value: object) -> str:
     """A mapping as YAML, in the order of its keys."""
     made: str = yaml.safe_dump(
@@ -206,6 +178,7 @@ class _Builder:
             str | int | None
         ] = []  # of every open node: what the next value belongs to
         self._documents = 0
+        self._last = 0  # position behind the last value that was read
 
     def take(self, event: Any) -> None:
         if isinstance(event, yaml.DocumentStartEvent):
@@ -222,7 +195,11 @@ class _Builder:
             self._take_value(event)
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
-            self._attach(self._open.pop())
+            node = self._open.pop()
+            if node.is_flow:
+                self._last = _index(event.end_mark)
+            node.end = self._last
+            self._attach(node)
 
     def _awaits_key(self) -> bool:
         return bool(self._keys) and self._keys[-1] is None
@@ -258,21 +235,25 @@ class _Builder:
 
     def _take_value(self, event: Any) -> None:
         if isinstance(event, yaml.AliasEvent):
-            self._attach(self._aliased(event))
+            node = self._aliased(event)
+            node.begin, node.end = _index(event.start_mark), _index(event.end_mark)
+            self._last = node.end
+            self._attach(node)
             return
         self._check_tag(event)
         scalar = isinstance(event, yaml.ScalarEvent)
-        node = Node(None, *_mark(event))
+        node = Node(None, *_mark(event), begin=_index(event.start_mark))
         if event.anchor:
             self._anchors[event.anchor] = node
         if scalar:
             self._check_controls(event)
             node.value = resolved(event.value) if event.implicit[0] else event.value
+            node.end = self._last = _index(event.end_mark)
             self._attach(node)
             return
         if len(self._open) >= _DEEPEST:
             raise _EndError(f"more than {_DEEPEST} lists and mappings within each other", "", event)
-        mapping = isinstance(event, yaml.MappingStartEvent)
+        mapping, node.is_flow = isinstance(event, yaml.MappingStartEvent), bool(event.flow_style)
         node.value, node.height = ({} if mapping else []), 1
         self._open.append(node)
         self._keys.append(None if mapping else 0)
@@ -390,6 +371,11 @@ def _fault(message: str, hint: str, line: int, column: int) -> Fault:
     return Fault(
         (), printable(message, 200), hint, line=line, column=column
     )  # the message may quote the file
+
+
+def _index(mark: Any) -> int:
+    """Position in the text."""
+    return int(mark.index)
 
 
 def _mark(event: Any) -> tuple[int, int]:
