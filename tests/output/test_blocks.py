@@ -17,10 +17,8 @@ from torsion.output.blocks import (
     Figure,
     Heading,
     Paragraph,
-    Points,
     Table,
     head,
-    on_terminal,
     table,
 )
 from torsion.output.document import numbered
@@ -63,18 +61,6 @@ def test_titles_hold_unit_side_and_the_title_of_the_terminal() -> None:
         Column("Its Note", "", "left", ""),
         Column("Order", "", "right", "order"),
     )
-
-
-def test_sentences_stand_on_the_terminal_only_where_it_is_said() -> None:
-    plain = Table((Column("a"),), (("1",),))
-    blocks = [Paragraph("x", "note"), Points(("y",)), plain, Heading("z")]
-    assert not any(one.brief for one in blocks[:2])
-    assert not blocks[3].at_end
-    assert on_terminal(blocks) == [
-        Paragraph("x", "note", brief=True),
-        Points(("y",), brief=True),
-        *blocks[2:],
-    ]
 
 
 def test_what_a_report_is_made_of_cannot_be_changed() -> None:

@@ -325,11 +325,3 @@ def filled(made: Table) -> Table:
 def texts(title: str, short: str = "") -> Column:
     """Return a column of words, which stand to the left."""
     return Column(title, align="left", short=short)
-
-
-def on_terminal(blocks: Iterable[Block]) -> list[Block]:
-    """Return the same blocks, sentences among them on the terminal too."""
-    return [
-        replace(block, brief=True) if isinstance(block, Paragraph | Points) else block
-        for block in blocks
-    ]

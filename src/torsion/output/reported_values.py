@@ -8,9 +8,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import nearest_mode
-from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import BoolArray, FloatArray
-from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
@@ -54,23 +52,6 @@ def operation_words(findings: Findings) -> str:
         rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
         words.append(f"rated {given_rpm(operation.rated.speed)} rpm{rating}")
     return f"{', '.join(words)} (speed of {reference(findings)})" if words else ""
-
-
-def steady_at_rated(findings: Findings) -> Steady | None:
-    """Return the mean torques at the rated speed alone; None where they are not known there."""
-    point, study = findings.study.operation.rated, findings.study
-    if point is None or findings.get(Steady) is None:
-        return None
-    try:
-        return steady_if_known(study, findings.system, np.array([point.speed]))
-    except InputError:  # the table of the load does not reach to it
-        return None
-
-
-def mean_torque_at_rated(findings: Findings) -> tuple[FloatArray, FloatArray] | None:
-    """Return magnitudes (N m) at the rated speed: of torques applied at the stations, and of the torques of the spans."""
-    steady = steady_at_rated(findings)
-    return None if steady is None else (np.abs(steady.applied[:, 0]), np.abs(steady.torque[:, 0]))
 
 
 def rated_rpm(findings: Findings) -> float | None:
@@ -233,10 +214,5 @@ def mode_of(findings: Findings, barred: BarredRange) -> str:
     """Return the mode that the order of a barred range excites at its critical speed."""
     if barred.order is None:
         return NONE
-    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
-
-
-def mode_near(findings: Findings, frequency: float) -> str:
-    """Return the mode whose frequency is nearest, if it is near."""
-    mode = nearest_mode(findings, frequency)
+    mode = nearest_mode(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
     return NONE if mode is None else str(mode)

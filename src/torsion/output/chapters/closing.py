@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
 from torsion.output.numbers import given_rpm, number, order, rpm
-from torsion.output.reported_values import amplitude, reference
-from torsion.output.selection import elements, highest
+from torsion.output.reported_values import reference
 from torsion.rules.verdict_line import Checks
 
 
@@ -51,14 +51,12 @@ def _measurements(findings: Findings, response: Response) -> Iterator[str]:
         f"Run up and down slowly {ends} (speed of {reference(findings)}) and at steps of constant speed. Analyse the "
         f"orders{f' ({orders})' if orders else ''} and the natural frequencies."
     )
-    shafts = [
-        (amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"
-    ]
-    if loaded := [(values, shaft) for values, shaft in shafts if highest(values) > 0]:
-        values, shaft = max(loaded, key=lambda pair: highest(pair[0]) * pair[1].ratio)
-        speed = int(np.argmax(np.nan_to_num(values, nan=0.0).max(axis=1)))
-        peak = f"the largest amplitude is expected at {rpm(float(response.speed[speed]))} rpm"
-        yield f"Torque by strain gauges with telemetry on {shaft.name}; {peak}."
+    loads = findings.get(ComponentLoads)
+    shafts = () if loads is None else loads.shafts
+    if shaft := max(shafts, key=lambda shaft: shaft.stress or 0.0, default=None):
+        peak = f"the largest amplitude is expected at {rpm(shaft.speed)} rpm"
+        if shaft.stress:
+            yield f"Torque by strain gauges with telemetry on {shaft.shaft}; {peak}."
     modes, stations = findings.get(Modes), findings.study.train.stations
     if modes is None or len(modes.frequency) == 0:
         return

@@ -3,14 +3,13 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
 from torsion.output import check_words
 from torsion.output.blocks import Block, PageEnd
 from torsion.output.chapters import plant
@@ -143,21 +142,17 @@ def strongest(findings: Findings) -> list[CriticalSpeed]:
         if critical is None
         else [crossing for crossing in critical.crossings if crossing.is_inside]
     )
-    size = partial(_strength, findings, findings.get(Response))
-    largest = sorted(inside, key=size, reverse=True)[:MOST_CRITICAL]
+    loads = findings.get(ComponentLoads)
+    peaks = () if loads is None else loads.peaks
+
+    def strength(critical: CriticalSpeed) -> float:
+        """Return the largest torque (N m, referred) of the order at a peak of the mode."""
+        name = critical.line.named(reference(findings))
+        meeting = (p.referred for p in peaks if (p.order, p.mode) == (name, critical.mode))
+        return max(meeting, default=0.0)
+
+    largest = sorted(inside, key=strength, reverse=True)[:MOST_CRITICAL]
     return sorted(largest, key=lambda crossing: crossing.speed)
-
-
-def _strength(findings: Findings, response: Response | None, critical: CriticalSpeed) -> float:
-    """Return the largest torque (N m, referred) of the order at the computed speed next to a critical one."""
-    for index, line in enumerate(() if response is None else response.lines):
-        if response is not None and line.order == critical.order:
-            row = int(np.argmin(np.abs(response.speed - critical.speed)))
-            if response.status[row, index] != Status.OK:
-                return float("inf")
-            torque = np.abs(response.torque[row, index]) * findings.system.span_ratio
-            return float(torque.max(initial=0.0))
-    return 0.0
 
 
 def _shares(findings: Findings) -> Iterator[Figure]:
