@@ -18,7 +18,6 @@ import numpy as np
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import (
     DIGITS,
-    NONE,
     ROUNDING,
     cell,
     distinct_texts,
@@ -305,23 +304,3 @@ def _cell(value: Any, form: str) -> Value:
         return order(value)
     is_kept = isinstance(value, str | int | None) and not isinstance(value, Enum)
     return value if is_kept else cell(value)
-
-
-def filled(made: Table) -> Table:
-    """Return the same table without the columns that have no value in any row.
-
-    >>> filled(table("< Mode | Frequency [Hz] | Cost", [("first", 12.5, None), ("second", 13.0, None)])).rows
-    (('first', '12.500'), ('second', '13.000'))
-    """
-    kept = [
-        k
-        for k in range(len(made.columns))
-        if not made.values or any(row[k] not in (None, NONE) for row in made.values)
-    ]
-    values = tuple(tuple(row[k] for k in kept) for row in made.values)
-    return replace(made, columns=tuple(made.columns[k] for k in kept), values=values)
-
-
-def texts(title: str, short: str = "") -> Column:
-    """Return a column of words, which stand to the left."""
-    return Column(title, align="left", short=short)

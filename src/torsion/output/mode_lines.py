@@ -13,10 +13,8 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.kernels.round_sections import section_modulus
 from torsion.output.document import Document
 from torsion.output.station_layout import layout
-from torsion.primitives import Section
 
 NAME = "modes.vtu"
 LENGTH = 0.1  # m: a length of a train without shafts
@@ -30,7 +28,7 @@ def vtu(_document: Document, findings: Findings) -> bytes:
 
     modes, system = requested_modes(findings), findings.system
     ends = np.column_stack([system.driving, system.driven])
-    radius, modulus = radii(system)
+    radius = radii(system)
     cells = [("line", np.arange(ends.size).reshape(-1, 2))]
 
     at_points: dict[str, FloatArray] = {"radius": radius.ravel()}
@@ -45,8 +43,6 @@ def vtu(_document: Document, findings: Findings) -> bytes:
         at_points[f"{name}_angle"] = angle[ends].ravel()
         at_points[f"{name}_angle_relative"] = (angle / np.abs(angle).max())[ends].ravel()
         at_cells[f"{name}_torque"] = [torque]
-        if np.isfinite(modulus).any():
-            at_cells[f"{name}_stress"] = [torque / modulus]
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
@@ -81,30 +77,15 @@ def coordinates(system: System) -> FloatArray:
     return unit * np.column_stack([places.x, -places.row, np.zeros(places.x.size)])
 
 
-def radii(system: System) -> tuple[FloatArray, FloatArray]:
-    """Return the radius (spans, 2) at both ends of every span in m, and its section modulus (spans,) in m3.
-
-    The modulus is that of the weaker end, NaN outside shafts.
-    """
+def radii(system: System) -> FloatArray:
+    """Return the radius (spans, 2) at both ends of every span in m."""
     bars = {bar.part: bar for bar in system.train.bars}
     mean = sum(sum(bar.outer) / 4 for bar in bars.values()) / len(bars) if bars else LENGTH / 4
-    radius, modulus = (
-        np.full((len(system.spans), 2), THIN * mean),
-        np.full(len(system.spans), np.nan),
-    )
+    radius = np.full((len(system.spans), 2), THIN * mean)
     x = coordinates(system)[:, 0]
-
     for span, (driving, driven) in enumerate(zip(system.driving, system.driven, strict=True)):
         bar = bars.get(int(system.span_part[span]))
-        if bar is None:
-            continue
-        share = (x[[driving, driven]] - x[bar.driving]) / bar.length
-        outer, bore = (first + (last - first) * share for first, last in (bar.outer, bar.bore))
-        radius[span] = outer / 2
-        section = bar.section
-        modulus[span] = (
-            section.stress_modulus
-            if isinstance(section, Section)
-            else section_modulus(outer.min(), bore.max())
-        )
-    return radius, modulus
+        if bar is not None:
+            share = (x[[driving, driven]] - x[bar.driving]) / bar.length
+            radius[span] = (bar.outer[0] + (bar.outer[1] - bar.outer[0]) * share) / 2
+    return radius

@@ -6,7 +6,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output import check_words
-from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table, texts
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table
 from torsion.output.chapters.case_verdict import Row, side_by_side
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
@@ -65,7 +65,7 @@ def _checks(cases: Cases) -> Iterator[Block]:
         columns = ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case")
         part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}"
         yield table(
-            tuple(map(texts, columns)),
+            tuple(Column(title, align="left") for title in columns),
             [_cells(cases, row, shown) for row in rows],
             "Checks by case, worst first: value, speed of the reference and, in brackets, the order with the largest "
             "contribution; value / limit if the limit differs by case"
@@ -124,11 +124,11 @@ def _frequencies(cases: Cases) -> Iterator[Table]:
         if case.get(Modes) is not None
     }
     if count := max(map(len, frequencies.values()), default=0):
-        columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz", digits=7) for k in range(count)))
+        titles = "< Case" + "".join(f" | Mode {k} [Hz]:7" for k in range(1, count + 1))
         rows = [
             (name, *values, *[None] * (count - len(values))) for name, values in frequencies.items()
         ]
-        yield table(columns, rows, "Natural frequencies of the cases")
+        yield table(titles, rows, "Natural frequencies of the cases")
 
 
 def _loads(cases: Cases) -> Iterator[Figure]:

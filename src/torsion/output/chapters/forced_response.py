@@ -30,7 +30,6 @@ from torsion.output.reported_values import (
     worth_a_figure,
 )
 from torsion.output.selection import (
-    NO_VALUE,
     Element,
     elements,
     highest,
@@ -221,9 +220,8 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     }
     if torque:
         unit = torques(torque.values())
-        titles = f"< Component | Amplitude [{unit.unit}] | Frequency [Hz]"
         curves = {name: values * unit.factor for name, values in torque.items()}
-        yield _maxima(titles, sweep, curves, "torque amplitude")
+        yield _maxima(sweep, torque)
         yield _curves_over_frequency(
             findings, "sweep-torque", "torque amplitude", curves, unit.unit
         )
@@ -231,24 +229,19 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
         name: np.where(bad, np.nan, np.abs(sweep.angle[:, station]))
         for station, name in _moving_stations(findings)
     }
-    titles = "< Station | Amplitude [rad] | Amplitude [deg]:g | Frequency [Hz]"
-    yield _maxima(titles, sweep, angle, "angular amplitude")
     curves = {name: values * DEGREES.factor for name, values in angle.items()}
     yield _curves_over_frequency(findings, "sweep-angle", "angular amplitude", curves, DEGREES.unit)
 
 
-def _maxima(
-    titles: str, sweep: FrequencyResponse, curves: dict[str, FloatArray], quantity: str
-) -> Table:
-    """Return the largest value of every curve, under as many titles as there are, and its frequency."""
-    rows, copies = list[tuple[object, ...]](), titles.count("|") - 1
-    for name, values in curves.items():
-        position = largest(values)
-        if position is None:
-            rows.append((name, NO_VALUE, *[None] * copies))
-        else:
-            rows.append((name, *[values[position]] * copies, sweep.frequency[position]))
-    return table(titles, rows, f"Maximum {quantity}")
+def _maxima(sweep: FrequencyResponse, torque: dict[str, FloatArray]) -> Table:
+    """Return the largest torque of every element, and its frequency."""
+    rows = []
+    for name, values in torque.items():
+        peak = largest(values)
+        at_peak = (None, None) if peak is None else (values[peak], sweep.frequency[peak])
+        rows.append((name, *at_peak))
+    titles = "< Component | Amplitude [~N m]:u | Frequency [Hz]"
+    return table(titles, rows, "Maximum torque amplitude")
 
 
 def _curves_over_frequency(

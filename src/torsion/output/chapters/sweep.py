@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, head, table, texts
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, head, table
 from torsion.output.figures import variants
 from torsion.output.numbers import counted, unit_words
 from torsion.output.records import along
@@ -149,6 +149,9 @@ def _variants(sweep: Sweep, grid: Grid) -> Table:
                 verdict,
             )
         )
-    columns = (*(texts(axis.name, axis.name) for axis in grid.axes), *head(" | ".join(titles)))
+    columns = (
+        *(Column(axis.name, align="left", short=axis.name) for axis in grid.axes),
+        *head(" | ".join(titles)),
+    )
     marks = ["fail" if grid.fails[variant] else "" for variant in shown]
     return table(columns, rows, caption, marks=marks, short="" if sweep.checks else caption)
