@@ -36,9 +36,7 @@ def restriction(
     return replace(row, verdict="restricted", restrictions=(words,))
 
 
-def misfire_row(
-    rule: str, study: Study, source: str, standing: Standing = "rule text"
-) -> Iterator[Check]:
+def misfire_row(rule: str, study: Study, source: str) -> Iterator[Check]:
     """Yield the row about one cylinder that does not fire; nothing of a train without an engine."""
     engines, cranks = list[str](), list[str]()
     for part in study.train.parts:
@@ -53,7 +51,7 @@ def misfire_row(
         return
     note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
     where = (engines or cranks)[0]
-    yield unjudged(rule, MISFIRE, where, "Misfiring of one cylinder", note, standing)
+    yield unjudged(rule, MISFIRE, where, "Misfiring of one cylinder", note)
 
 
 def lacking_orders(strokes: int, excited: Container[Fraction]) -> list[Fraction]:
@@ -86,9 +84,7 @@ def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check
             yield unjudged(rule, "gears", part.name, "Vibratory torque in the mesh", note, standing)
 
 
-def zero_pitch_rows(
-    rule: str, study: Study, source: str, standing: Standing = "rule text"
-) -> Iterator[Check]:
+def zero_pitch_rows(rule: str, study: Study, source: str) -> Iterator[Check]:
     """Yield a row for each propeller: NOT JUDGED of a controllable pitch, a restriction if the pitch is not stated.
 
     A `propeller` of a train without a shaft of that role may be any load.
@@ -103,10 +99,10 @@ def zero_pitch_rows(
             continue
         if part.propeller.pitch == "controllable":
             note = f"{source} demands it: a case with another `operation.load`"
-            yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note, standing)
+            yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note)
         elif drives_ship:
             words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
-            yield restriction(rule, ZERO_PITCH, part.name, "Zero pitch", words, standing)
+            yield restriction(rule, ZERO_PITCH, part.name, "Zero pitch", words)
 
 
 def unjudged_variants(study: Study) -> Iterator[Check]:

@@ -13,7 +13,6 @@ from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.sturm import count_below
 from torsion.kernels.tree_response import Status
 
 if TYPE_CHECKING:
@@ -87,15 +86,11 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
         return modes
     if tables := system.tables_over("frequency"):
         return _modes_by_table(system, tables, highest)
-    condensed = system.condensed
-    if system.condensed_shafts is not None:
-        from torsion.analyses.modes.bars import reach
-
-        return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
-    if condensed.extra.size or np.isinf(condensed.tree.flexibility).any():
+    if system.condensed.extra.size:
         return modes_as_discretised(system, None)
-    below = int(count_below(condensed.tree, np.array([highest * (1.0 + 1e-9)]))[0])
-    return modes_as_discretised(system, max(below, 1))
+    from torsion.analyses.modes.bars import reach
+
+    return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
 
 
 def _modes_by_table(

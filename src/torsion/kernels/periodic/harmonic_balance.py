@@ -10,7 +10,6 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.hill import (
     Couplings,
-    assembled,
     from_real_parts,
     harmonics_of,
     hill_blocks,
@@ -24,7 +23,6 @@ MOST_NEWTON = 40
 QUADRATIC = 1e-7  # relative step from which one more step of Newton's method reaches rounding
 ROUNDING = 1e-14  # of the largest mean: smaller steps are rounding
 HALVINGS = 12
-DENSE = 300  # unknowns up to which a dense solution is the faster one
 MOST_UNKNOWNS = 40_000
 
 
@@ -101,8 +99,6 @@ def balance(
     load: FloatArray,
     held: IntArray,
     w0: float,
-    *,
-    steps: int = MOST_NEWTON,
 ) -> Balance:
     """Return the periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
 
@@ -119,7 +115,7 @@ def balance(
     linear = equations(motion_of(harmonic, w0, times), load, count)
     size = _norm(linear, count)
     last = False
-    for step in range(1, steps + 1):
+    for step in range(1, MOST_NEWTON + 1):
         move, change = _newton(linear, held, w0, count)
         part, accepted = 1.0, None
         for _ in range(HALVINGS):
@@ -186,7 +182,7 @@ def _solve(
     scaled = (entries[0], entries[1], entries[2] / size)
     right = np.append(right / size, np.zeros(loads))
     try:
-        solution = (_dense if total <= DENSE else _sparse)(scaled, force, held_means, right)
+        solution = _sparse(scaled, force, held_means, right)
     except (np.linalg.LinAlgError, RuntimeError):
         solution = np.full(total + loads, np.nan)
     solution[total:] *= size
@@ -195,17 +191,6 @@ def _solve(
             "the harmonic balance is singular; the train is in resonance without damping"
         )
     return solution
-
-
-def _dense(
-    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
-) -> FloatArray:
-    total, loads = force.shape
-    matrix = np.zeros((total + loads, total + loads))
-    matrix[:total, :total] = assembled(*entries, total // entries[2].shape[-1])
-    matrix[:total, total:] = force
-    matrix[total + np.arange(loads), held_means] = 1.0
-    return np.asarray(np.linalg.solve(matrix, right))
 
 
 def _sparse(
