@@ -18,12 +18,12 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import reach, table_path, taken_at
 from torsion.errors import SolveError
+from torsion.kernels.bracketed_search import find_root
 from torsion.kernels.stiffness_table import STEEPEST, StiffnessTable
 
 Modes = Any  # analyses.undamped_modes.Modes, whose module imports this one
 Tables = Mapping[int, StiffnessTable]
 TAU = 2.0 * math.pi
-MOST_STEPS = 100  # of Newton, or of halving the bracket; 5 to 8 are usual
 ROUNDING = 16.0 * np.finfo(float).eps  # relative, of a stiffness read off a table and of a quotient
 
 
@@ -43,7 +43,6 @@ def tabled_modes(
     first, last = modes_at(low), modes_at(high)
 
     columns: list[tuple[Modes, int]] = []
-    near = low
     for mode, lowest in enumerate((TAU * first.frequency).tolist()):
         if TAU * float(last.frequency[mode]) > high:
             if not holds:
@@ -54,8 +53,12 @@ def tabled_modes(
                 _refuse_below(system, tables, mode, lowest / TAU)
             columns.append((first, mode))
         else:
-            near, modes = _root(tables, modes_at, mode, (low, high), near)
-            columns.append((_enclosed(tables, modes, mode, near), mode))
+
+            def excess(w: float, mode: int = mode) -> float:
+                return math.log(w / (TAU * float(modes_at(w).frequency[mode])))
+
+            w = float(find_root(excess, low, high))
+            columns.append((_enclosed(tables, modes_at(w), mode, w), mode))
 
     def combined(name: str) -> FloatArray:
         none = getattr(first, name)[..., :0]
@@ -96,32 +99,6 @@ def _refuse_below(system: System, tables: Tables, mode: int, hertz: float) -> No
     message = f"mode {mode + 1} lies below {begin:.6g} Hz, where the table of '{name}' begins"
     hint = f"extend the table (at its first stiffness the mode is at {hertz:.6g} Hz), or `beyond: hold`"
     raise SolveError(message, hint, table_path(system, span))
-
-
-def _root(
-    tables: Tables,
-    modes_at: Callable[[float], Modes],
-    mode: int,
-    bracket: tuple[float, float],
-    start: float,
-) -> tuple[float, Modes]:
-    """Return the frequency (rad/s) of a mode within the bracket, and the modes at its stiffness."""
-    low, high = bracket
-    w = min(max(TAU * float(modes_at(start).frequency[mode]), low), high)
-    for _ in range(MOST_STEPS):
-        modes = modes_at(w)
-        excess = math.log(w / (TAU * float(modes.frequency[mode])))  # h/2
-        low, high = (low, w) if excess > 0.0 else (w, high)
-        shares = (
-            float(modes.elastic[span, mode]) * table.slope(w) for span, table in tables.items()
-        )
-        previous, w = w, w * math.exp(-2.0 * excess / (STEEPEST - sum(shares)))
-        if not low <= w <= high:
-            w = math.sqrt(low * high)
-        if abs(w - previous) <= ROUNDING / 4.0 * previous:
-            return previous, modes
-    message = f"mode {mode + 1} of a train with a table over frequency was not found to rounding"
-    raise SolveError(message)
 
 
 def _enclosed(tables: Tables, modes: Modes, mode: int, w: float) -> Modes:
