@@ -19,6 +19,13 @@ from torsion.schema.other_words import key_for, word_for
 
 Read = TypeVar("Read", bound=Declared)
 CLOSE = 0.7  # similarity of a misspelt key: below it the key may be of another subject
+WRONG = {  # by the first word of an error of pydantic
+    "int": "is not a whole number",
+    "bool": "is neither true nor false",
+    "tuple": "is not a list",
+    "model": "is not a mapping of keys",
+    "dict": "is not a mapping of keys",
+}
 MOST_LISTED = 8  # keys that a message lists
 
 
@@ -230,10 +237,6 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
                 f"{shown(value)} is none of {context['expected']}",
                 f"did you mean '{near}'?" if near else "",
             )
-        case "int_type" | "int_parsing" | "int_from_float" | "int_parsing_size":
-            return f"{shown(value)} is not a whole number", ""
-        case "bool_type" | "bool_parsing":
-            return f"{shown(value)} is neither true nor false", "write true or false"
         case "string_type":
             return f"{shown(value)} is not text", "put it in quotes" if isinstance(
                 value, int | float
@@ -243,8 +246,6 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
                 f"the text is too long: {len(str(value))} characters",
                 f"at most {context['max_length']}",
             )
-        case "tuple_type":
-            return f"{shown(value)} is not a list", ""
         case "missing" | "too_short" | "too_long":
             size, fits = _size(value), "long" if error == "too_long" else "short"
             return (
@@ -254,10 +255,10 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
         case "greater_than_equal" | "less_than_equal":
             limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
             return f"{shown(value)} is out of range", f"must be {limit}"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            return f"{shown(value)} is not a mapping of keys", ""
         case _:
-            return f"{shown(value)} is not possible here", ""
+            family = error.partition("_")[0]
+            hint = "write true or false" if family == "bool" else ""
+            return f"{shown(value)} {WRONG.get(family, 'is not possible here')}", hint
 
 
 def _size(value: object) -> int:

@@ -326,15 +326,13 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
     read: list[tuple[str, Declared]] = []
     seen: set[str] = set()
     for entry_path, entry in _entries(data, "rules", faults):
-        if isinstance(entry, str):
-            name, body, path = entry, None, entry_path
-        elif isinstance(entry, dict) and len(entry) == 1:
-            ((name, body),) = entry.items()
-            path = (*entry_path, name)
-        else:
+        named = {entry: None} if isinstance(entry, str) else entry
+        if not isinstance(named, dict) or len(named) != 1:
             hint = "`- iacs-m68`, or `- gear-hammer: {limit: 0.35}`"
             faults.append(Fault(entry_path, f"{shown(entry)} is not a rule", hint))
             continue
+        ((name, body),) = named.items()
+        path = (*entry_path, name)
         if name not in RULES:
             faults.append(
                 unknown_word(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))

@@ -374,7 +374,7 @@ def _fault(message: str, hint: str, line: int, column: int) -> Fault:
 
 
 def _index(mark: Any) -> int:
-    """Position in the text."""
+    """Return the position in the text at which a mark of the parser stands."""
     return int(mark.index)
 
 
