@@ -12,7 +12,16 @@ from pydantic import (
 )
 
 from torsion import fields
-from torsion.fields import Declared, OneOrMany, Quantity, given, or_value, refuse, required
+from torsion.fields import (
+    Declared,
+    OneOrMany,
+    Quantity,
+    excludes,
+    given,
+    or_value,
+    refuse,
+    required,
+)
 from torsion.model.component import Component, Lowering, Material, Strength
 from torsion.model.elastic_element import given_damping
 from torsion.model.parts import Role, ShaftRecord, Symbol
@@ -86,6 +95,7 @@ class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
     )
 
     model_config = ConfigDict(json_schema_extra=_length_or_sections)
+    clashes = (excludes("section", "notches", "hub", hint="they belong to a round shaft"),)
 
     length: Annotated[float, Quantity("m", above=0, usual="length of a shaft")] = required("length")
     diameter: Annotated[tuple[fields.Across, ...], OneOrMany] = given(
@@ -150,9 +160,6 @@ class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
             if "bore" in self.model_fields_set:
                 message = "a shaft with a `section` has no `bore`"
                 raise refuse(message, "the mesh says the dimensions", "bore")
-            for key in self.keys_given("notches", "hub"):
-                message = f"a shaft with a `section` has no `{key}`"
-                raise refuse(message, "they belong to a round shaft", key)
             return
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):

@@ -1,7 +1,6 @@
 """A reciprocating engine: crank throws with their inertias, crank spans, and the torque of every cylinder."""
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from itertools import chain, pairwise
@@ -190,21 +189,17 @@ class Engine(Crankshaft, keyword="engine"):
         misfiring = () if self.misfire == "worst" else self.misfire
         uneven = tuple(number for number, _ in self.imbalance)
         states = {"misfire": misfiring, "cut_out": self.cut_out, "imbalance": uneven}
+        keys: dict[int, str] = {}
         for key, numbers in states.items():
-            missing = next((number for number in numbers if number > self.cylinders), None)
-            if missing is not None:
-                hint = f"numbers 1 to {self.cylinders}"
-                raise refuse(f"there is no cylinder {missing}", hint, key)
-            if len(set(numbers)) < len(numbers):
-                raise refuse("a cylinder is named twice", "each once", key)
+            for number in numbers:
+                if number > self.cylinders:
+                    hint = f"numbers 1 to {self.cylinders}"
+                    raise refuse(f"there is no cylinder {number}", hint, key)
+                if number in keys:
+                    message = f"cylinder {number} is named twice, in `{keys[number]}` and `{key}`"
+                    raise refuse(message, "each once", key)
+                keys[number] = key
         cold = [*misfiring, *self.cut_out]
-        repeated = [number for number, count in Counter((*cold, *uneven)).items() if count > 1]
-        if repeated:
-            message = (
-                f"cylinder {repeated[0]} is named by two of `misfire`, `cut_out` and `imbalance`"
-            )
-            key = "cut_out" if repeated[0] in self.cut_out else "misfire"
-            raise refuse(message, "one of them", key)
         without_fuel = {*cold, *(number for number, heat in self.imbalance if not heat)}
         if len(without_fuel) + (self.misfire == "worst") >= self.cylinders:
             key = self.keys_given(*states)[0]
