@@ -16,11 +16,8 @@ from tests.kernels.motion.extended_precision import ten_stations
 from benchmarks.page_file import Report, verdict
 from torsion.arrays import FloatArray
 from torsion.kernels.motion.energy_balance import energy_balance
-from torsion.kernels.motion.event_driven_motion import (
-    EventDrivenMotion,
-    PiecewiseTrain,
-    event_driven,
-)
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes
 
 DURATION, SAMPLES = 2.0, 200
 WITHIN = (0.25, 0.5, 1.0, 2.0)  # s
@@ -111,22 +108,14 @@ def _verdicts(error: dict[str, float], seconds: dict[str, float]) -> Iterator[st
         yield f"- faster than DOP853 {words}: {faster:.0f} times, meant >= {FASTER:g}: {verdict(faster >= FASTER)}"
 
 
-def exact(train: PiecewiseTrain, fineness: float) -> Solved:
+def exact(train: LoadedModes, fineness: float) -> Solved:
     """Ours, with the balance of energy outside of the time."""
-    none = np.zeros(len(train.elements)), np.zeros(len(train.w)), np.zeros(len(train.damping))
+    none = np.zeros(len(train.elements)), np.zeros(train.motions), np.zeros(train.motions)
     start = process_time()
-    motion = event_driven(
-        train,
-        (0, 0),
-        twist=none[0],
-        position=none[1],
-        speed=none[2],
-        duration=DURATION,
-        fineness=fineness,
-    )
-    found = torques(motion)
+    (motion,) = March(train, DURATION, *none, (0, 0), fineness).until([DURATION])
+    found = motion.at(TIMES).torque
     seconds = process_time() - start
-    changes = np.count_nonzero(np.diff(motion.regime))
+    changes = len(motion.steps) - 1
     return (
         found,
         seconds,
@@ -134,22 +123,14 @@ def exact(train: PiecewiseTrain, fineness: float) -> Solved:
     )
 
 
-def torques(motion: EventDrivenMotion) -> FloatArray:
-    """(elements, times) N m."""
-    z, regime = motion.at(TIMES)
-    return np.stack(
-        [motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1
-    )
-
-
-def _load(train: PiecewiseTrain, time: float) -> FloatArray:
+def _load(train: LoadedModes, time: float) -> FloatArray:
     """(modes,) of the oscillating and the steady torque."""
-    rate = train.signals.pieces[0][0].rate
+    rate = train.loads[0][0].rate
     return np.asarray((train.force @ np.array([np.exp(rate * time), 1.0])).real)
 
 
 def _laws(
-    train: PiecewiseTrain, twist: FloatArray, speed: FloatArray, slip: float
+    train: LoadedModes, twist: FloatArray, speed: FloatArray, slip: float
 ) -> tuple[FloatArray, FloatArray]:
     """Torques of both elements, and their derivatives by twist and speed (2, 2)."""
     play, dry = train.elements
@@ -166,20 +147,20 @@ def _laws(
     return torque, slope
 
 
-def newmark(train: PiecewiseTrain, h: float) -> Solved:
+def newmark(train: LoadedModes, h: float) -> Solved:
     """Average acceleration; Newton on the torques of both elements."""
     start = process_time()
     play, dry = train.elements
-    ends, size = np.stack([play.ends, dry.ends]), len(train.damping)
-    rigid = train.rigid
-    w = np.concatenate([np.zeros(rigid), train.w])
-    left = np.linalg.inv(np.eye(size) + h / 2.0 * train.damping + h * h / 4.0 * np.diag(w**2))
+    ends, size = np.stack([play.ends, dry.ends]), len(train.modes.damping)
+    rigid = train.modes.rigid
+    w = np.concatenate([np.zeros(rigid), train.modes.w])
+    left = np.linalg.inv(np.eye(size) + h / 2.0 * train.modes.damping + h * h / 4.0 * np.diag(w**2))
     yielding = ends @ left @ ends.T
     q, v, a, slip, torque = np.zeros(size), np.zeros(size), _load(train, 0.0), 0.0, np.zeros(2)
     every, found = round(TIMES[0] / h), np.empty((2, SAMPLES))
     for step in range(1, round(DURATION / h) + 1):
         place, fast = q + h * v + h * h / 4.0 * a, v + h / 2.0 * a
-        free = left @ (_load(train, step * h) - train.damping @ fast - w**2 * place)
+        free = left @ (_load(train, step * h) - train.modes.damping @ fast - w**2 * place)
         for _ in range(30):
             gained = free - left @ (ends.T @ torque)
             twist, speed = ends @ (place + h * h / 4.0 * gained), ends @ (fast + h / 2.0 * gained)
@@ -197,19 +178,19 @@ def newmark(train: PiecewiseTrain, h: float) -> Solved:
     return found, process_time() - start, ""
 
 
-def dop853(train: PiecewiseTrain, tolerance: float) -> Solved:
+def dop853(train: LoadedModes, tolerance: float) -> Solved:
     """The library's integrator, which knows of no event."""
     start = process_time()
     play, dry = train.elements
-    ends, size, rigid = np.stack([play.ends, dry.ends]), len(train.damping), train.rigid
-    w2 = np.concatenate([np.zeros(rigid), train.w]) ** 2
+    ends, size, rigid = np.stack([play.ends, dry.ends]), len(train.modes.damping), train.modes.rigid
+    w2 = np.concatenate([np.zeros(rigid), train.modes.w]) ** 2
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         q, v, slip = state[:size], state[size:-1], float(state[-1])
         speed = ends @ v
         torque, _ = _laws(train, ends @ q, speed, slip)
         slips = abs(torque[1]) >= dry.capacity and speed[1] * torque[1] > 0.0
-        gained = _load(train, time) - train.damping @ v - w2 * q - ends.T @ torque
+        gained = _load(train, time) - train.modes.damping @ v - w2 * q - ends.T @ torque
         return np.concatenate([v, gained, [speed[1] if slips else 0.0]])
 
     done = solve_ivp(

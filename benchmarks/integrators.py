@@ -24,7 +24,9 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
-from torsion.kernels.motion.damped_motion import ModalTrain, motion
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.shaft import Shaft
@@ -256,14 +258,15 @@ def propagated(case: Case, h: float, times: np.ndarray) -> np.ndarray:
     found, w, force = _modal(case)
     size = len(w) + 1
     modal = ModalTrain(w, np.full(len(w), RATIO), np.zeros((size, size)))
-    moved = motion(
-        modal, force, [tuple(ramps(rows)) for rows in TABLES], np.zeros(size), np.zeros(size)
-    )
+    loads = [tuple(ramps(rows)) for rows in TABLES]
+    train = LoadedModes(modal, loads, force, np.zeros((0, size)))
+    march = March(train, DURATION, np.empty(0), np.zeros(size), np.zeros(size))
+    (moved,) = march.until([DURATION])
     samples = np.arange(1, round(DURATION / h) + 1) * h
-    kept = found.torque[case.spans] @ moved.at(samples)[0][1:]
+    kept = found.torque[case.spans] @ moved.at(samples).position[1:]
     every = np.searchsorted(samples, times - 1e-9)
     at = (
-        found.torque[case.spans] @ moved.at(times)[0][1:]
+        found.torque[case.spans] @ moved.at(times).position[1:]
         if (len(samples) % len(times))
         else kept[:, every]
     )

@@ -17,8 +17,9 @@ from benchmarks.page_file import Report
 from torsion.arrays import FloatArray
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Scheme, march
-from torsion.kernels.motion.damped_motion import ModalTrain, motion
-from torsion.kernels.motion.interface_motion import DrivenMotion, StepsTaken, interfaces
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes
 from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
@@ -69,22 +70,14 @@ def collocation(case: Case, tolerance: float) -> FloatArray:
     size = len(case.w) + 1
     train = ModalTrain(case.w, np.full(len(case.w), RATIO), np.zeros((size, size)))
     pulsation = Piece(0.0, math.inf, -1j * PULSATION, rate=complex(-1.0 / DECAY, LINE))
-    loads: list[tuple[Piece, ...]] = [(pulsation,), (), ()]
-    given = motion(
-        train, np.concatenate([case.ends[:1], case.ends]).T, loads, np.zeros(size), np.zeros(size)
-    )
+    loaded = LoadedModes(train, [(pulsation,)], case.ends[:1].T, case.ends)
     motor = laws.InductionMotor(0, PULL_OUT, SLIP, SYNCHRONOUS)
     pump = laws.BySpeed(1, laws.quadratic(-LOAD, SYNCHRONOUS))
-
-    def known(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        place, speed = given.at(time)
-        return case.ends @ place, case.ends @ speed, np.zeros((2, len(time)))
-
     scheme = Scheme(DURATION, tolerance, 1e-3, DURATION / 8.0, np.ones(2))
-    taken = StepsTaken(interfaces(given, case.ends), known)
+    taken = March(loaded, DURATION, np.empty(0), np.zeros(size), np.zeros(size))
     march(taken, [motor, pump], scheme)
-    moved = DrivenMotion(**vars(given), steps=taken.steps())
-    return np.asarray(case.torque @ moved.at(np.array([DURATION]))[0][1:, 0])
+    moved = taken.finished(DURATION).at(np.array([DURATION]))
+    return np.asarray(case.torque @ moved.position[1:, 0])
 
 
 class GivenUp(Exception):

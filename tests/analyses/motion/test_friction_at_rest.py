@@ -10,12 +10,13 @@ from scipy.integrate import solve_ivp
 from tests.analyses.motion.test_given_cases import chain, moved
 
 import torsion
-from torsion.analyses.motion import energy_balance
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.assembly import assemble
-from torsion.kernels.motion.damped_motion import ModalTrain, Motion
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.energy_balance import EnergyBalance, energy_balance
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 
 
 def integrated(
@@ -370,16 +371,14 @@ def test_a_run_down_counts_the_reversals_that_its_accuracy_shows() -> None:
 def test_the_balance_of_a_steady_train_still_shows_an_error(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    real = energy_balance.residual
+    def planted(moved: EventDrivenMotion) -> EnergyBalance:
+        modes = moved.train.modes
+        softer = ModalTrain(modes.w * (1.0 + 1e-5), modes.ratio, modes.viscous)
+        train = replace(moved.train, modes=softer)
+        regimes = tuple(replace(regime, train=train) for regime in moved.regimes)
+        return energy_balance(replace(moved, train=train, regimes=regimes))
 
-    def planted(moved: Motion, time: np.ndarray) -> float:
-        train = moved.train
-        return real(
-            replace(moved, train=ModalTrain(train.w * (1.0 + 1e-5), train.ratio, train.viscous)),
-            time,
-        )
-
-    monkeypatch.setattr("torsion.analyses.motion.motion_from_events.residual", planted)
+    monkeypatch.setattr("torsion.analyses.motion.motion_from_events.energy_balance", planted)
     events = [
         {"at": "p", "load": {"law": "propeller"}},
         {"at": "p", "sine": {"torque": 30, "frequency": "40 Hz"}},

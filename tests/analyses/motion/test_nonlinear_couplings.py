@@ -8,13 +8,13 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
-from torsion.analyses.motion import event_driven_train
+from torsion.analyses.motion import built_train
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
-from torsion.kernels.motion import event_driven_motion
+from torsion.kernels.motion import march
 from torsion.output.chapters.motion_over_time import chapter
 
 RIPPLE = ", ripple: [{frequency: 40 Hz, torque: 150 %}]"
@@ -262,7 +262,7 @@ def test_a_band_of_modes_with_the_compliance_of_the_others(monkeypatch: pytest.M
     assert whole.modes == 6
     assert whole.switching.band_change == 0.0
     monkeypatch.setattr(
-        event_driven_train, "LARGEST_ANGLE", 0.3 * 2e4
+        built_train, "LARGEST_ANGLE", 0.3 * 2e4
     )  # rad/s of the band: below the stiff spans
     band = moved(text, **body)
     assert band.switching is not None
@@ -454,7 +454,7 @@ def test_a_play_that_is_never_used_up_leaves_nothing_of_its_balance_of_energy() 
 def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(event_driven_motion, "MOST_EVENTS", 20)
+    monkeypatch.setattr(march, "MOST_EVENTS", 20)
     parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 0.02 rad}, disc: {inertia: 3}"
     text = f"name: x\ntrain: [{parts}]\n"
     with pytest.raises(
@@ -470,8 +470,8 @@ def test_the_most_events_of_a_motion_are_said_with_a_shorter_duration(
 def test_events_that_cannot_reach_the_end_are_refused_early(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(event_driven_motion, "MOST_EVENTS", 200)
-    monkeypatch.setattr(event_driven_motion, "WATCHED", 10)
+    monkeypatch.setattr(march, "MOST_EVENTS", 200)
+    monkeypatch.setattr(march, "WATCHED", 10)
     parts = "disc: {name: a, inertia: 2}, coupling: {stiffness: 1e5, clearance: 0.02 rad}, disc: {inertia: 3}"
     with pytest.raises(
         SolveError, match=r"its 20 events at .* s, and no more than 200 are followed"

@@ -4,7 +4,7 @@ import pytest
 
 import torsion
 from torsion.analyses.motion import compared_band
-from torsion.analyses.motion.event_driven_train import Built
+from torsion.analyses.motion.built_train import Built
 from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings

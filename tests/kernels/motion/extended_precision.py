@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.motion.generated_signals import Signals
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.modal_loads import LoadedModes
 from torsion.kernels.motion.piecewise_elements import Clearance, Friction
-from torsion.kernels.motion.piecewise_train import PiecewiseTrain
 from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
@@ -133,7 +133,7 @@ def polynomial(terms, share):
 
 def ten_stations(
     ratio: float = 0.0, load: float = 120.0, rate: complex = complex(-0.05, 30.0)
-) -> tuple[Reference, PiecewiseTrain]:
+) -> tuple[Reference, LoadedModes]:
     """A free train with a clearance in its middle and friction beside a span, in angles and in modes of its parts.
 
     ratio: of damping, of every mode of a part; 0: damping that goes with the stiffness. load: N m, with its rate (1/s).
@@ -178,5 +178,5 @@ def ten_stations(
         rate,
     )
     pieces = (Piece(0.0, math.inf, 1.0, rate=rate),), (Piece(0.0, math.inf, 1.0),)
-    force = (shape.T @ loads.T).astype(complex)
-    return reference, PiecewiseTrain(w, shape.T @ damping @ shape, made, Signals(pieces), force)
+    modes = ModalTrain(w, np.zeros(len(w)), shape.T @ damping @ shape)
+    return reference, LoadedModes(modes, pieces, shape.T @ loads.T, np.zeros((0, 10)), made)

@@ -12,9 +12,11 @@ from tests.kernels.motion.test_damped_motion import chain
 from torsion.errors import SolveError
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
-from torsion.kernels.motion.damped_motion import ModalTrain, motion
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.dry_friction import FORWARD, STANDS, DryFriction
-from torsion.kernels.motion.interface_motion import DrivenMotion, StepsTaken, interfaces
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes
 from torsion.kernels.motion.polynomial_torques import NODES, POINTS, SERIES, answers, integrals
 from torsion.kernels.motion.torque_history import Piece, history
 
@@ -28,23 +30,18 @@ def solved(
     scheme: Scheme,
     speed: float = 0.0,
     pieces: tuple[Piece, ...] = (),
-) -> tuple[DrivenMotion, Marched]:
+) -> tuple[EventDrivenMotion, Marched]:
     """The motion under laws at interfaces of shapes (interfaces, rigid motions + modes), and pieces at the first."""
     none = np.zeros(shape.shape[1])
-    force = np.concatenate([shape[:1], shape]).T
-    given = motion(train, force, [pieces, *([()] * len(shape))], none, none)
 
-    def known(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        place, moving = given.at(time)
-        return (
-            shape @ place + speed * time,
-            shape @ moving + speed,
-            shape @ given.acceleration(time, place, moving),
-        )
+    def carrier(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        turned = np.zeros((len(shape), len(time)))
+        return turned + speed * time, turned + speed, turned
 
-    taken = StepsTaken(interfaces(given, shape), known)
+    loaded = LoadedModes(train, [pieces], shape[:1].T, shape)
+    taken = March(loaded, scheme.duration, np.empty(0), none, none, carrier=carrier)
     answer = march(taken, found, scheme)
-    return DrivenMotion(**vars(given), steps=taken.steps()), answer
+    return taken.finished(scheme.duration), answer
 
 
 def one_disc(
@@ -55,7 +52,7 @@ def one_disc(
     scheme = Scheme(duration, 1e-9, duration / 1000.0, duration / 8.0, np.ones(len(found)))
     train = ModalTrain(np.empty(0), np.empty(0), np.zeros((1, 1)))
     moved, answer = solved(train, shape, found, scheme, speed)
-    return answer, lambda time: speed + moved.at(np.array([time]))[1][0, 0] * shape[0, 0]
+    return answer, lambda time: speed + moved.at(np.array([time])).speed[0, 0] * shape[0, 0]
 
 
 @pytest.mark.parametrize(
@@ -138,10 +135,10 @@ def started(
         laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS)),
     ]
     ends = shape[[0, -1]]
-    place, speed = solved(train, ends, found, Scheme(2.0, tolerance, 1e-3, 0.25, np.ones(2)))[0].at(
+    moved = solved(train, ends, found, Scheme(2.0, tolerance, 1e-3, 0.25, np.ones(2)))[0].at(
         np.array([2.0])
     )
-    return torque @ place[1:, 0], float(ends[0] @ speed[:, 0])
+    return torque @ moved.position[1:, 0], float(ends[0] @ moved.speed[:, 0])
 
 
 def rest(x: np.ndarray, t: float, w: np.ndarray, ends: np.ndarray) -> np.ndarray:
@@ -260,14 +257,14 @@ def test_a_given_torque_and_one_that_follows_add_exactly() -> None:
     moved, _ = solved(
         train, np.array([[math.sqrt(0.5)]]), [law], scheme, 0.0, (Piece(0.0, 0.5, 6.0),)
     )
-    speed = moved.at(np.array([0.5, 1.0]))[1][0] * math.sqrt(0.5)
+    speed = moved.at(np.array([0.5, 1.0])).speed[0] * math.sqrt(0.5)
     exact = [3.0 * (1.0 - math.exp(-0.5)), 3.0 * (1.0 - math.exp(-0.5)) * math.exp(-0.5)]
     assert speed == pytest.approx(exact, rel=1e-12)
-    assert moved.loads_at(np.array([0.25]))[:, 0] == pytest.approx(
+    assert moved.at(np.array([0.25])).inputs[1:, 0] == pytest.approx(
         [6.0, -6.0 * (1.0 - math.exp(-0.25))], rel=1e-9
     )
-    rates = (moved.loads_at(np.array([0.25001]))[1] - moved.loads_at(np.array([0.24999]))[1]) / 2e-5
-    assert moved.load_rates_at(np.array([0.25]))[1] == pytest.approx(float(rates[0]), rel=1e-6)
+    rates = np.diff(moved.at(np.array([0.24999, 0.25001])).inputs[2]) / 2e-5
+    assert moved.at(np.array([0.25])).input_rates[2] == pytest.approx(float(rates[0]), rel=1e-6)
 
 
 class Jumps(laws.InductionMotor):

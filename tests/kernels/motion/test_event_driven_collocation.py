@@ -7,13 +7,13 @@ import numpy as np
 from tests.kernels.motion.piecewise_discs import Discs
 
 from torsion.kernels.motion import torque_laws as laws
-from torsion.kernels.motion.collocation import Marched, Scheme
+from torsion.kernels.motion.collocation import Marched, Scheme, march
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.energy_balance import energy_balance
-from torsion.kernels.motion.event_driven_collocation import Interfaces, event_driven_under_laws
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, March
-from torsion.kernels.motion.generated_signals import Signals
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes
 from torsion.kernels.motion.piecewise_elements import Clearance, Friction
-from torsion.kernels.motion.piecewise_train import PiecewiseTrain
 from torsion.kernels.motion.torque_history import Piece
 
 SYNCHRONOUS = 50.0 * math.pi
@@ -28,7 +28,7 @@ def solved(
     tolerance: float = 1e-9,
     fineness: float = 1.0,
     pieces: tuple[tuple[int, tuple[Piece, ...]], ...] = (),
-) -> tuple[PiecewiseTrain, EventDrivenMotion, Marched, np.ndarray]:
+) -> tuple[LoadedModes, EventDrivenMotion, Marched, np.ndarray]:
     """The same train in its modes: laws act at the discs of `acting`, and pieces at others."""
     inertia, size = np.array(discs.inertia), len(discs.inertia)
     stiffness, damping = np.zeros((2, size, size))
@@ -48,47 +48,40 @@ def solved(
         )
     at = [disc for disc, _ in discs.acting]
     given = [one for one, _ in pieces]
-    signals = Signals(tuple(one for _, one in pieces), len(at), 1.0 / max([*w.tolist(), 100.0]))
-    force = shape[[*given, *at]].T.astype(complex)
-    train = PiecewiseTrain(w, shape.T @ damping @ shape, tuple(elements), signals, force)
-    march = March(train, duration, fineness)
+    modes = ModalTrain(w, np.zeros(len(w)), shape.T @ damping @ shape)
+    loads = [piece for _, piece in pieces]
+    train = LoadedModes(modes, loads, shape[given].T, shape[at], tuple(elements))
     v = shape.T @ (inertia * np.array(speed)) if len(speed) else np.zeros(size)
-    z = train.at_first(np.zeros(len(elements)), np.zeros(len(w)), v)
-
-    def carrier(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        none = np.zeros((len(at), len(time)))
-        return none, none, none
-
-    interfaces = Interfaces(shape[at], np.arange(len(at)), carrier, np.zeros(len(w)))
+    none = np.zeros(len(elements)), np.zeros(size)
+    taken = March(train, duration, *none, v, (0,) * len(elements), fineness)
     scheme = Scheme(
         duration,
         tolerance,
         duration / 1024.0,
         duration / 8.0 * fineness,
         np.ones(len(at)),
-        tuple(signals.breaks),
+        tuple(train.history.begin),
     )
-    motion, how = event_driven_under_laws(march, (0,) * len(elements), z, interfaces, found, scheme)
-    return train, motion, how, shape
+    how = march(taken, found, scheme)
+    return train, taken.finished(duration), how, shape
 
 
 def torques(
     discs: Discs,
-    train: PiecewiseTrain,
+    train: LoadedModes,
     motion: EventDrivenMotion,
     shape: np.ndarray,
     time: np.ndarray,
 ) -> np.ndarray:
     """(springs and elements, times) N m."""
-    z, regime = motion.at(time)
-    _, place, speed, _, _ = train.layout
-    q, v = z[place] / train.w[:, None], z[speed]
+    moved = motion.at(time)
+    q, v = moved.position, moved.speed
     bent = [
-        k * ((shape[a] - shape[b])[train.rigid :] @ q) + c * ((shape[a] - shape[b]) @ v)
+        k * ((shape[a] - shape[b])[train.modes.rigid :] @ q[train.modes.rigid :])
+        + c * ((shape[a] - shape[b]) @ v)
         for a, b, k, c in discs.springs
     ]
-    own = np.stack([motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime)], axis=1)
-    return np.concatenate([np.array(bent).reshape(-1, len(time)), own])
+    return np.concatenate([np.array(bent).reshape(-1, len(time)), moved.torque])
 
 
 def kloss(t: float, angle: np.ndarray, speed: np.ndarray) -> float:

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from torsion.analyses.motion.event_driven_train import Built
+from torsion.analyses.motion.built_train import Built
 from torsion.analyses.response.amplitudes import Balanced, Response
 from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.findings import Progress
-from torsion.kernels.motion.event_driven_motion import NEWS
+from torsion.kernels.motion.march import NEWS
 from torsion.study import Study
 
 # of the highest frequency of excitation, and of the modes of which the couplings have most
@@ -64,7 +64,7 @@ class Band:
         self.is_complete = not built.is_band
         if self.is_complete:
             self.change = 0.0
-        self.cost = 1.0 + (built.train.size / LARGE) ** 2
+        self.cost = 1.0 + ((2 * built.train.motions + built.train.inputs) / LARGE) ** 2
         self.left_of_motion = self.left / ALONE
 
     def spend(self, what: str, share: float) -> None:

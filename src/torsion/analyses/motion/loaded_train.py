@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,11 +24,12 @@ from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path
-from torsion.kernels.motion.collocation import Scheme, Turning
-from torsion.kernels.motion.damped_motion import ModalTrain
+from torsion.kernels.motion.collocation import Scheme
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.modal_loads import Turning
 from torsion.kernels.motion.torque_history import Piece
 from torsion.study import Study
 
@@ -74,21 +75,76 @@ class LoadedTrain(TrainInModes):
     damping: ModalTrain
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
     follows: Following | None
-    loads: Loads  # torques by time, N m; those that follow the motion are nothing, and stand last
+    loads: Loads  # torques by time, N m
     acting: FloatArray  # (stations, loads) for 1 N m
+    carried: FloatArray  # (spans, loads + interfaces) that joints carry at once for 1 N m
+
+    @property
+    def interfaces(self) -> IntArray:
+        """(interfaces,) stations at which torques follow the motion."""
+        none = np.empty(0, dtype=np.int64)
+        return none if self.follows is None else self.follows.station
+
+    @property
+    def interface_shape(self) -> FloatArray:
+        """(interfaces, rigid motions + modes)."""
+        return self.shape[self.interfaces]
+
+    @property
+    def acting_all(self) -> FloatArray:
+        """(stations, loads + interfaces) for 1 N m."""
+        unit = np.eye(len(self.shape))[:, self.interfaces]
+        return np.concatenate([self.acting, unit], axis=1)
+
+    def with_load(
+        self, pieces: tuple[Piece, ...], acting: FloatArray, carried: FloatArray | float = 0.0
+    ) -> "LoadedTrain":
+        """With a torque by time besides, which acts at the stations and is carried by joints (spans,)."""
+        number = len(self.loads)
+        on_spans = np.insert(self.carried, number, carried, axis=1)
+        columns = np.column_stack([self.acting, acting])
+        return replace(self, loads=[*self.loads, pieces], acting=columns, carried=on_spans)
+
+    def means(self, system: System) -> tuple[FloatArray, FloatArray]:
+        """The mean torques before the events: what joints carry of them, (spans,), and what acts, (stations,) N m."""
+        assert self.before.mean is not None
+        applied = self.before.mean.applied[:, 0]
+        if self.follows is None:
+            return np.zeros(len(system.spans)), applied
+        _, carried, mean = self.follows.carried(system)
+        return carried, applied + mean
+
+    def start(self) -> tuple[FloatArray, FloatArray]:
+        """Positions and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
+        system, before = self.system, self.before
+        flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
+        position = self.positions(flexibility * before.twist)
+        if self.follows is None or self.cuts or before.angle is None:
+            return position, np.zeros_like(position)
+
+        # Torques that follow the motion begin amid the steady vibration.
+        w, inertia = before.frequency[:, None], np.where(system.held, 0.0, system.lumped_inertia)
+        loss = system.loss_factor + w * flexibility * system.viscous
+        twist = flexibility * before.amplitude / (1.0 + 1j * loss)
+        turned = before.angle @ (inertia[:, None] * self.shape[:, : self.rigid])
+
+        def moved(factor: np.ndarray | float) -> FloatArray:
+            bent = self.positions(np.real(factor * twist).sum(axis=0))
+            bent[: self.rigid] = np.real(factor * turned).sum(axis=0)
+            return bent
+
+        return position + moved(1.0), moved(1j * w)
 
     def scheme(self, kinks: FloatArray) -> Scheme:
         """How finely torques that follow the motion are found; kinks: (times,) s, of the torques that are given."""
-        assert self.follows is not None
         cuts = (*kinks.tolist(), *(end for line in self.carrier.rates for end in line[:2]))
         duration, tolerance = self.settings.duration, self.settings.tolerance
-        weight = np.abs(self.system.speed_ratio[self.follows.station])
+        weight = np.abs(self.system.speed_ratio[self.interfaces])
         return Scheme(duration, tolerance, FIRST * duration, LONGEST * duration, weight, cuts)
 
     def turning(self, time: FloatArray) -> Turning:
         """How the interfaces of what follows the motion turn without any torque."""
-        assert self.follows is not None
-        angle, speed, rate = (rows[self.follows.station] for rows in self.carrier.at(time))
+        angle, speed, rate = (rows[self.interfaces] for rows in self.carrier.at(time))
         return angle, speed, rate
 
 
@@ -127,9 +183,10 @@ def load_train(
         follows = following(study, system, events, points, before, cuts, train.shape, speed)
     vibrates = is_settled or (follows is None and bool(before.frequency.size))
     rates = program_rates(study, system, events)
-    loads, acting = _loads(
-        study, system, settings, points, follows, before, rates, vibrates=vibrates
-    )
+    loads, acting = _loads(study, system, settings, points, before, rates, vibrates=vibrates)
+    carried = np.zeros((len(system.spans), 0))
+    if follows is not None:
+        carried = follows.carried(system)[0]
     return LoadedTrain(
         **vars(train),
         settings=settings,
@@ -141,6 +198,7 @@ def load_train(
         follows=follows,
         loads=loads,
         acting=acting,
+        carried=np.concatenate([np.zeros((len(system.spans), len(loads))), carried], axis=1),
     )
 
 
@@ -149,7 +207,6 @@ def _loads(
     system: System,
     settings: TransientSettings,
     points: Sequence[Point],
-    follows: Following | None,
     before: State,
     rates: Sequence[tuple[float, float, float]],
     *,
@@ -158,8 +215,8 @@ def _loads(
     """The torque of every event, and where each acts, (stations, loads) per N m.
 
     Behind them stand the mean torques that starts and loads replace, the inertia of a train whose speed is prescribed,
-    torques of a fixed frequency, and one load of nothing for every interface of what follows the motion. rates: begin,
-    end and rate of the programs of speed. vibrates: a steady vibration stands for the torques of a fixed frequency.
+    and torques of a fixed frequency. rates: begin, end and rate of the programs of speed. vibrates: a steady vibration
+    stands for the torques of a fixed frequency.
     """
     events, loads, columns = settings.events, Loads(), list[FloatArray]()
     unit = np.eye(len(system.stations))
@@ -188,7 +245,4 @@ def _loads(
                 size = complex(amplitude(system, torque, speed, mean)[0])
                 loads.append((Piece(0.0, math.inf, size, rate=2j * math.pi * torque.frequency),))
                 columns.append(unit[torque.station])
-    if follows is not None:
-        loads += [()] * len(follows.station)
-        columns += list(unit[follows.station])
     return loads, np.array(columns).reshape(-1, len(system.stations)).T

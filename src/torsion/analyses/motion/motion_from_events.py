@@ -3,30 +3,25 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from torsion.analyses.motion.acting_torques import acting_torques, without_excluded_torques
-from torsion.analyses.motion.energy_balance import residual
+from torsion.analyses.motion.built_train import build_linear
 from torsion.analyses.motion.event_driven_curves import event_driven_curves
 from torsion.analyses.motion.fatigue import damages
 from torsion.analyses.motion.following_events import SpeedProgram
-from torsion.analyses.motion.following_torques import (
-    Following,
-    refuse_beyond_tables,
-    replaced_dampers,
-)
+from torsion.analyses.motion.following_torques import Following, replaced_dampers
 from torsion.analyses.motion.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.motion.loaded_train import LoadedTrain, load_train
 from torsion.analyses.motion.milling_ice import Ice, IceTorque
-from torsion.analyses.motion.modal_train import direct_torques, kept_modes, train_in_modes
+from torsion.analyses.motion.modal_train import kept_modes, train_in_modes
 from torsion.analyses.motion.order_tracking import order_tracking, orders_requested
 from torsion.analyses.motion.resonances_passed import passages
 from torsion.analyses.motion.state_before import point, state_before
 from torsion.analyses.motion.times_looked_at import PER_PERIOD
-from torsion.analyses.motion.torque_curves import Curves, ModalCurves, Seen, look_at
+from torsion.analyses.motion.torque_curves import Curves, Seen, look_at
 from torsion.analyses.motion.transient_motion import (
     RESOLVED,
     TINY,
@@ -49,9 +44,8 @@ from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.motion.collocation import Marched, march
-from torsion.kernels.motion.damped_motion import Motion, motion
-from torsion.kernels.motion.interface_motion import DrivenMotion, StepsTaken, interfaces
+from torsion.kernels.motion.collocation import Marched
+from torsion.kernels.motion.energy_balance import energy_balance
 from torsion.study import Study
 
 
@@ -138,18 +132,14 @@ def _modal_motion(
 ) -> TransientMotion:
     """Return the motion of a train without nonlinear couplings in the modes that are kept."""
     settings, follows, noise = loaded.settings, loaded.follows, 0.0
-    added = dict[str, Any]()
-    direct = direct_torques(loaded.system, loaded.modes, loaded.acting, is_band=is_band)
-    force = loaded.shape.T @ loaded.acting
-    moved = motion(loaded.damping, force, loaded.loads, *_start(loaded))
-    if follows is not None:
+    added, built = dict[str, Any](), build_linear(loaded, is_band=is_band)
+    moved, marched = built.run(progress=progress)
+    if follows is not None and marched is not None:
         # Torques that follow the motion stand for the steady vibration.
         none = {name: getattr(loaded.before, name)[:0] for name in ("frequency", "amplitude")}
         loaded = replace(loaded, before=replace(loaded.before, **none))
-        moved, marched = _driven(loaded, moved, progress)
-        direct[:, -len(follows.station) :] += follows.carried(system)[0]
         added, noise = _of_steps(follows, marched), settings.tolerance * marched.largest
-    curves = ModalCurves(loaded, loaded.loads, force, direct, moved)
+    curves = Curves(replace(built, loaded=loaded), moved)
     time = np.linspace(0.0, settings.duration, _samples(settings, loaded.modes) + 1)
     seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
     if follows is not None:
@@ -170,55 +160,10 @@ def _modal_motion(
     if requested is not None:
         size = max(loaded.shape.shape[1], len(system.spans))
         added["orders"] = order_tracking(curves, requested, time, size)
-    vibrations = curves.vibrations()
-    fastest = max(vibrations.fastest, *(wave.w for wave in vibrations.waves))
+    highest = (float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
     noise_of_spans = noise / np.abs(system.speed_ratio[system.driving])
-    moved_residual = residual(moved, time)
-    return _result(system, curves, seen, moved_residual, noise_of_spans, fastest=fastest, **added)
-
-
-def _start(loaded: LoadedTrain) -> tuple[FloatArray, FloatArray]:
-    """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
-    system, before = loaded.system, loaded.before
-    flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
-    position = loaded.positions(flexibility * before.twist)
-    if loaded.follows is None or loaded.cuts or before.angle is None:
-        return position, np.zeros_like(position)
-
-    # Torques that follow the motion begin amid the steady vibration.
-    w, inertia = before.frequency[:, None], np.where(system.held, 0.0, system.lumped_inertia)
-    loss = system.loss_factor + w * flexibility * system.viscous
-    twist = flexibility * before.amplitude / (1.0 + 1j * loss)
-    turned = before.angle @ (inertia[:, None] * loaded.shape[:, : loaded.rigid])
-
-    def moved(factor: np.ndarray | float) -> FloatArray:
-        bent = loaded.positions(np.real(factor * twist).sum(axis=0))
-        bent[: loaded.rigid] = np.real(factor * turned).sum(axis=0)
-        return bent
-
-    return position + moved(1.0), moved(1j * w)
-
-
-def _driven(loaded: LoadedTrain, given: Motion, progress: Progress) -> tuple[Motion, Marched]:
-    """The motion under the torques that follow it, beside the given one."""
-    follows = loaded.follows
-    assert follows is not None
-    rows = loaded.shape[follows.station]
-
-    def turning(time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        position, speed = given.at(time)
-        rates = (position, speed, given.acceleration(time, position, speed))
-        carried = loaded.turning(time)
-        angle, speed, gain = (turn + rows @ rate for turn, rate in zip(carried, rates, strict=True))
-        return angle, speed, gain
-
-    taken, scheme = StepsTaken(interfaces(given, rows), turning), loaded.scheme(given.cuts)
-    try:
-        marched = march(taken, follows.laws, scheme, partial(progress, "torques that follow"))
-    except SolveError as error:
-        raise SolveError(error.message, error.hint, loaded.path) from None
-    refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.path)
-    return DrivenMotion(**vars(given), steps=taken.steps()), marched
+    residual = energy_balance(moved).residual
+    return _result(system, curves, seen, residual, noise_of_spans, fastest=max(highest), **added)
 
 
 def _event_driven(

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsion.analyses.motion.built_train import Built, build
 from torsion.analyses.motion.compared_band import Band, WorkEnds
-from torsion.analyses.motion.event_driven_curves import curves_of
-from torsion.analyses.motion.event_driven_train import Built, build
 from torsion.analyses.motion.nonlinear_couplings import Standing
+from torsion.analyses.motion.torque_curves import Curves
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
 from torsion.analyses.response.balanced_couplings import balanced_spans
@@ -255,7 +255,7 @@ def _settle(
     last, none = None, np.zeros(len(response.system.spans))
     try:
         for end, motion in zip(ends, built.until(ends, progress=band.spend), strict=True):
-            curves, amplitudes = curves_of(built, motion), list[float]()
+            curves, amplitudes = Curves(built, motion), list[float]()
             for begin in (end - 2.0 * window, end - window):
                 time = begin + np.linspace(0.5, SAMPLES - 0.5, SAMPLES) * (window / SAMPLES)
                 torque = curves.torque(time)[0]
@@ -283,7 +283,7 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
     position, speed = (
         loaded.shape.T @ (inertia * part.sum(axis=0).real) for part in (angle, rate * angle)
     )
-    position = built.position + position[loaded.rigid :]
+    position = position + built.position
     stands = list(built.standing)
     for number, span in enumerate(balanced.spans):
         coupling = balanced_spans(response.system)[span]
@@ -292,7 +292,9 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
         bias = float(np.sign(mean) * coupling.bias(size, torque)[0])
         if not coupling.half:  # its own spring is one of the linear train
             moved = coupling.stiffness * (bias - float(np.sign(mean) * coupling.static(torque)[0]))
-            position += loaded.modes.torque[span] * (moved / coupling.stiffness) / loaded.w**2
+            bent = np.zeros(len(response.system.spans))
+            bent[span] = moved / coupling.stiffness
+            position = position + loaded.positions(bent)
         twists = _coupling_twists(response, balanced, number, index)
         twist, twisting = float(twists.sum().real), float((rate[:, 0] * twists).sum().real)
         for k, stand in enumerate(stands):

@@ -8,7 +8,7 @@ import numpy as np
 from torsion.analyses.motion.following_torques import Following
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.motion.damped_motion import ModalTrain
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.resonance_passage import share_of_steady
 from torsion.kernels.motion.torque_laws import Wave
 from torsion.results import reported, result

@@ -1,11 +1,12 @@
 """Torques of spans and speeds of stations over time, from the motion of the modes: at samples, and between them."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from torsion.analyses.motion.built_train import Built
 from torsion.analyses.motion.loaded_train import LoadedTrain
 from torsion.analyses.motion.peaks import Extremes, turns_within
 from torsion.analyses.motion.times_looked_at import (
@@ -19,8 +20,7 @@ from torsion.analyses.motion.times_looked_at import (
 )
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Progress
-from torsion.kernels.motion.damped_motion import Motion
-from torsion.kernels.motion.torque_history import Piece
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 
 BLOCK = 2**21  # values of one array at once
 # of a greatest value: others within it are as great, and the first of them is reported
@@ -32,48 +32,90 @@ EXPONENTIAL = 50  # products that take the time of one exponential
 RESONANT = 0.05  # of the square of a frequency: resonances count twentyfold, as with a damping ratio of 0.025
 
 
-@dataclass(frozen=True)
-class Vibrations:
-    """What vibrates in a motion, by which the times are chosen at which it is chosen at."""
-
-    cuts: FloatArray  # s, times at which a torque may jump
-    fastest: float  # rad/s of the fastest mode
-    quickest: float  # 1/s of the fastest that dies away
-    waves: tuple[Wave, ...]  # what vibrates besides the modes
+Moved = tuple[FloatArray, FloatArray]  # positions and speeds (rigid motions + modes, times)
 
 
 @dataclass(frozen=True)
 class Curves:
     """Torques and speeds of a train that can be read at any time of its motion."""
 
-    loaded: LoadedTrain
-    pieces: Sequence[Sequence[Piece]]  # of all loads
-    force: np.ndarray  # (rigid motions + modes, loads)
-    direct: np.ndarray  # (spans, loads) share of the loads that a span carries at once
+    built: Built
+    motion: EventDrivenMotion
 
-    def vibrations(self) -> Vibrations:
-        """Return what vibrates in the motion, and when torques may jump."""
-        raise NotImplementedError
+    @property
+    def loaded(self) -> LoadedTrain:
+        """The train with what acts on it."""
+        return self.built.loaded
 
-    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Positions and speeds (rigid motions + modes, times); event-driven ones are positions of the modes."""
-        raise NotImplementedError
+    @cached_property
+    def cuts(self) -> FloatArray:
+        """(cuts,) s, times at which a torque may jump or has a kink."""
+        motion = self.motion
+        steps = motion.begin if self.loaded.follows is not None else np.empty(0)
+        events = [event.time for event in motion.events]
+        return np.unique([*motion.train.history.begin, *events, *steps])
 
-    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
-        """(rigid motions + modes, times), of what `at` returned."""
-        raise NotImplementedError
+    @cached_property
+    def quickest(self) -> float:
+        """1/s of the fastest that vibrates or dies away."""
+        return max(regime.fastest for regime in self.motion.regimes)
+
+    @cached_property
+    def regimes(self) -> tuple[Wave, ...]:
+        """Every regime of the couplings while it lasts, with its fastest vibration; none of a linear train."""
+        motion = self.motion
+        if not motion.train.elements:
+            return ()
+        w = [float(np.abs(regime.root.imag).max(initial=0.0)) for regime in motion.regimes]
+        of_step = np.array([regime for regime, _ in motion.steps])
+        first = np.flatnonzero(np.diff(of_step, prepend=-1))
+        begins = motion.begin[first].tolist()
+        lasting = zip(begins, [*begins[1:], motion.end], of_step[first].tolist(), strict=True)
+        return tuple(Wave(begin, end, w[regime]) for begin, end, regime in lasting)
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """What vibrates besides the modes."""
+        steady = Wave(0.0, math.inf, float(self.loaded.before.frequency.max(initial=0.0)))
+        return (*waves_of(self.motion.train.loads), steady, *self.regimes)
 
     def torque(
         self, time: FloatArray, span: IntArray | None = None
-    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+    ) -> tuple[FloatArray, FloatArray, Moved]:
         """Torques (spans, times) with the damping part, their rates, and positions and speeds (both, times).
 
         With `span` (times,) of each that span at its time, (times,). The times ascend.
         """
-        raise NotImplementedError
+
+        def product(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+            if span is None:
+                return np.asarray(rows @ columns)
+            return np.asarray(np.einsum("km,mk->k", rows[span], columns))
+
+        built, loaded, before = self.built, self.loaded, self.loaded.before
+        moved, rigid = self.motion.at(time), loaded.rigid
+        acting = slice(1, self.motion.train.following.stop)
+        torque = product(loaded.modes.torque, moved.position[rigid:])
+        torque = torque + product(loaded.slowed, moved.speed)
+        rate = product(loaded.modes.torque, moved.speed[rigid:])
+        if loaded.slowed.any():
+            rate = rate + product(loaded.slowed, moved.acceleration)
+        if built.direct.any():
+            torque = torque + product(built.direct, moved.inputs[acting])
+            rate = rate + product(built.direct, moved.input_rates[acting])
+        if built.couplings:
+            torque = torque + product(built.of_elements, moved.torque)
+            rate = rate + product(built.of_elements, moved.torque_rate)
+        else:  # beside the steady motion
+            turned = np.exp(1j * np.multiply.outer(before.frequency, time))
+            growing = 1j * before.frequency[:, None] * turned
+            mean = before.torque[:, None] if span is None else before.torque[span]
+            torque = torque + mean + product(before.amplitude.T, turned).real
+            rate = rate + product(before.amplitude.T, growing).real
+        return torque, rate, (moved.position, moved.speed)
 
     def turning(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
-        """(stations, times) rad/s from what `at` returned."""
+        """(stations, times) rad/s from positions and speeds of the motions."""
         loaded = self.loaded
         angle, turning, _ = loaded.carrier.at(time)
         turning += loaded.shape @ speed
@@ -86,10 +128,11 @@ class Curves:
         """(spans,) N m that torques as fast as `fast` (rad/s) and faster shake at most, without what dies away."""
         loaded, before = self.loaded, self.loaded.before
         unseen = np.abs(before.amplitude[before.frequency >= fast]).sum(axis=0)
-        rows = (np.abs(row) for row in (loaded.modes.torque, loaded.slowed, self.direct))
+        rows = (np.abs(row) for row in (loaded.modes.torque, loaded.slowed, self.built.direct))
         elastic, slowed, direct = rows
         w = np.concatenate([np.zeros(loaded.rigid), loaded.w])
-        for load, pieces in enumerate(self.pieces):
+        force = self.motion.train.force
+        for load, pieces in enumerate(self.motion.train.loads):
             for piece in pieces:
                 turning = abs(complex(piece.rate).imag)
                 if turning < fast:
@@ -97,7 +140,7 @@ class Curves:
                 length = piece.end - piece.begin if math.isfinite(piece.end) else 0.0
                 size = abs(piece.level) + abs(piece.slope) * length
                 square = np.maximum(np.abs(turning**2 - w**2), RESONANT * turning**2)
-                moved = size * np.abs(self.force[:, load]) / square
+                moved = size * np.abs(force[:, load]) / square
                 unseen += elastic @ moved[loaded.rigid :] + slowed @ (moved * turning)
                 unseen += direct[:, load] * size
         return np.asarray(unseen)
@@ -114,63 +157,16 @@ class Curves:
         if not fast.size:
             return np.zeros(len(modes.torque))
         times = time[:: max(1, len(time) // 1000)]
-        position, speed = self.at(times)
-        gained = self.acceleration(times, position, speed)[rigid:][fast]
-        w = self.loaded.w[fast, None]
-        amplitude = np.hypot(gained / w**2, speed[rigid:][fast] / w).max(axis=1)
+        moved, w = self.motion.at(times), self.loaded.w[fast, None]
+        gained, speed = moved.acceleration[rigid:][fast], moved.speed[rigid:][fast]
+        amplitude = np.hypot(gained / w**2, speed / w).max(axis=1)
         return np.asarray(np.abs(modes.torque[:, fast]) @ amplitude)
-
-
-@dataclass(frozen=True)
-class ModalCurves(Curves):
-    """Torques and speeds of a train without nonlinear couplings."""
-
-    motion: Motion
-
-    def vibrations(self) -> Vibrations:
-        motion, before = self.motion, self.loaded.before
-        steady = Wave(0.0, math.inf, float(before.frequency.max(initial=0.0)))
-        rates = [abs(complex(piece.rate)) for pieces in self.pieces for piece in pieces]
-        fastest = float(motion.train.w.max(initial=0.0))
-        quickest = max([float(np.abs(motion.coordinates.root).max(initial=0.0)), *rates])
-        return Vibrations(motion.cuts, fastest, quickest, (*waves_of(self.pieces), steady))
-
-    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return self.motion.at(time)
-
-    def acceleration(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
-        return self.motion.acceleration(time, position, speed)
-
-    def torque(
-        self, time: FloatArray, span: IntArray | None = None
-    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-        def product(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-            if span is None:
-                return np.asarray(rows @ columns)
-            return np.asarray(np.einsum("km,mk->k", rows[span], columns))
-
-        loaded, before, motion = self.loaded, self.loaded.before, self.motion
-        position, speed = motion.at(time)
-        turned = np.exp(1j * np.multiply.outer(before.frequency, time))
-        growing = 1j * before.frequency[:, None] * turned
-        elastic, amplitude = loaded.modes.torque, before.amplitude.T
-        mean = before.torque[:, None] if span is None else before.torque[span]
-        torque = mean + product(elastic, position[loaded.rigid :]) + product(loaded.slowed, speed)
-        torque = torque + product(amplitude, turned).real
-        rate = product(elastic, speed[loaded.rigid :]) + product(amplitude, growing).real
-        if loaded.slowed.any():
-            rate = rate + product(loaded.slowed, motion.acceleration(time, position, speed))
-        if self.direct.any():
-            torque = torque + product(self.direct, motion.loads_at(time))
-            rate = rate + product(self.direct, motion.load_rates_at(time))
-        return torque, rate, (position, speed)
 
     def turned(self, station: int, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angle (rad) and speed (times,) of a station with inertia."""
         angle, turning, _ = self.loaded.carrier.at(time)
-        position, speed = self.motion.at(time)
-        row = self.loaded.shape[station]
-        return angle[station] + row @ position, turning[station] + row @ speed
+        moved, row = self.motion.at(time), self.loaded.shape[station]
+        return angle[station] + row @ moved.position, turning[station] + row @ moved.speed
 
 
 @dataclass(frozen=True)
@@ -247,13 +243,11 @@ def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: boo
 
 def _choose_times(curves: Curves, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:
     """The times at which curves are chosen at, and how many times finer than samples the modes are: as it pays."""
-    modes, vibrations = curves.loaded.modes, curves.vibrations()
+    modes = curves.loaded.modes
     step, per_period = float(time[1] - time[0]), PER_PERIOD_COUNTED if counts else PER_PERIOD
     most = MOST_SUMS / (modes.torque.size + EXPONENTIAL * len(modes.frequency) + 1)
     needed = np.ceil(per_period * step * modes.frequency.max(initial=0.0))
     finer = int(np.clip(needed, 1, max(most / len(time), 1)))
     finer = max(1, min(finer, MOST_TIMES // len(time)))
-    chosen = looked_at(
-        time, finer, vibrations.cuts, vibrations.waves, vibrations.quickest, most, per_period
-    )
-    return replace(chosen, turn=max(chosen.turn, step / finer * vibrations.fastest)), finer
+    chosen = looked_at(time, finer, curves.cuts, curves.waves, curves.quickest, most, per_period)
+    return replace(chosen, turn=max(chosen.turn, step / finer * curves.quickest)), finer

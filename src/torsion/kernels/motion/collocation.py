@@ -8,14 +8,15 @@ series of every torque are small. A law may have regimes, in each of which it is
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.bracketed_root import bracketed_root
+from torsion.kernels.bracketed_search import find_root
 from torsion.kernels.motion.endless_events import refuse_too_many_steps
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import SAME_TIME, Turning
 from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES, value
 
 EACH = np.arange(POINTS)
@@ -28,13 +29,10 @@ EASY = 0.004  # of what is allowed: the next step is twice as long
 BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last happens to vanish
 ROUNDED = 16.0 * np.finfo(float).eps  # of a speed: what it may lack in a last coefficient
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
-SAME_TIME = 4e-16  # relative: times that are one
 MOST_STEPS = 1_000_000  # of one torque; as many fewer of several: some ten minutes
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
-# Angle, speed and acceleration of the interfaces' own stations, whole, each (interfaces, times).
-Turning = tuple[FloatArray, FloatArray, FloatArray]
 Limits = list[tuple[FloatArray, int]]
 Report = Callable[[float], None]  # called with the share of the time that is done
 
@@ -103,37 +101,6 @@ class Law:
         return ()
 
 
-class LinearTrain(Protocol):
-    """What answers polynomial torques at its interfaces linearly, at the time and place that it has reached."""
-
-    @property
-    def number(self) -> int:
-        """How many interfaces torques act at."""
-
-    @property
-    def parts(self) -> FloatArray:
-        """(interfaces, 1) rad/s, size of the speeds whose sum a speed of the present step is."""
-
-    @property
-    def at_once(self) -> FloatArray:
-        """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
-
-    def influence(self, length: float) -> Turning:
-        """What torques of 1 at the nodes of a step (s) add, each (interfaces, ENDS, interfaces, nodes)."""
-
-    def going_on(self, time: float, length: float) -> Turning:
-        """At the ENDS of a step, with no torques in it."""
-
-    def at_begin(self, time: float) -> Turning:
-        """At the begin of a step."""
-
-    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
-        """At shares of a step under torques (interfaces, nodes)."""
-
-    def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
-        """Go on to the end of such a step, or as far as the train stays the same: to a time (s)."""
-
-
 @dataclass(frozen=True)
 class Scheme:
     """How finely a motion is found."""
@@ -162,7 +129,7 @@ class Marched:
 class _March:
     """A march under way."""
 
-    train: LinearTrain
+    train: March
     laws: Sequence[Law]
     scheme: Scheme
     largest: float = 0.0  # torque so far, weighted
@@ -191,7 +158,7 @@ class _Trial:
 
 
 def march(
-    train: LinearTrain,
+    train: March,
     laws: Sequence[Law],
     scheme: Scheme,
     progress: Report = lambda share: None,
@@ -401,12 +368,11 @@ def _first_departure(
         if points is not None and margin(number, which, points)[0] > 0.0:
             continue  # it is left later
 
-        def margin_inside(
-            share: FloatArray, number: int = number, which: int = which
-        ) -> FloatArray:
-            return margin(number, which, points_inside(share))
+        def margin_inside(share: float, number: int = number, which: int = which) -> float:
+            return float(margin(number, which, points_inside(np.array([share])))[0])
 
-        share = bracketed_root(margin_inside, low, high, nothing=0.0 if low else AT_LIMIT)
+        is_left = margin_inside(low) <= (0.0 if low else AT_LIMIT)
+        share = low if is_left else float(find_root(margin_inside, low, high))
         if departure is None or share < departure[0]:
             departure, points = (share, number, follows), points_inside(np.array([share]))
     return departure

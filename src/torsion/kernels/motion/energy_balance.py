@@ -1,108 +1,144 @@
-"""The balance of energy of an event-driven motion: stored, put in by the torques, and lost, by Gauss quadrature of it.
+"""The balance of energy of a motion: stored, put in by the torques, and lost, by Gauss quadrature of it.
 
 An element of torque T, of which e is elastic, takes T u' from the modes; what it does not store is its heat:
     heat' = T (u' + rest' - (F T)') - e e'
-with what the modes that are left out add to its twist. The quadrature goes over the steps of every block.
+with what the modes that are left out add to its twist. What the balance lacks is the error of the whole computation.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.linear_regime import STEPS, Regime
-from torsion.kernels.motion.piecewise_train import PiecewiseTrain
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, Reading
+from torsion.kernels.motion.linear_regime import Regime
 
-GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
-COLUMNS = 4096  # states at once
+RADIANS = 2.0  # of the fastest motion in a window
+GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 4 rad in it
+COLUMNS = 40_000  # times at once
+CHECKED = 64  # windows of a linear train in which its balance is verified
 
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energies of the whole motion."""
+    """Energies of the whole motion; of a linear train the residual alone."""
 
     work: float  # J, of the torques
     heat: FloatArray  # (elements,) J
     damped: float  # J, lost in the damping of the modes
     stored: float  # J, gained
-    residual: float  # largest error at the begin of any block, of the largest energy
+    residual: float  # largest error, of the largest energy
+
+
+@dataclass(frozen=True)
+class _Windows:
+    """Short times within steps."""
+
+    begin: FloatArray
+    end: FloatArray
+    step: IntArray
 
 
 def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
-    train, blocks = motion.train, motion.regime[:-1]
-    # work, damped, heat of each element
-    gained = np.zeros((2 + len(train.elements), len(motion.begin)))
-    stored, largest = np.empty(len(motion.begin)), 0.0
+    is_linear = not motion.train.elements
+    windows = _some_windows(motion) if is_linear else _all_windows(motion)
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
-    nodes, weights = (nodes + 1.0) / 2.0, weights / 2.0
-    for number, regime in enumerate(motion.regimes):
-        ends = motion.regime == number
-        stored[ends] = _energies(train, regime, motion.state[ends].T)
-        full_step = list[FloatArray]()
-        for block, start, length in _steps(motion, regime, np.flatnonzero(blocks == number)):
-            is_full = len(block) >= train.size and bool((length == regime.step).all())
-            if is_full and not full_step:
-                unit, lengths = np.eye(train.size), np.full(train.size, regime.step)
-                full_step = [regime.moved(unit, share * lengths) for share in nodes]
-            powers = np.zeros((len(gained), len(block)))
-            for node, (share, weight) in enumerate(zip(nodes, weights, strict=True)):
-                z = full_step[node] @ start if is_full else regime.moved(start, share * length)
-                powers += weight * _powers(train, regime, z)
-                largest = max(largest, float(_energies(train, regime, z).max(initial=0.0)))
-            gained[:, block] += powers * length
-    # What rounding left where nothing is lost stays in the balance.
-    gained[2:][[not element.loses for element in train.elements]] = 0.0
-    total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
-    total[2:] += (motion.released - motion.released[0]).T
-    error = np.abs(stored - stored[0] - total[0] + total[1:].sum(axis=0)).max(initial=0.0)
-    largest = max(largest, float(stored.max(initial=0.0)))
-    return EnergyBalance(
-        float(total[0, -1]),
-        total[2:, -1],
-        float(total[1, -1]),
-        float(stored[-1] - stored[0]),
-        float(error) / largest if largest else 0.0,
+    shares = np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
+    # work, damped, heat of each element; energy of all, and of each element, at begin and end
+    number, count = len(motion.train.elements), len(windows.begin)
+    gained, ends = np.zeros((2 + number, count)), np.zeros((2, 1 + number, count))
+    largest = 0.0
+    for part in np.array_split(np.arange(count), 1 + count * len(shares) // COLUMNS):
+        length = (windows.end - windows.begin)[part, None]
+        times = windows.begin[part, None] + length * shares
+        steps = np.repeat(windows.step[part], len(shares))
+        powers = np.zeros((len(gained), times.size))
+        energy = np.zeros((1 + number, times.size))
+        for regime, columns, reading, _ in motion.readings(times.ravel(), steps):
+            powers[:, columns] = _powers(regime, reading)
+            energy[:, columns] = _energies(regime, reading)
+        powers = powers.reshape(len(gained), *times.shape)[..., 1:-1]
+        gained[:, part] = powers @ weights * length[:, 0] / 2.0
+        energy = energy.reshape(1 + number, *times.shape)
+        ends[:, :, part] = energy[..., [0, -1]].transpose(2, 0, 1)
+        largest = max(largest, float(energy[0].max(initial=0.0)))
+    heat, stored = gained[2:].sum(axis=1), float(ends[1, 0, -1] - ends[0, 0, 0])
+    lack = ends[1, 0] - ends[0, 0] - gained[0] + gained[1:].sum(axis=0)
+    if is_linear:
+        largest = max(largest, _energy_of_impulses(motion, windows))
+    else:
+        # Friction whose capacity falls at once gives up what its spring holds.
+        signals = [
+            getattr(element, "signal", None) is not None for element in motion.train.elements
+        ]
+        released = ends[1, 1:, :-1] - ends[0, 1:, 1:]
+        released[np.logical_not(signals)] = 0.0
+        heat += released.sum(axis=1)
+        jumps = ends[0, 0, 1:] - ends[1, 0, :-1] + released.sum(axis=0)
+        lack = np.cumsum(lack + np.append(jumps, 0.0))
+        # What rounding left where nothing is lost stays in the balance.
+        heat[[not element.loses for element in motion.train.elements]] = 0.0
+    error = float(np.abs(lack).max(initial=0.0))
+    residual = error / largest if largest else 0.0
+    return EnergyBalance(float(gained[0].sum()), heat, float(gained[1].sum()), stored, residual)
+
+
+def _all_windows(motion: EventDrivenMotion) -> _Windows:
+    """The whole motion in windows of RADIANS of its fastest motion."""
+    edges = np.append(motion.begin, motion.end)
+    fastest = np.array([motion.regimes[regime].fastest for regime, _ in motion.steps])
+    length = np.diff(edges)
+    number = np.maximum(np.ceil(length * fastest / RADIANS), 1.0).astype(int)
+    step = np.repeat(np.arange(len(number)), number)
+    within = np.arange(len(step)) - np.repeat(np.cumsum(number) - number, number)
+    begin, part = edges[step], (length / number)[step]
+    return _Windows(begin + part * within, begin + part * (within + 1.0), step)
+
+
+def _some_windows(motion: EventDrivenMotion) -> _Windows:
+    """CHECKED of them over the motion, each within one step."""
+    begin = np.linspace(0.0, motion.end, CHECKED, endpoint=False)
+    fastest = max(regime.fastest for regime in motion.regimes)
+    length = motion.end / max(CHECKED, 2.0 * fastest * motion.end)
+    step = np.maximum(np.searchsorted(motion.begin, begin, side="right") - 1, 0)
+    ends = np.append(motion.begin, motion.end)[step + 1]
+    return _Windows(begin, np.minimum(begin + length, ends), step)
+
+
+def _energy_of_impulses(motion: EventDrivenMotion, windows: _Windows) -> float:
+    """The largest energy that a torque by itself gives a mode, within a window or the mode's own time.
+
+    So a train that runs evenly, its torques against each other, has a scale too.
+    """
+    train, length = motion.train, float((windows.end - windows.begin).max())
+    inputs = np.zeros(train.inputs)
+    for _, _, reading, _ in motion.readings((windows.begin + windows.end) / 2.0, windows.step):
+        inputs = np.maximum(inputs, np.abs(reading.inputs).max(axis=1))
+    lasts = 1.0 / np.maximum(train.modes.w_of_all, 1.0 / length)
+    impulse = np.abs(train.push) * inputs * lasts[:, None]
+    return float(0.5 * np.square(impulse).max(initial=0.0))
+
+
+def _powers(regime: Regime, reading: Reading) -> FloatArray:
+    """(2 + elements, times) W: work of the torques, loss in the damping of the modes, heat of every element."""
+    train, speed, rates = reading.train, reading.speed, reading.rates
+    work = (train.push @ reading.inputs * speed).sum(axis=0)
+    if train.higher_answer is not None:
+        acting = reading.input_rates[1 : train.following.stop]
+        work += (reading.torque * (train.higher_answer @ acting)).sum(axis=0)
+    damped = (train.modes.damping @ speed * speed).sum(axis=0)
+    stored = regime.elastic @ reading.values * (regime.elastic @ rates)
+    return np.concatenate(
+        [work[None], damped[None], reading.torque * (regime.twist @ rates) - stored]
     )
 
 
-def _steps(
-    motion: EventDrivenMotion, regime: Regime, blocks: IntArray
-) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
-    """Blocks, states (states, columns) and lengths (s) of full steps of a regime, then of what is left of each block."""
-    length, step = motion.begin[blocks + 1] - motion.begin[blocks], regime.step
-    number = np.minimum((length / step).astype(int), STEPS)
-    remainder = length - number * step
-    for part in np.array_split(np.arange(len(blocks)), len(blocks) // COLUMNS + 1):
-        z = motion.state[blocks[part]].T.copy()
-        for full in range(int(number[part].max(initial=0))):
-            going = number[part] > full
-            yield blocks[part[going]], z[:, going], np.full(np.count_nonzero(going), step)
-            z[:, going] = regime.over_step(z[:, going])
-        left = remainder[part] > 0.0
-        yield blocks[part[left]], z[:, left], remainder[part[left]]
-
-
-def _powers(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
-    """(2 + elements, columns) W: work of the torques, loss in the damping of the modes, heat of every element."""
-    change = regime.matrix @ z
-    speed, torque = z[train.layout[2]], regime.torque @ z / train.root[:, None]
-    resting = train.resting @ change
-    series = train.series @ (regime.torque @ change / train.root[:, None])
-    relative = train.relative_speed @ z + resting - series
-    work = (train.rows(train.force) @ z * speed).sum(axis=0) + (torque * resting).sum(axis=0)
-    damped = (train.damping @ speed * speed).sum(axis=0)
-    heat = torque * relative - regime.elastic @ z * (regime.elastic @ change)
-    return np.concatenate([work[None], damped[None], heat])
-
-
-def _energies(train: PiecewiseTrain, regime: Regime, z: FloatArray) -> FloatArray:
-    """Energy stored in the train at states (states, columns): (columns,) J."""
-    position, speed = train.layout[1:3]
-    torque = regime.torque @ z / train.root[:, None]
-    squares = (z[position] ** 2, z[speed] ** 2, (regime.elastic @ z) ** 2)
-    return np.asarray(
-        0.5 * sum(part.sum(axis=0) for part in (*squares, torque * (train.series @ torque)))
-    )
+def _energies(regime: Regime, reading: Reading) -> FloatArray:
+    """(1 + elements, times) J stored in the train, and in its elements."""
+    train, elastic = reading.train, 0.5 * (regime.elastic @ reading.values) ** 2
+    modes = (train.modes.w_of_all[:, None] * reading.position) ** 2 + reading.speed**2
+    energy = 0.5 * modes.sum(axis=0) + elastic.sum(axis=0)
+    if train.compliance is not None:
+        energy += 0.5 * (reading.torque * (train.compliance @ reading.torque)).sum(axis=0)
+    return np.concatenate([energy[None], elastic])

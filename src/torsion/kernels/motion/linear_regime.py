@@ -1,187 +1,381 @@
-"""A linear motion z' = A z that lasts while its switching functions stay positive: its steps, and what ends it.
+"""The linear motion of a train while every element keeps its regime, in roots of its own: exact at any time.
 
-A regime may be met briefly and once, so that it keeps little: exp(A h) - 1 of a short part h, and its squares as they
-are needed. States at the begin of many parts are products of these, each twice as many as the one before. A part is
-looked at more closely where a function is below zero at an end of it, or a tangent at one end is below zero at the
-other; there z is a Taylor polynomial, the functions are polynomials, and the root is exact to rounding.
+    p'' + C p' + K p = B U,   y' = root y + force U,   p = turned + Re(place y) + constraint U
+with all inputs U of the train; motions that nothing holds are kept apart. What is read of a motion are rows over
+(p, p', U, U'). Elements that stick rigidly are constraints; modes above a band may be left out: their compliance F is in
+series with the elements, u = ends p + rest - F T.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
-from torsion.arrays import FloatArray
-from torsion.kernels.motion.first_root import first_root
+from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.errors import SolveError
+from torsion.kernels.motion.damped_modes import Roots, roots_of
+from torsion.kernels.motion.exponential_answers import exponential_answers
+from torsion.kernels.motion.modal_loads import LoadedModes, Start, inputs_at
+from torsion.kernels.motion.piecewise_elements import Law
+from torsion.kernels.motion.polynomial_torques import answers, integrals
 
-STEPS = 64  # of a block
-PARTS = 4  # in a step; a power of 2
-BLOCK = STEPS * PARTS
-LOOKS = (0, 16, 64, BLOCK)  # parts of a block that are looked at together: most events come soon
-DEPTH = 4  # the Taylor polynomial has DEPTH**2 terms: 0.5 rad of the fastest mode in a part, 0.5**16/16! = 7e-19
-TERMS = DEPTH**2
-ORDERS = np.arange(float(TERMS))
-FACTORIALS = np.cumprod([1.0, *range(1, TERMS)])
-RADIANS = 2.0  # of the fastest mode in a step
-ROUNDING = 1e-13  # of the largest coefficient: a function below zero by less is at zero
-EXACT = 1e-15  # of the terms of a function, whose sum it knows no better
-SQUARINGS = 5  # of a matrix whose spectral radius is sought
+Modes = tuple[int, ...]  # the regime of every element
+HELD = 1e-10  # relative: rigid motions that springs and dampers twist by less are free
+TINY = float(np.finfo(float).tiny)
+NOTHING = 1e-12  # of the fastest: a slower mode stands still
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A regime's motion at some times."""
+
+    y: ComplexArray  # (coordinates, times), speeds of the motions that nothing holds among them, which stand first
+    turned: FloatArray  # (motions that nothing holds, times)
+    inputs: FloatArray  # (inputs, times)
+
+
+Kept = dict[complex, list[ComplexArray]]  # answers to exponentials at certain times, by rate
 
 
 @dataclass(frozen=True)
 class Regime:
-    """One linear motion; `events` are positive while it lasts."""
+    """One linear motion; rows are over positions and speeds of the train's motions, its inputs and their rates."""
 
-    matrix: FloatArray  # (states, states) 1/s
-    events: FloatArray  # (functions, states)
-    torque: FloatArray  # (elements, states) N m, of every element
-    elastic: FloatArray  # (elements, states) sqrt(N m): half its square is the energy stored in the element
-    step: float  # s
-
-    @cached_property
-    def part(self) -> float:
-        """s, after which the motion is looked at."""
-        return self.step / PARTS
-
-    @cached_property
-    def _low(self) -> FloatArray:
-        """(DEPTH + 1, states, states) powers of A part."""
-        powers = [np.eye(len(self.matrix)), self.matrix * self.part]
-        for _ in range(DEPTH - 1):
-            powers.append(powers[-1] @ powers[1])
-        return np.array(powers)
-
-    @cached_property
-    def _wide(self) -> FloatArray:
-        """(states, (DEPTH - 1) * states) powers of A part from the first on, beside each other."""
-        return np.concatenate(self._low[1:-1], axis=1)
+    train: LoadedModes
+    torque: FloatArray  # (elements, rows) N m
+    elastic: FloatArray  # (elements, rows) sqrt(N m): half its square is the energy stored in the element
+    twist: FloatArray  # (elements, rows) rad
+    events: FloatArray  # (functions, rows), positive while the regime lasts
+    switches: tuple[tuple[int, int], ...]  # the element of each, and the regime that it enters
+    offset: FloatArray  # (elements,) rad, of the springs' laws
+    moves: BoolArray  # (elements,) its own coordinate moves with the ends
+    sticks: BoolArray  # (elements,) rigidly
+    tied: IntArray  # elements that spring or stick
+    basis: (
+        FloatArray | None
+    )  # (motions, modes) what is held; None: the last of the motions themselves
+    free: FloatArray  # (motions, motions that nothing holds)
+    constraint: FloatArray  # (motions, inputs)
+    roots: Roots  # of what is held
+    force: ComplexArray  # (coordinates, inputs)
 
     @cached_property
-    def _gains(self) -> list[FloatArray]:
-        """(states, states) exp(A part) - 1, which knows slow motions better than exp, and on to twice the time."""
-        low, gain = self._low, np.zeros_like(self.matrix)
-        for first in range(TERMS - DEPTH, -1, -DEPTH):
-            weight = 1.0 / FACTORIALS[first : first + DEPTH]
-            gain = np.tensordot(weight[not first :], low[not first : -1], axes=1) + low[-1] @ gain
-        return [gain]
-
-    def _gain(self, level: int) -> FloatArray:
-        """(states, states) exp(A part 2**level) - 1."""
-        while len(self._gains) <= level:
-            gain = self._gains[-1]
-            self._gains.append(2.0 * gain + gain @ gain)
-        return self._gains[level]
+    def root(self) -> ComplexArray:
+        """(coordinates,) 1/s, 0 of motions that nothing holds."""
+        return np.concatenate([np.zeros(self.free.shape[1]), self.roots.root])
 
     @cached_property
-    def _transposed(self) -> dict[int, FloatArray]:
-        """(states, states) the transpose of exp(A part 2**level), by level."""
-        return {}
-
-    def over_step(self, z: FloatArray) -> FloatArray:
-        """States (states, columns) after one step."""
-        return np.asarray(z + self._gain(PARTS.bit_length() - 1) @ z)
+    def untwisting(self) -> FloatArray:
+        """(rigid motions, tied elements) rad by which rigid motions twist elements by 1 rad."""
+        ends = self.train.ends[self.tied, : self.train.modes.rigid]
+        return np.asarray(np.linalg.pinv(ends, rcond=HELD))
 
     @cached_property
-    def _tests(self) -> FloatArray:
-        """(states, tests * functions): every function at both ends of a part, and where the tangents there lead."""
-        events, rise = self.events, self.events @ self._low[1]
-        last = (row + row @ self._gain(0) for row in (events, events - rise))
-        return np.ascontiguousarray(np.concatenate([events, events + rise, *last]).T)
+    def fastest(self) -> float:
+        """1/s."""
+        return max(float(np.abs(self.root).max(initial=0.0)), self.train.fastest)
 
-    @cached_property
-    def _polynomials(self) -> FloatArray:
-        """(functions, TERMS, states): of the polynomials over a part, in shares of it."""
-        rows = [self.events @ self._low[:-1]]  # (DEPTH, functions, states)
-        for _ in range(DEPTH - 1):
-            rows.append(rows[-1] @ self._low[-1])
-        terms = np.concatenate(rows) / FACTORIALS[:, None, None]
-        return np.ascontiguousarray(terms.transpose(1, 0, 2))
+    def begin(
+        self, position: FloatArray, speed: FloatArray, inputs: FloatArray
+    ) -> tuple[ComplexArray, FloatArray]:
+        """Coordinates and positions of what nothing holds, from positions and speeds (motions,)."""
+        position = position - self.constraint @ inputs
+        first = self.free.shape[1]
+        q, v = (
+            row[first:] if self.basis is None else self.basis.T @ row for row in (position, speed)
+        )
+        roots = self.roots
+        held = _times(roots.of_speed, v[:, None]) + _times(roots.of_position, q[:, None])
+        return np.concatenate([self.free.T @ speed, held[:, 0]]), self.free.T @ position
 
-    @cached_property
-    def _sizes(self) -> FloatArray:
-        """Magnitudes of the rows of the switching functions, (functions, states)."""
-        return np.abs(self.events)
+    def moved(self, start: Start, time: FloatArray, kept: Kept | None = None) -> Moved:
+        """The motion at times since its start, (times,) s; kept: answers that are the same in every call."""
+        train, root, number = self.train, self.root, self.free.shape[1]
+        kept = {} if kept is None else kept
+        count = 3 if number else 2
+        y = start.y * np.exp(np.multiply.outer(root, time))
+        turned = start.turned + start.y[:number].real * time
+        loads, constant = slice(1, train.following.start), np.zeros((1, 1))
+        steady = self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset
+        acting: list[tuple[complex, np.ndarray, np.ndarray]] = [(0.0 + 0.0j, steady, constant)]
+        late = start.time - train.history.begin[start.interval]
+        for rate, level, slope in train.rates[start.interval]:
+            levels = self.force[:, loads] @ np.stack([level, slope], axis=1)
+            growth = np.exp(rate * late)
+            slopes = levels[:, 1:] * growth
+            acting.append((rate, levels[:, :1] * growth + slopes * late, slopes))
+        for rate, level, slope in acting:
+            if rate not in kept:
+                kept[rate] = exponential_answers(root, rate, time, count)
+            terms = kept[rate]
+            y += level * terms[0] + slope * terms[1]
+            if number:
+                once, ramp, square = (term[:number] for term in terms)
+                twice = level[:number] * (time * once - ramp)
+                turned = turned + twice.real
+                turned = turned + (slope[:number] * (time * ramp - square)).real
+        if start.series.any():
+            series = np.broadcast_to(start.series, (*start.series.shape[:2], len(time)))
+            added = self.under(time, start.length, series)
+            y, turned = y + added[0], turned + added[1]
+        return Moved(y, turned, inputs_at(train, start, time)[:, :, 0])
 
-    def _after_parts(self, z: FloatArray, part: int) -> FloatArray:
-        """The state after a number of parts."""
-        for level in range(part.bit_length()):
-            if part >> level & 1:
-                z = z + self._gain(level).dot(z)
-        return z
+    def under(
+        self, time: FloatArray, length: FloatArray, series: FloatArray
+    ) -> tuple[ComplexArray, FloatArray]:
+        """Coordinates and positions of what nothing holds, from rest, under torques that follow the motion.
 
-    def _begins(self, z: FloatArray, number: int) -> FloatArray:
-        """(number, states) at the begin of as many parts from a state on."""
-        begins, filled, level = np.empty((number, len(z))), 1, 0
-        begins[0] = z
-        while filled < number:
-            if level not in self._transposed:
-                gain = np.ascontiguousarray(self._gain(level).T)
-                self._transposed[level] = gain + np.eye(len(z))
-            added = min(filled, number - filled)
-            begins[:added].dot(self._transposed[level], out=begins[filled : filled + added])
-            filled, level = filled + added, level + 1
-        return begins
+        These have series (coefficients, interfaces, times) over lengths (s).
+        """
+        share = time / length
+        force, number = self.force[:, self.train.following], self.free.shape[1]
+        z = np.asarray(self.root[:, None] * time, dtype=complex)
+        acts = np.einsum("mr,krt->kmt", force[:number].real, series)
+        twice = integrals(acts, share)[1] * np.square(length)
+        return time * answers(z, share, force, series), twice
 
-    def after(self, z: FloatArray, time: float) -> FloatArray:
-        """The state after a time of one block at most."""
-        part = min(int(time / self.part), BLOCK - 1)
-        rows, last = np.empty((DEPTH, len(z))), self._low[-1]
-        rows[0] = self._after_parts(z, part)
-        for row in range(1, DEPTH):
-            last.dot(rows[row - 1], out=rows[row])
-        weight = max(time / self.part - part, 0.0) ** ORDERS / FACTORIALS
-        group = weight.reshape(DEPTH, DEPTH).T.dot(rows)
-        return np.asarray(group[0] + self._wide.dot(group[1:].ravel()))
+    def rates_of(self, moved: Moved) -> ComplexArray:
+        """(coordinates, times) rates of the coordinates."""
+        return np.asarray(self.root[:, None] * moved.y + self.force @ moved.inputs)
 
-    def moved(self, z: FloatArray, time: FloatArray) -> FloatArray:
-        """States (states, columns), each after a time (columns,) of one block at most."""
-        parts = np.minimum((time / self.part).astype(int), BLOCK - 1)
-        start = z.copy()
-        for level in range(int(parts.max(initial=0)).bit_length()):
-            columns = (parts >> level & 1).astype(bool)
-            if columns.any():
-                start[:, columns] += self._gain(level) @ start[:, columns]
-        share, moved = np.maximum(time / self.part - parts, 0.0), start
-        for power in range(TERMS - 1, 0, -1):
-            moved = start + self._low[1] @ moved * (share / power)
-        return moved
+    def positions(self, moved: Moved) -> FloatArray:
+        """(motions, times)"""
+        held = self._held(moved.y[len(moved.turned) :])
+        if self.basis is None:
+            return np.concatenate([moved.turned, held])
+        return np.asarray(
+            self.free @ moved.turned + self.basis @ held + self.constraint @ moved.inputs
+        )
 
-    def first_event(self, z: FloatArray, time: float) -> tuple[float, int] | None:
-        """When within a time of one block at most a switching function falls below zero, and which."""
-        number = min(math.ceil(time / self.part), BLOCK) if len(self.events) else 0
-        for first, last in pairwise(LOOKS):
-            if first >= number:
-                break
-            begins = self._begins(self._after_parts(z, first), min(last, number) - first)
-            below = begins.dot(self._tests) <= 0.0
-            for part in below.any(axis=1).nonzero()[0].tolist():
-                functions = {test % len(self.events) for test in below[part].nonzero()[0].tolist()}
-                root = self._root(begins[part], functions)
-                if root is not None and (late := (first + part + root[0]) * self.part) <= time:
-                    return late, root[1]
-        return None
+    def speeds(self, y: ComplexArray) -> FloatArray:
+        """(motions, times) of coordinates; accelerations of their rates."""
+        number = self.free.shape[1]
+        held = self._held(self.roots.root[:, None] * y[number:])
+        if self.basis is None:
+            return np.concatenate([y[:number].real, held])
+        return np.asarray(self.free @ y[:number].real + self.basis @ held)
 
-    def _root(self, z: FloatArray, functions: set[int]) -> tuple[float, int] | None:
-        """The first root within a part, in shares of it, of some of the functions."""
-        size, best = np.abs(z), None
-        for function in functions:
-            polynomial = self._polynomials[function].dot(z).tolist()
-            terms = float(self._sizes[function].dot(size))
-            share = first_root(polynomial, ROUNDING * max(map(abs, polynomial)) + EXACT * terms)
-            if share is not None and (best is None or share < best[0]):
-                best = share, function
-        return best
+    def _held(self, y: ComplexArray) -> FloatArray:
+        return _real_times(self.roots.shape, y)
+
+    def reading(self, position: FloatArray, speed: FloatArray) -> ComplexArray:
+        """(rows, coordinates) whose real part times y is rows (rows, motions) of positions and speeds together.
+
+        Positions of what nothing holds are `position @ free`.
+        """
+        first, roots = self.free.shape[1], self.roots
+        by_position, by_speed = (
+            row[:, first:] if self.basis is None else row @ self.basis for row in (position, speed)
+        )
+        shape = np.diag(roots.shape) if roots.shape.ndim == 1 else roots.shape
+        held = by_position @ shape + by_speed @ (shape * roots.root)
+        return np.concatenate([speed @ self.free, held], axis=1)
 
 
-def fastest(matrix: FloatArray) -> float:
-    """No less than the spectral radius of a matrix, and little more: the root of the norm of a high power of it."""
-    logarithm, power = 0.0, matrix
-    for squaring in range(SQUARINGS + 1):
-        size = float(np.linalg.norm(power))
-        if not size:
-            return 0.0
-        logarithm += math.log(size) / 2.0**squaring
-        power = power / size @ (power / size)
-    return math.exp(logarithm)
+@dataclass(frozen=True)
+class Layout:
+    """Where positions, speeds, inputs and their rates stand in a row."""
+
+    train: LoadedModes
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return 2 * (self.train.motions + self.train.inputs)
+
+    @property
+    def position(self) -> slice:
+        """Positions of the motions."""
+        return slice(0, self.train.motions)
+
+    @property
+    def speed(self) -> slice:
+        """Speeds of the motions."""
+        return slice(self.train.motions, 2 * self.train.motions)
+
+    @property
+    def inputs(self) -> slice:
+        """Inputs; the first of them is 1."""
+        return slice(2 * self.train.motions, 2 * self.train.motions + self.train.inputs)
+
+    @property
+    def input_rates(self) -> slice:
+        """Their rates."""
+        return slice(self.inputs.stop, self.size)
+
+    def balance(self, torque: FloatArray) -> FloatArray:
+        """(motions, columns) accelerations under torques (elements, columns) of the elements."""
+        train = self.train
+        rows = np.zeros((train.motions, self.size))
+        rows[:, self.position] = -np.diag(train.modes.w_of_all**2)
+        rows[:, self.speed] = -train.modes.damping
+        rows[:, self.inputs] = train.push
+        return np.asarray(rows - train.ends.T @ torque)
+
+    def rates(self, rows: FloatArray, balance: FloatArray) -> FloatArray:
+        """Rates of rows that have no rates of inputs."""
+        rates = rows[:, self.speed] @ balance if len(rows) else rows.copy()
+        rates[:, self.speed] += rows[:, self.position]
+        rates[:, self.input_rates] += rows[:, self.inputs]
+        return np.asarray(rates)
+
+
+def regime_of(train: LoadedModes, modes: Modes) -> Regime:
+    """The linear motion while every element stays in its regime."""
+    laws = tuple(element.law(mode) for element, mode in zip(train.elements, modes, strict=True))
+    layout, ends = Layout(train), train.ends
+    springs, stuck = (_of_kind(laws, kind) for kind in ("spring", "stuck"))
+    moves = np.array([law.moves for law in laws], dtype=bool)
+    soft = np.zeros((len(laws),) * 2) if train.compliance is None else train.compliance
+    offsets = layout.inputs.start + train.following.stop
+
+    twist, given = np.zeros((2, len(laws), layout.size))
+    twist[:, layout.position] = ends
+    if train.higher_answer is not None:
+        twist[:, layout.inputs.start + 1 : offsets] = train.higher_answer
+    twist[moves, offsets + np.flatnonzero(moves)] = -1.0
+    given[:, layout.inputs] = np.array([[law.sign] for law in laws]).reshape(-1, 1) * train.capacity
+
+    def of_springs(chosen: IntArray) -> FloatArray:
+        """(chosen, rows) N m of elements that are springs together, beside what modes left out give way."""
+        stiffness = train.stiffness[chosen]
+        series = np.eye(len(chosen)) + soft[np.ix_(chosen, chosen)] * stiffness
+        share = np.linalg.solve(series, np.eye(len(chosen)))
+        torque = (stiffness[:, None] * share) @ (twist[chosen] - soft[chosen] @ given)
+        damped = share.T @ (train.viscous[chosen, None] * share)
+        torque[:, layout.speed] += damped @ ends[chosen]
+        return np.asarray(torque)
+
+    torque = given.copy()
+    torque[springs] = of_springs(springs)
+    if stuck.size:
+        try:
+            torque[stuck] = np.linalg.solve(
+                ends[stuck] @ ends[stuck].T, ends[stuck] @ layout.balance(torque)
+            )
+        except np.linalg.LinAlgError:
+            message = "rigid clutches are parallel to each other, and nothing divides their torque"
+            raise SolveError(message, "give one a stiffness") from None
+    bent = twist - soft @ torque  # the springs' own, without their offsets
+    balance = layout.balance(torque) if laws else np.zeros((0, layout.size))
+    turning = layout.rates(bent, balance)
+
+    watched, switches = list[FloatArray](), list[tuple[int, int]]()
+    for number, (element, mode) in enumerate(zip(train.elements, modes, strict=True)):
+        capacity = train.capacity[number]
+        for switch in element.switches(mode):
+            if switch.of == "torque":
+                row = torque[number].copy()
+            elif switch.of == "speed":
+                # That of the slider: of the ends less what a changing capacity takes up in the spring.
+                row = turning[number].copy()
+                row[layout.input_rates] -= switch.factor * capacity / element.stiffness
+            elif switch.of == "twist":
+                row = bent[number].copy()
+                row[layout.inputs.start] += laws[number].offset
+            else:  # the torque that contact would have
+                closed = np.union1d(springs, [number])
+                row = of_springs(closed)[closed == number][0]
+            row *= switch.factor
+            row[layout.inputs] += switch.share * capacity
+            row[layout.inputs.start] += switch.level
+            watched.append(row)
+            switches.append((number, switch.to))
+    return Regime(
+        train,
+        torque,
+        _elastic(train, laws, bent, torque),
+        bent,
+        np.array(watched).reshape(-1, layout.size),
+        tuple(switches),
+        np.array([law.offset for law in laws]),
+        moves,
+        np.array([law.kind == "stuck" for law in laws], dtype=bool),
+        np.concatenate([springs, stuck]),
+        *_in_roots(train, layout, balance, torque, springs, stuck),
+    )
+
+
+def _elastic(
+    train: LoadedModes, laws: tuple[Law, ...], bent: FloatArray, torque: FloatArray
+) -> FloatArray:
+    """(elements, rows) sqrt(N m): of springs, also such as give up their energy, and of those that slip."""
+    rows = np.zeros_like(bent)
+    for number, (law, stiffness) in enumerate(zip(laws, train.stiffness.tolist(), strict=True)):
+        if law.kind in ("spring", "parted"):
+            rows[number] = bent[number] * math.sqrt(stiffness)
+        elif law.kind == "given" and math.isfinite(stiffness):
+            rows[number] = torque[number] / math.sqrt(stiffness)
+    return rows
+
+
+def _of_kind(laws: tuple[Law, ...], kind: str) -> IntArray:
+    """Numbers of the elements that have a law of a kind."""
+    return np.array([number for number, law in enumerate(laws) if law.kind == kind], dtype=np.int64)
+
+
+def _in_roots(
+    train: LoadedModes,
+    layout: Layout,
+    balance: FloatArray,
+    torque: FloatArray,
+    springs: IntArray,
+    stuck: IntArray,
+) -> tuple[FloatArray | None, FloatArray, FloatArray, Roots, ComplexArray]:
+    """Basis, what is free, constraint, roots and force of a regime."""
+    n, rigid, damping, w = (
+        train.motions,
+        train.modes.rigid,
+        train.modes.damping,
+        train.modes.w_of_all,
+    )
+    size = np.abs(damping[:rigid]).max(axis=1, initial=0.0)
+    is_damped = size > NOTHING * np.abs(damping).max(initial=0.0)
+    constraint = np.zeros((n, train.inputs))
+    push = balance[:, layout.inputs] if train.elements else train.push
+    ends, fixed = train.ends[springs], train.ends[stuck]
+    held = np.concatenate([ends, fixed])
+    held = held[:, :rigid] / np.abs(held).max(axis=1, initial=0.0)[:, None]
+    damped = np.where(is_damped, damping[:, :rigid], 0.0) / max(size.max(initial=0.0), TINY)
+    values, turned = np.linalg.svd(np.concatenate([held, damped]))[1:]
+    count = rigid - np.count_nonzero(values > HELD)
+    if not (len(held) or is_damped[:count].any()):
+        # The motions that nothing holds stand first.
+        roots = roots_of(w[count:], damping[count:, count:])
+        force = np.concatenate([push[:count], _times(roots.of_speed, push[count:])])
+        return None, np.eye(n)[:, :count], constraint, roots, force
+
+    free = np.pad(turned[rigid - count :].T, ((0, n - rigid), (0, 0)))
+    inside = np.eye(n)
+    if stuck.size:
+        constraint[:, train.following.stop + stuck] = np.linalg.pinv(fixed)
+        inside = np.linalg.qr(fixed.T, mode="complete")[0][:, len(stuck) :]
+    beside = inside.T @ free
+    basis = inside @ np.linalg.qr(beside, mode="complete")[0][:, beside.shape[1] :]
+    offsets = layout.inputs.start + train.following.stop + springs
+    root_of_springs = np.linalg.cholesky(-torque[np.ix_(springs, offsets)]).T @ ends
+    # Singular values know slow modes better than eigenvalues of the stiffness do.
+    values, turned = np.linalg.svd(np.concatenate([np.diag(w)[rigid:], root_of_springs]) @ basis)[
+        1:
+    ]
+    w = np.pad(values, (0, len(turned) - len(values)))
+    w[w < NOTHING * w.max(initial=0.0)] = 0.0
+    basis = basis @ turned.T
+    damping = -balance[:, layout.speed]
+    roots = roots_of(w, basis.T @ damping @ basis, settles=False)
+    push = push + balance[:, layout.position] @ constraint
+    force = np.concatenate([free.T @ push, _times(roots.of_speed, basis.T @ push)])
+    return basis, free, constraint, roots, force
+
+
+def _times(factors: ComplexArray, columns: np.ndarray) -> ComplexArray:
+    return np.asarray(factors[:, None] * columns if factors.ndim == 1 else factors @ columns)
+
+
+def _real_times(shape: ComplexArray, y: ComplexArray) -> FloatArray:
+    """The real part of the product."""
+    if shape.ndim == 1:
+        return np.asarray((shape[:, None] * y).real)
+    parts = np.concatenate([y.real, -y.imag])
+    return np.asarray(np.concatenate([shape.real, shape.imag], axis=1) @ parts)

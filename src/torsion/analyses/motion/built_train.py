@@ -1,4 +1,4 @@
-"""A train with nonlinear couplings in the modes of its linear parts, ready to be moved from event to event."""
+"""A train in the modes of its linear parts, with what acts on it and its nonlinear couplings, ready to be moved."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -24,17 +24,16 @@ from torsion.analyses.motion.state_before import State, state_before
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.findings import Progress, silent
-from torsion.kernels.motion.collocation import Marched
+from torsion.kernels.motion.collocation import Marched, march
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.endless_events import Chatter, TooManyEvents
-from torsion.kernels.motion.event_driven_collocation import Interfaces, event_driven_under_laws
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, March
-from torsion.kernels.motion.generated_signals import Signals
-from torsion.kernels.motion.piecewise_elements import Element
-from torsion.kernels.motion.piecewise_train import PiecewiseTrain
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.modal_loads import LoadedModes, Turning
 from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.spanning_forest import connected
 from torsion.study import Study
@@ -47,66 +46,62 @@ CUT_SHORT = 0.1
 
 @dataclass(frozen=True)
 class Built:
-    """The train in modes of its linear parts, with its elements."""
+    """The train in modes of its linear parts, with its elements, and how it stands at time 0."""
 
     loaded: LoadedTrain  # without the couplings that can part or slip, in the modes that are kept
-    direct: ComplexArray  # (spans, signals) carried at once
-    of_elements: FloatArray  # (spans, elements) of the torques of elements, carried at once and by themselves
-    couplings: tuple[Coupling, ...]
-    standing: tuple[Standing, ...]
-    train: PiecewiseTrain
-    is_band: bool  # modes were left out
-    position: FloatArray  # (modes,)
+    train: LoadedModes
+    direct: FloatArray  # (spans, loads + interfaces) carried at once
+    position: FloatArray  # (rigid motions + modes,)
     speed: FloatArray  # (rigid motions + modes,)
+    # (rigid motions + modes,) positions from which angles of the torques that follow count
+    untwisted: FloatArray
+    # (spans, elements) of the torques of elements, carried at once and by themselves
+    of_elements: FloatArray
+    couplings: tuple[Coupling, ...] = ()
+    standing: tuple[Standing, ...] = ()
+    is_band: bool = False  # modes were left out
 
     def run(
-        self, duration: float, fineness: float = 1.0, progress: Progress = silent
+        self, fineness: float = 1.0, progress: Progress = silent
     ) -> tuple[EventDrivenMotion, Marched | None]:
         """The motion, and how it was marched where torques follow it.
 
         Raises SolveError where a coupling changes its regime without end, or steps become too short.
         """
         loaded = self.loaded
-        follows = loaded.follows
+        follows, settings = loaded.follows, loaded.settings
         if follows is None:
-            (motion,) = self.until([duration], fineness, progress)
+            (motion,) = self.until([settings.duration], fineness, progress)
             return motion, None
-        march, z, regimes = self._begin(duration, fineness, progress)
-        untwisted = (
-            self.position if loaded.before.mean is not None else np.zeros_like(self.position)
-        )
-        shape = loaded.shape[follows.station]
-        interfaces = Interfaces(shape, follows.signal, loaded.turning, untwisted)
-        scheme = loaded.scheme(self.train.signals.breaks)
-        scheme = replace(
-            scheme,
-            longest=fineness * scheme.longest,
-            tolerance=CUT_SHORT * fineness**4 * scheme.tolerance,
-        )
-        shown = partial(progress, "torques that follow")
+        scheme = loaded.scheme(self.train.history.begin)
+        if self.train.elements:
+            tolerance = CUT_SHORT * fineness**4 * scheme.tolerance
+            scheme = replace(scheme, longest=fineness * scheme.longest, tolerance=tolerance)
         with self._located():
-            motion, marched = event_driven_under_laws(
-                march, regimes, z, interfaces, follows.laws, scheme, shown
-            )
-        refuse_beyond_tables(follows, loaded.settings.events, marched, loaded.path)
-        return motion, marched
+            marching = self._begin(settings.duration, fineness, progress)
+            shown = partial(progress, "torques that follow")
+            marched = march(marching, follows.laws, scheme, shown)
+        refuse_beyond_tables(follows, settings.events, marched, loaded.path)
+        return marching.finished(settings.duration), marched
 
     def until(
         self, ends: Sequence[float], fineness: float = 1.0, progress: Progress = silent
     ) -> Iterator[EventDrivenMotion]:
         """The motion up to each of some times (s), ascending, where no torque follows it; raises as `run` does."""
-        march, z, regimes = self._begin(ends[-1], fineness, progress)
         with self._located():
-            yield from march.until(ends, z, regimes)
+            yield from self._begin(ends[-1], fineness, progress).until(ends)
 
-    def _begin(
-        self, duration: float, fineness: float, progress: Progress
-    ) -> tuple[March, FloatArray, tuple[int, ...]]:
-        shown = partial(progress, "from event to event")
-        march = March(self.train, duration, fineness, progress=shown)
+    def _begin(self, duration: float, fineness: float, progress: Progress) -> March:
         twist = np.array([element.twist for element in self.standing])
-        z = self.train.at_first(twist, self.position, self.speed)
-        return march, z, tuple(element.regime for element in self.standing)
+        regimes = tuple(element.regime for element in self.standing)
+        shown = partial(progress, "from event to event")
+        state = twist, self.position, self.speed, regimes
+        return March(self.train, duration, *state, fineness, shown, self._turning)
+
+    def _turning(self, time: FloatArray) -> Turning:
+        """How the interfaces of what follows the motion turn without any torque."""
+        angle, speed, rate = self.loaded.turning(time)
+        return angle - (self.train.shape @ self.untwisted)[:, None], speed, rate
 
     @contextmanager
     def _located(self) -> Iterator[None]:
@@ -166,21 +161,50 @@ def build(
         raise SolveError(message, hint, (*path, "initial"))
 
     turning = _speeds_of_parts(study, loaded)
-    signals = _signals(system, loaded, nonlinear, is_settled=speed is not None)
+    if before.mean is not None:
+        carried, mean = loaded.means(system)
+        loaded = loaded.with_load((Piece(0.0, math.inf, 1.0),), mean, carried)
+    if speed is not None:
+        loaded = _with_steady_orders(system, loaded)
+    nothing, capacities = np.zeros(len(system.stations)), dict[int, tuple[int, bool]]()
+    for number, coupling in enumerate(nonlinear):
+        capacity = capacity_pieces(settings, coupling)
+        if capacity is not None:
+            begins_at_zero = not any(piece.begin == 0.0 for piece in capacity)
+            capacities[number] = len(loaded.loads), begins_at_zero
+            loaded = loaded.with_load(capacity, nothing)
+
     twists = loaded.twists(np.array([coupling.span for coupling in nonlinear]))
-    carried = before.torque + before.twist
+    torques = before.torque + before.twist
     elements = list[Standing]()
     for number, coupling in enumerate(nonlinear):
-        capacity = signals.capacities.get(number)
-        torque = float(carried[coupling.span])
-        linear, stands = standing(number, coupling, twists[number], torque, turning, capacity)
-        carried[coupling.span] = linear
+        torque = float(torques[coupling.span])
+        linear, stands = standing(
+            number, coupling, twists[number], torque, turning, capacities.get(number)
+        )
+        torques[coupling.span] = linear
         elements += stands
     flexibility = loaded.system.flexibility
     compliance = np.where(np.isfinite(flexibility), flexibility, 0.0)
-    start = loaded.positions(compliance * carried)
+    start = loaded.positions(compliance * torques)
     kept = _kept(loaded.w, settings, halved=halved)
-    return _in_modes(loaded, nonlinear, tuple(elements), signals, kept, start, turning)
+    return _in_modes(loaded, nonlinear, tuple(elements), kept, start, turning)
+
+
+def build_linear(loaded: LoadedTrain, *, is_band: bool) -> Built:
+    """A train without nonlinear couplings in the modes that are kept, as it deviates from its steady motion.
+
+    is_band: higher modes are left out, and stand at once for what they carry.
+    """
+    acting, shape = loaded.acting_all, loaded.interface_shape
+    direct = direct_torques(loaded.system, loaded.modes, acting, is_band=is_band)
+    force = loaded.shape.T @ loaded.acting
+    train = LoadedModes(loaded.damping, loaded.loads, force, shape)
+    position, speed = loaded.start()
+    none = np.zeros((len(direct), 0))
+    return Built(
+        loaded, train, direct + loaded.carried, position, speed, np.zeros_like(speed), none
+    )
 
 
 def _all_modes(bare: System, before: State, path: Path) -> Modes:
@@ -198,81 +222,23 @@ def _all_modes(bare: System, before: State, path: Path) -> Modes:
     return modes
 
 
-@dataclass(frozen=True)
-class _Signals:
-    """The torques over time, and the capacities of clutches; those that follow the motion stand behind the pieces."""
-
-    pieces: tuple[tuple[Piece, ...], ...]
-    following: int  # number of those that follow the motion
-    acting: ComplexArray  # (stations, signals)
-    carried: FloatArray  # (spans, signals) that joints carry of them
-    # of a coupling: its signal, and whether that is zero at first
-    capacities: dict[int, tuple[int, bool]]
-
-
-def _signals(
-    system: System, loaded: LoadedTrain, nonlinear: tuple[Coupling, ...], *, is_settled: bool
-) -> _Signals:
-    """Torques of events, mean and periodic torques, capacities, and those that follow the motion.
-
-    is_settled: the train vibrates steadily at one speed, and orders have the frequencies of that.
-    """
-    before, follows, stations = loaded.before, loaded.follows, len(system.stations)
-    number = len(loaded.loads) - (0 if follows is None else len(follows.station))
-    pieces = loaded.loads[:number]
-    columns = list(loaded.acting.T[:number].astype(complex))
-    carried = list(np.zeros((number, len(system.spans))))
-
-    def add(of_pieces: tuple[Piece, ...], acting: np.ndarray, on_spans: FloatArray) -> None:
-        pieces.append(of_pieces)
-        columns.append(acting)
-        carried.append(on_spans)
-
-    none, idle = np.zeros(len(system.spans)), np.zeros(stations, dtype=complex)
-    by_interface, mean_carried, mean = np.zeros((len(none), 0)), none, np.zeros(stations)
-    if follows is not None:
-        by_interface, mean_carried, mean = follows.carried(system)
-    if before.mean is not None:
-        acting = before.mean.applied[:, 0] + mean
-        add((Piece(0.0, math.inf, 1.0),), acting, mean_carried)
-    if is_settled:
-        speed = np.array([before.speed])
-        for excitation in excitations(system):
-            column = idle.copy()
-            for torque in excitation.torques:
-                column[torque.station] += amplitude(system, torque, speed, before.mean)[0]
-            rate = 1j * float(excitation.line.circular_frequency(speed)[0])
-            add((Piece(0.0, math.inf, 1.0, rate=rate),), column, none)
-    capacities = dict[int, tuple[int, bool]]()
-    for coupling_number, coupling in enumerate(nonlinear):
-        capacity = capacity_pieces(loaded.settings, coupling)
-        if capacity is not None:
-            begins_at_zero = not any(piece.begin == 0.0 for piece in capacity)
-            capacities[coupling_number] = len(pieces), begins_at_zero
-            add(capacity, idle, none)
-
-    following = 0 if follows is None else int(follows.signal.max(initial=-1)) + 1
-    acting, on_spans = (
-        np.zeros((following, stations), dtype=complex),
-        np.zeros((following, len(none))),
-    )
-    if follows is not None:
-        acting[follows.signal, follows.station] = 1.0
-        np.add.at(on_spans, follows.signal, by_interface.T)
-    return _Signals(
-        tuple(pieces),
-        following,
-        np.array([*columns, *acting]).reshape(-1, stations).T,
-        np.array([*carried, *on_spans]).reshape(-1, len(none)).T,
-        capacities,
-    )
+def _with_steady_orders(system: System, loaded: LoadedTrain) -> LoadedTrain:
+    """With the periodic torques of a train that vibrates steadily at one speed, of which orders have frequencies."""
+    speed = np.array([loaded.before.speed])
+    for excitation in excitations(system):
+        acting = np.zeros(len(system.stations), dtype=complex)
+        for torque in excitation.torques:
+            acting[torque.station] += amplitude(system, torque, speed, loaded.before.mean)[0]
+        rate = 1j * float(excitation.line.circular_frequency(speed)[0])
+        for factor, column in ((1.0, acting.real), (1j, acting.imag)):
+            loaded = loaded.with_load((Piece(0.0, math.inf, factor, rate=rate),), column)
+    return loaded
 
 
 def _in_modes(
     loaded: LoadedTrain,
     nonlinear: tuple[Coupling, ...],
     stands: tuple[Standing, ...],
-    signals: _Signals,
     kept: int,
     position: FloatArray,
     speed: FloatArray,
@@ -281,29 +247,27 @@ def _in_modes(
     bare, modes, rigid, w = loaded.system, loaded.modes, loaded.rigid, loaded.w
     low, high, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
     spans = np.array([nonlinear[stand.coupling].span for stand in stands])
-    force = loaded.shape.T @ signals.acting
+    force = loaded.shape.T @ loaded.acting_all
     ends = np.array([stand.element.ends for stand in stands])
     soft, answer = ends[:, high] / w[kept:] ** 2, force[high] / w[kept:, None] ** 2
     higher = modes.torque[:, kept:]
     is_fem = bare.bars is not None  # inside its elements the torque is not that of the modes alone
-    direct = direct_torques(bare, modes, signals.acting, is_band=is_fem)
+    direct = direct_torques(bare, modes, loaded.acting_all, is_band=is_fem)
     of_elements = direct_torques(bare, modes, _reactions(bare, spans), is_band=is_fem)
     of_elements = of_elements - higher @ soft.T
     of_elements[spans, np.arange(len(spans))] += 1.0
     elements = tuple(
         replace(stand.element, ends=row[low]) for stand, row in zip(stands, ends, strict=True)
     )
-    compliance = soft @ ends[:, high].T if is_band else None
-    higher_answer = soft @ force[high] if is_band else None
-    scale = _quickest(w[:kept], elements, loaded.settings.duration)
-    train = PiecewiseTrain(
-        w[:kept],
-        loaded.damping.damping[low, low],
+    damping = loaded.damping
+    train = LoadedModes(
+        ModalTrain(damping.w[:kept], damping.ratio[:kept], damping.viscous[low, low]),
+        loaded.loads,
+        force[low, : len(loaded.loads)],
+        loaded.interface_shape[:, low],
         elements,
-        Signals(signals.pieces, signals.following, scale),
-        force[low],
-        compliance,
-        higher_answer,
+        soft @ ends[:, high].T if is_band else None,
+        soft @ force[high] if is_band else None,
     )
     kept_train = replace(
         loaded,
@@ -311,16 +275,18 @@ def _in_modes(
         shape=loaded.shape[:, low],
         slowed=loaded.slowed[:, low],
     )
+    has_mean = loaded.before.mean is not None
     return Built(
         kept_train,
-        direct + signals.carried + higher @ answer,
+        train,
+        direct + loaded.carried + higher @ answer,
+        position[low],
+        speed[low],
+        has_mean * position[low],
         of_elements,
         nonlinear,
         stands,
-        train,
         is_band,
-        position[rigid : rigid + kept],
-        speed[low],
     )
 
 
@@ -331,17 +297,6 @@ def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
     if settings.modes != "all":
         kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
     return max(min(half, kept - 1), 0) if halved else int(kept)
-
-
-def _quickest(w: FloatArray, elements: tuple[Element, ...], duration: float) -> float:
-    """s, about the time of a radian of the fastest motion of the modes and elements."""
-    squares = [
-        element.stiffness * float(element.ends @ element.ends)
-        for element in elements
-        if math.isfinite(element.stiffness)
-    ]
-    element_w = math.sqrt(max(squares, default=0.0))
-    return 1.0 / max(float(w.max(initial=0.0)), element_w, 1.0 / duration)
 
 
 def _speeds_of_parts(study: Study, loaded: LoadedTrain) -> FloatArray:
