@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.response.component_loads import local_maxima
 from torsion.findings import Findings
-from torsion.output.chapters.forced_response import local_maxima
 from torsion.output.selection import elements
 from torsion.output.station_layout import label, layout
 

@@ -118,5 +118,5 @@ def test_a_train_of_one_station_has_a_response_over_frequency():
         )
     )
     page = html(document(found, date(2026, 1, 1)))
-    assert "Maximum angular amplitude" in page
+    assert "Angular amplitude over the frequency" in page
     assert "Maximum torque amplitude" not in page

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from tests.output.conftest import BARE, solved
-from tests.schema.test_front_matter import PNG, SVG
+from tests.schema.test_front_matter import PNG
 
 import torsion
 from torsion.output.document import Document, document
@@ -121,7 +121,7 @@ def test_the_origin_is_the_beginning_of_the_checksum_of_the_input(submission: Do
     assert submission.cover.origin == f"input SHA-256 {sha256(text.encode()).hexdigest()[:12]}"
 
 
-@pytest.mark.parametrize("content", [SVG, PNG], ids=["svg", "png"])
+@pytest.mark.parametrize("content", [PNG], ids=["png"])
 def test_a_logo_is_set_in_the_pdf(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "logo").write_bytes(content)
     (tmp_path / "scene.yaml").write_text(

@@ -10,6 +10,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import ComponentLoads, ShaftLoad
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -430,7 +431,9 @@ def test_what_is_to_be_measured(found: Findings) -> None:
     }.items():
         shape[names.index(name), :2] = values
     modes = replace(made, frequency=np.array([1.23456, 2.5, 3.0, 44.0]), shape=shape)
-    run, strain, angle, compared = measurements(responding(found).having(modes=modes))
+    loads = ComponentLoads((), (), (ShaftLoad("quick", None, 5.0, 30.0),), (), (), ())
+    loaded = responding(found).having(modes=modes, component_loads=loads)
+    run, strain, angle, compared = measurements(loaded)
     assert run.startswith(
         "Run up and down slowly from 100 to 600 rpm (speed of flywheel) and at steps"
     )
@@ -449,8 +452,8 @@ def test_what_is_to_be_measured(found: Findings) -> None:
 
 def test_what_is_not_known_is_not_to_be_measured(found: Findings, bare: Findings) -> None:
     loud = responding(found)
-    still = replace(loud.need(Response), torque=0.0 * loud.need(Response).torque)
-    assert not any("strain" in item for item in measurements(loud.having(response=still)))
+    still = ComponentLoads((), (), (ShaftLoad("quick", None, None, None),), (), (), ())
+    assert not any("strain" in item for item in measurements(loud.having(component_loads=still)))
     assert not any("Angular" in item for item in measurements(loud.having(modes=None)))
     none = replace(found.need(Modes), frequency=np.empty(0))
     assert not any("Angular" in item for item in measurements(loud.having(modes=none)))

@@ -77,7 +77,7 @@ def engine_harmonics(findings: Findings) -> Iterator[Block]:
     excited = [engine for engine in (() if result is None else result.each) if engine.harmonics]
     if excited:
         yield Heading("Appendix: engine harmonics")
-    for place, engine in enumerate(excited, 1):
+    for engine in excited:
         at_speed = _at_speed(engine)
         if engine.gas_mean is not None:
             at_speed += f" and {number(engine.gas_mean)} N m mean gas torque"
@@ -87,13 +87,6 @@ def engine_harmonics(findings: Findings) -> Iterator[Block]:
             engine.harmonics,
             f"Harmonics of a firing cylinder of {engine.name}{at_speed}; phase at its firing TDC",
         )
-        orders = np.array([float(harmonic.order) for harmonic in engine.harmonics])
-        sizes = {
-            name: np.abs([getattr(harmonic, quantity) for harmonic in engine.harmonics])
-            for name, quantity in (("sum", "total"), ("gas", "gas"), ("masses", "masses"))
-        }
-        caption = f"Harmonics of the torque of a firing cylinder of {engine.name}"
-        yield crank_curves.harmonics(f"engine-{place}-harmonics", caption, orders, sizes, "N m")
         modes = range(1, len(engine.harmonics[0].by_mode) + 1)
         yield table(
             "order: Order:o | rigid: Rigid:s"

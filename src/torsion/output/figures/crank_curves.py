@@ -39,18 +39,6 @@ def diagram(name: str, caption: str, curves: Sequence[CurveFound]) -> Figure:
     )
 
 
-def harmonics(
-    name: str, caption: str, order: FloatArray, sizes: Mapping[str, FloatArray], unit: str
-) -> Figure:
-    """Return amplitudes (orders,) of the torque of a cylinder over the order."""
-    lines = tuple(
-        Line(words, order, size, pen, weight=1.0 if pen else 1.5, symbol="dot")
-        for pen, (words, size) in enumerate(sizes.items())
-    )
-    panel = Panel(span(Axis("order"), order), Axis("amplitude", unit, low=0.0), lines)
-    return Figure(name, caption, (panel,))
-
-
 def misfires(
     name: str, caption: str, speed: FloatArray, curves: Mapping[str, FloatArray], unit: str
 ) -> Figure:
