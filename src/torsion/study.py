@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, needs, refuse, required
 from torsion.model.machine_torques import Load
@@ -276,14 +276,6 @@ class Variation(Protocol):
     @property
     def base(self) -> "Study":
         """The study whose figures vary."""
-
-    def fixed(self, values: Mapping[int, float]) -> "Variation":
-        """Return the variation of the other figures, in which these, by their places, have values."""
-
-    def by_rows(
-        self, values: FloatArray
-    ) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
-        """Variants (variants, figures) with the same rows of lists: places, rows for `fixed`, other values."""
 
     def behind(self, other: Any) -> "Variation":
         """Return both as one: the figures of the other first, and these about what those put in the file."""

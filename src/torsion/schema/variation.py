@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses import VARYING
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.columns import NotInColumns, picker
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
@@ -39,15 +39,6 @@ class Variation:
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
         return self.read(self.file(values))
-
-    def fixed(self, values: Mapping[int, float]) -> "Variation":
-        """The variation of the other figures of the file, in which these, by their places, have values."""
-        chosen = replace(self, figures=tuple(self.figures[number] for number in values))
-        source = chosen.file(list(values.values()))
-        remaining = tuple(
-            figure for number, figure in enumerate(self.figures) if number not in values
-        )
-        return replace(self, figures=remaining, source=source, base=self.read(source))
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
@@ -92,21 +83,35 @@ class Variation:
         """The same figures of a case of the file: they are put in before the case changes the file."""
         from torsion.schema.cases import case_of
 
-        name = "" if case.case is None else case.case.name
+        if case.case is None:
+            return self
+        name, changed = case.case.name, case.case.source
         read = lambda source: case_of(name, source, self.read)  # noqa: E731
-        return replace(self, read=read, base=case, declare=None)
+        # Columns can only be put in behind what the case changes, which is the same where it changes none of them.
+        is_same = all(
+            _component_at(path, self.base) == _component_at(path, case)
+            and node_at(changed.root, path) == node_at(self.source.root, path)
+            for figure in self.figures
+            for path in figure.all_paths
+        )
+        return replace(self, read=read, base=case, declare=self.declare if is_same else None)
 
     @cached_property
     def _declarations(self) -> Mapping[str, Any]:
         if self.declare is None:
             raise NotInColumns("the declarations of the file are not known")
-        return self.declare(self.source)
+        return self.declare(self._of_columns)
+
+    @property
+    def _of_columns(self) -> Source:
+        """The file that columns are put in: of a case as the case changes it."""
+        return self.source if self.base.case is None else self.base.case.source
 
     def in_columns(self, values: FloatArray) -> Train:
         """Return the train with columns for the values (variants, figures); raises NotInColumns."""
         declared = self._declarations
         return train_in_columns(
-            self.base, self.source, declared, self._pieces, self.figures, values
+            self.base, self._of_columns, declared, self._pieces, self.figures, values
         )
 
     @cached_property
@@ -132,27 +137,17 @@ class Variation:
 
         return study_of
 
-    def by_rows(
-        self, values: FloatArray
-    ) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
-        """Yield the variants (variants, figures) with the same rows of lists and catalogues.
-
-        Their places, the rows by the places of their figures as `fixed` takes them, and the values of all other
-        figures. Nothing without lists, or with a list behind what another variation puts into the file.
-        """
-        listed = [number for number, figure in enumerate(self.figures) if figure.rows]
-        if not listed or any(self.figures[number].layer > 0 for number in listed):
-            return
-        combinations, group = np.unique(values[:, listed], axis=0, return_inverse=True)
-        remaining = [number for number in range(len(self.figures)) if number not in listed]
-        for number, rows in enumerate(combinations.tolist()):
-            places = np.flatnonzero(group.ravel() == number)
-            yield places, dict(zip(listed, rows, strict=True)), values[places][:, remaining]
-
     def behind(self, other: "Variation") -> "Variation":
         """Return both as one: the figures of the other first, and these about what those put in the file."""
         figures = (replace(figure, layer=figure.layer + 1) for figure in self.figures)
         return replace(other, figures=(*other.figures, *figures))
+
+
+def _component_at(path: Path, study: Study) -> str:
+    """Return the name of the component in which a path lies; empty for another place of the file."""
+    return next(
+        (part.name for part in study.train.parts if path[: len(part.path)] == part.path), ""
+    )
 
 
 def with_variations(

@@ -60,6 +60,13 @@ class Figure:
         return self.all_values()[np.minimum((unit * self.places).astype(np.intp), self.places - 1)]
 
     @property
+    def all_paths(self) -> tuple[Path, ...]:
+        """Every place of the file that a value of it may change."""
+        return tuple(
+            path for path, _ in (*self.paths, *(put for row in self.rows for put in row.puts))
+        )
+
+    @property
     def places(self) -> int:
         """How many values it takes; 0 where any within its range, or by its law."""
         return len(self.rows) or (0 if self.law.first is None else self.law.places or 0)

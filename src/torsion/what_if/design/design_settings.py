@@ -179,10 +179,7 @@ class DesignSettings(Declared):
     def _chosen_twice(self, figures: Sequence[Any]) -> Iterator[Fault]:
         chosen: dict[Any, str] = {}
         for figure in figures:
-            paths = {path for path, _ in figure.paths} | {
-                path for row in figure.rows for path, _ in row.puts
-            }
-            for path in sorted(paths, key=str):
+            for path in sorted({*figure.all_paths}, key=str):
                 if path in chosen and chosen[path] != figure.name:
                     words = f"`{path[-1]}` is chosen by `{chosen[path]}` already"
                     yield Fault(

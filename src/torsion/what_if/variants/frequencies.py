@@ -1,6 +1,5 @@
 """Natural frequencies of variants that differ in numbers alone, all at once, from a train in columns."""
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +11,12 @@ from torsion.assembly import as_divided, of_train
 from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
-from torsion.errors import InputError, SolveError
+from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.primitives import Bar
 from torsion.study import Variation
 from torsion.train import Train
-from torsion.what_if.variants.one_by_one import Answers, reason, solved
+from torsion.what_if.variants.one_by_one import Answers, solved
 from torsion.what_if.variants.train_rows import rows_on_tree
 
 ROUNDS = 3  # with the segments that lumped shafts have for the last mode of a variant
@@ -33,22 +32,16 @@ def frequencies(
     Variants of another layout, and all if there are fewer than `least`, are solved separately.
     """
     answers = Answers.empty(count, len(values))
-    for places, rows, numbers in _groups(variation, values) if count else ():
-        if len(places) < least or "system" not in work.results:
-            continue
+    if len(values) >= least and count and "system" in work.results:
         try:
-            group = variation.fixed(rows) if rows else variation
-            train = group.in_columns(numbers)
-            system = of_train(work.system, group.base.train)
+            train = variation.in_columns(values)
+            system = of_train(work.system, variation.base.train)
             highest = highest_excited(work.study, work.system, work.ruled)
-            answers.frequency[:, places] = certified(system, train, len(places), count, highest)
+            answers.frequency[:] = certified(system, train, len(values), count, highest)
         except (NotInColumns, SolveError):
-            continue
-        except InputError as error:
-            answers.faults.update(dict.fromkeys(places.tolist(), reason(error)))
+            pass  # variants of several layouts are solved separately
 
-    unsolved = np.flatnonzero(np.isnan(answers.frequency).any(axis=0))
-    left = np.setdiff1d(unsolved, list(answers.faults))
+    left = np.flatnonzero(np.isnan(answers.frequency).any(axis=0))
     if not count or left.size == len(values):
         left, answers.method = np.arange(len(values)), "every variant solved separately"
     else:
@@ -59,21 +52,6 @@ def frequencies(
     return solved(
         work, variation, values, count, judged=False, partial=answers, places=left.tolist()
     )
-
-
-def _groups(
-    variation: Variation, values: FloatArray
-) -> Iterator[tuple[IntArray, Mapping[int, float], FloatArray]]:
-    """Yield the places of variants of one layout, the rows of lists that they have, and the values of other figures.
-
-    All variants are one group unless the rows of a list differ in more than numbers.
-    """
-    try:
-        variation.in_columns(values)
-    except NotInColumns:
-        yield from variation.by_rows(values)
-    else:
-        yield np.arange(len(values)), {}, values
 
 
 def certified(
