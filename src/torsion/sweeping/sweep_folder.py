@@ -66,9 +66,7 @@ class SweepFolder:
                 f"{message} (--fresh to begin anew, or another folder with -o)",
             )
         under_way = identity_file.with_name(f"{OF}.part")
-        under_way.write_text(
-            json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8"
-        )
+        under_way.write_text(json.dumps(identity, indent=1), encoding="utf-8")
         under_way.replace(identity_file)
 
     def _remove(self, names: re.Pattern[str]) -> None:
@@ -194,20 +192,15 @@ def digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def hash_of(identity: Mapping[str, Any]) -> str:
-    """SHA-256 of all that a sweep is of."""
-    return digest(json.dumps(identity, sort_keys=True).encode())
-
-
 def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
     """Raise InputError where a file says that its parts are of another sweep, with what differs."""
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
-        if stored.pop("hash") == hash_of(identity) == hash_of(stored):
-            return
         differences = list(_differences(stored, json.loads(json.dumps(identity))))
+        if not differences:
+            return
         further = len(differences) - MOST_SAID
-        words = "; ".join(differences[:MOST_SAID] or ["it was changed"])
+        words = "; ".join(differences[:MOST_SAID])
         words += f"; and {further} more" if further > 0 else ""
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"

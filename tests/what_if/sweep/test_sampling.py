@@ -35,16 +35,6 @@ def test_samples_of_a_seed_are_the_same_and_fill_the_square_evenly(method: str) 
     assert abs(boxes - 64).max() <= {"sobol": 0, "latin": 40, "random": 40}[method]
 
 
-@pytest.mark.parametrize("method", ["sobol", "latin", "random"])
-@pytest.mark.parametrize("length", [16, 64, 256, 1024])
-def test_samples_of_a_part_are_those_of_the_whole_to_the_last_bit(method: str, length: int) -> None:
-    whole = units(1024, 3, method, 7)
-    parts = [
-        units(1024, 3, method, 7, slice(begin, begin + length)) for begin in range(0, 1024, length)
-    ]
-    assert np.array_equal(np.concatenate(parts), whole)
-
-
 def test_random_samples_are_those_of_one_generator() -> None:
     assert np.array_equal(units(100, 3, "random", 7), np.random.default_rng(7).random((100, 3)))
 

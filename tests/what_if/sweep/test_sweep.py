@@ -242,9 +242,8 @@ def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.Monke
 
 def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
     left = Unanswered("response", "response", "why", "", None, True, False, "")
-    answer = one_by_one.Answer.from_findings(SimpleNamespace(plan=Plan((), (), {}, (left,))))
-    answers = one_by_one.Answers.empty(1, 1)
-    answers.keep(0, answer)
+    findings = SimpleNamespace(plan=Plan((), (), {}, (left,)))
+    answers = one_by_one.Answers.of_findings(findings, 1)
     assert answers.faults == {0: "response: why"}
 
 
@@ -266,8 +265,7 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
     }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
     for one in ((half, unknown), (unknown, half)):
-        answers = one_by_one.Answers(np.empty((0, 1)))
-        answers.keep(0, one_by_one.Answer.from_findings(findings(one)))
+        answers = one_by_one.Answers.of_findings(findings(one), 0)
         assert answers.checks.popitem()[1][0] == [0.5]
 
 
@@ -282,10 +280,10 @@ def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
         "has_limit": True,
         "utilisation": 0.5,
     }
-    answers = one_by_one.Answers(np.empty((0, 2)))
+    answers = one_by_one.Answers.empty(0, 2)
     for place, verdict in enumerate(("pass", "not judged")):
         lines = (SimpleNamespace(verdict=verdict, **words),)
-        answers.keep(place, one_by_one.Answer.from_findings(findings(lines)))
+        answers.take(place, one_by_one.Answers.of_findings(findings(lines), 0))
     assert answers.checks.popitem()[1][1].tolist() == [False, True]
 
 

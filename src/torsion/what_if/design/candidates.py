@@ -17,7 +17,6 @@ from torsion.what_if.design.design_settings import DesignSettings, Kept
 from torsion.what_if.variants.frequencies import frequencies
 from torsion.what_if.variants.one_by_one import (
     TO_BE_VERIFIED,
-    Answer,
     Answers,
     Key,
     analyses_of_variant,
@@ -237,15 +236,12 @@ class Candidates:
             return None
         mass, judged = float(shaft_mass(self.work.study.train)), list[Judged]()
         for name, case in self.cases.items():
-            answers, only = (
-                Answers.empty(self.modes, 1),
-                analyses_of_variant(case.work, judged=self.judged),
-            )
+            only = analyses_of_variant(case.work, judged=self.judged)
             try:
                 findings = self.work.solve(bare(case.study), only=only)
-                answers.keep(0, Answer.from_findings(findings))
             except (InputError, SolveError):
                 return None
+            answers = Answers.of_findings(findings, self.modes)
             if name:
                 case.work.put(**findings.results)
             self.standing |= answers.standing

@@ -19,7 +19,7 @@ from torsion.what_if.design.design_settings import DesignSettings
 from torsion.what_if.design.search import search
 from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.variants.chunks import duration
-from torsion.what_if.variants.one_by_one import TO_BE_VERIFIED, Answer, Answers
+from torsion.what_if.variants.one_by_one import TO_BE_VERIFIED, Answers
 from torsion.what_if.variants.sampling import drawn, units
 
 JUDGED, LOOKED_AT = 2000, 50_000  # trains where nothing else is said: judged, of frequencies alone
@@ -164,8 +164,7 @@ def _solved(candidates: Candidates, candidate: Tried) -> Confirmation:
             findings = candidates.work.solve(case.variation.study(list(candidate.values)))
         except (InputError, SolveError) as error:
             return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
-        answers = Answers.empty(candidates.modes, 1)
-        answers.keep(0, Answer.from_findings(findings))
+        answers = Answers.of_findings(findings, candidates.modes)
         amounts = np.array([[candidate.mass, candidate.cost]])
         judged = candidates.judge(answers, amounts, of_case=bool(name))
         kept &= not (findings.failed or findings.is_partial or findings.plan.unanswered)

@@ -68,7 +68,7 @@ class Points:
             )
         columns = len(self.shape)
         if self.sets == 1:
-            unit = units(self.samples, columns, self.method, self.seed, part)
+            unit = units(self.samples, columns, self.method, self.seed)[part]
         else:
             unit = units(self.samples, 2 * columns, self.method, self.seed)
             first, second = unit[:, :columns], unit[:, columns:]

@@ -46,13 +46,8 @@ def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
     for chunk_values, answers in parts:
         if not values.size:
             values = np.empty((count, chunk_values.shape[1]))
-        columns = slice(begin, begin + len(chunk_values))
-        values[columns] = chunk_values
-        total.take(columns, answers)
-        total.faults.update((begin + variant, why) for variant, why in answers.faults.items())
-        total.method = total.method or answers.method
-        total.standing |= answers.standing
-        total.partly.update(begin + variant for variant in answers.partly)
+        values[begin : begin + len(chunk_values)] = chunk_values
+        total.take(begin, answers)
         begin += len(chunk_values)
     return values, total
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray
 from torsion.columns import NotInColumns
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
@@ -26,46 +26,6 @@ TO_BE_VERIFIED = "to be verified"  # standing of a limit, as the rules call it
 Key = tuple[str, str, str, str]  # rule, clause, where, what
 
 
-@dataclass(frozen=True)
-class JudgedCheck:
-    """One check of one variant that has a limit."""
-
-    key: Key
-    utilisation: float  # NaN where unknown
-    fails: bool
-    is_judged: bool
-    standing: str  # of the limit
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What one variant answers: small, as it may come from another process."""
-
-    frequency: FloatArray  # (modes,) Hz
-    checks: tuple[JudgedCheck, ...] = ()
-    fault: str = ""  # why there is no answer
-
-    @classmethod
-    def from_findings(cls, findings: Findings) -> "Answer":
-        """The answer in the findings of a variant, none where an analysis was left unanswered."""
-        unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
-        if unanswered:
-            return cls(np.empty(0), fault="; ".join(unanswered))
-        modes = findings.get(Modes)
-        checks = (
-            JudgedCheck(
-                (check.rule, check.clause, check.where, check.what),
-                np.nan if check.utilisation is None else check.utilisation,
-                check.fails,
-                check.verdict != "not judged",
-                check.standing,
-            )
-            for check in getattr(findings.results.get("checks"), "lines", ())
-            if check.has_limit
-        )
-        return cls(np.empty(0) if modes is None else modes.frequency, tuple(checks))
-
-
 @dataclass
 class Answers:
     """What variants answer, a column each."""
@@ -83,6 +43,33 @@ class Answers:
         """Of so many variants, as yet without any."""
         return cls(np.full((modes, count), np.nan))
 
+    @classmethod
+    def of_findings(cls, findings: Findings, modes: int) -> "Answers":
+        """Of one variant; of checks with the same key the worst counts. A fault where an analysis is left unanswered."""
+        answers = cls.empty(modes, 1)
+        unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
+        if unanswered:
+            answers.faults[0] = "; ".join(unanswered)
+            return answers
+        found_modes = findings.get(Modes)
+        if found_modes is not None:
+            frequency = found_modes.frequency[:modes]
+            answers.frequency[: len(frequency), 0] = frequency
+        for check in getattr(findings.results.get("checks"), "lines", ()):
+            if not check.has_limit:
+                continue
+            key = check.rule, check.clause, check.where, check.what
+            utilisation, fails = answers.check(key)
+            if check.utilisation is not None:
+                utilisation[0] = np.fmax(utilisation[0], check.utilisation)
+            is_judged = check.verdict != "not judged"
+            # What is not judged is not known to be kept.
+            fails[0] |= check.fails or not is_judged
+            answers.standing[key] = check.standing
+            if not is_judged:
+                answers.partly.add(0)
+        return answers
+
     def check(self, key: Key) -> tuple[FloatArray, BoolArray]:
         """Utilisation and fails (variants,) of a check, to be filled in where it is a new one."""
         count = self.frequency.shape[1]
@@ -90,28 +77,17 @@ class Answers:
             key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_))
         )
 
-    def keep(self, column: int, answer: Answer) -> None:
-        """Put the answer of a variant into its column; of checks with the same key the worst counts."""
-        if answer.fault:
-            self.faults[column] = answer.fault
-            return
-        frequency = answer.frequency[: len(self.frequency)]
-        self.frequency[: len(frequency), column] = frequency
-        for check in answer.checks:
-            utilisation, fails = self.check(check.key)
-            utilisation[column] = np.fmax(utilisation[column], check.utilisation)
-            # What is not judged is not known to be kept.
-            fails[column] |= check.fails or not check.is_judged
-            self.standing[check.key] = check.standing
-            if not check.is_judged:
-                self.partly.add(column)
-
-    def take(self, columns: IntArray | slice, answers: "Answers") -> None:
-        """Put the frequencies and verdicts of other variants into the columns."""
+    def take(self, begin: int, answers: "Answers") -> None:
+        """Put what other variants answer into the columns from `begin` on."""
+        columns = slice(begin, begin + answers.frequency.shape[1])
         self.frequency[:, columns] = answers.frequency
         for key, (utilisation, fails) in answers.checks.items():
             columns_of_check = self.check(key)
             columns_of_check[0][columns], columns_of_check[1][columns] = utilisation, fails
+        self.faults.update((begin + variant, why) for variant, why in answers.faults.items())
+        self.partly.update(begin + variant for variant in answers.partly)
+        self.standing |= answers.standing
+        self.method = self.method or answers.method
 
 
 def solved(
@@ -140,18 +116,19 @@ def solved(
     except NotInColumns:
         study_of = lambda variant: variation.study(rows[variant].tolist())  # noqa: E731
 
-    def answer_of(variant: int) -> Answer:
+    def answer_of(variant: int) -> Answers:
         try:
             study = study_of(variant)
-            return Answer.from_findings(
-                solve(study if judged else replace(study, rules=()), only=only)
-            )
+            findings = solve(study if judged else replace(study, rules=()), only=only)
+            return Answers.of_findings(findings, modes)
         except (InputError, SolveError) as error:
-            return Answer(np.empty(0), fault=reason(error))
+            answer = Answers.empty(modes, 1)
+            answer.faults[0] = reason(error)
+            return answer
 
     found_answers = shared_out(answer_of, range(len(rows)))
     for number, (column, answer) in enumerate(zip(columns, found_answers, strict=True), start=1):
-        answers.keep(column, answer)
+        answers.take(column, answer)
         work.progress(f"variant {number} of {len(rows)}", number / len(rows))
     return answers
 

@@ -14,35 +14,21 @@ LEVEL = 0.95
 FEW = 10  # failing, or keeping: with fewer the spread of sequences covers 89 % of counts of Poisson (measured)
 
 
-def units(
-    count: int, figures: int, method: str, seed: int, part: slice | None = None
-) -> FloatArray:
-    """(count, figures) evenly distributed within 0 and 1; of sobol the scrambled sequences one after another.
-
-    `part`: these of them alone, the same to the last bit; of sobol all or some of one sequence.
-    """
-    begin, end = (0, count) if part is None else (part.start, part.stop)
+@lru_cache(maxsize=2)
+def units(count: int, figures: int, method: str, seed: int) -> FloatArray:
+    """(count, figures) evenly distributed within 0 and 1; of sobol the scrambled sequences one after another."""
     if method == "random":
-        bits = np.random.PCG64(seed).advance(begin * figures)  # one draw a number
-        return np.random.Generator(bits).random((end - begin, figures))
+        return np.random.default_rng(seed).random((count, figures))
+    from scipy.stats import qmc
+
     if method == "latin":
-        return _latin(count, figures, seed)[begin:end]
-    from scipy.stats import qmc
-
-    length, samples = count // SCRAMBLES, []
-    for k in range(begin // length, -(-end // length)):
-        sequence = qmc.Sobol(figures, rng=np.random.default_rng([seed, k]))
-        first, last = max(begin - k * length, 0), min(end - k * length, length)
-        samples.append((sequence.fast_forward(first) if first else sequence).random(last - first))
-    return np.concatenate(samples)
-
-
-@lru_cache(maxsize=1)
-def _latin(count: int, figures: int, seed: int) -> FloatArray:
-    """A design whose rows depend on each other, and so are drawn at once."""
-    from scipy.stats import qmc
-
-    return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
+        return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
+    return np.concatenate(
+        [
+            qmc.Sobol(figures, rng=np.random.default_rng([seed, k])).random(count // SCRAMBLES)
+            for k in range(SCRAMBLES)
+        ]
+    )
 
 
 def drawn(figures: Sequence[Any], unit: FloatArray) -> FloatArray:
