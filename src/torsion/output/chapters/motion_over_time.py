@@ -221,7 +221,7 @@ def _peak_table(motion: TransientMotion, drawn: Sequence[Element]) -> Table:
             zeroed(motion.before[first], least),
             *(most / abs(mean) if mean else None for mean in (float(motion.before[first]), rated)),
             int(motion.reversals[spans].max()),
-            element.largest(motion.unresolved),
+            float(element.largest(motion.unresolved)),
         )
         rows.append(row)
     title = f"Transient: {motion.name}" if motion.name else "Transient response"
