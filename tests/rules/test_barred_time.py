@@ -1,5 +1,7 @@
 """How long a motion over time stays within a barred range, against the program of its speed."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,7 @@ rules: [iacs-m68]
 """
 
 
+@cache
 def run(last: float) -> tuple[Findings, Check]:
     """The findings, and the line of the barred range."""
     found = torsion.run(torsion.parse(SCENE.format(last=last)))

@@ -82,7 +82,7 @@ def energy(drawn: Drawn, found: TransientMotion) -> np.ndarray:
     return np.asarray(0.5 * np.array(drawn.inertia) @ found.speed**2)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=10, deadline=None, derandomize=True)
 @given(trains().filter(lambda one: one.is_free))
 def test_a_train_that_is_left_alone_gains_no_energy(drawn: Drawn) -> None:
     found = moved(drawn, initial={"speed": {"d0": "10 rad/s"}}, events=[])
@@ -92,7 +92,7 @@ def test_a_train_that_is_left_alone_gains_no_energy(drawn: Drawn) -> None:
     assert of_motion.max() <= (of_motion[0] + drawn.wound) * (1.0 + 1e-9)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=10, deadline=None, derandomize=True)
 @given(trains())
 def test_a_train_that_is_shaken_has_no_more_energy_than_it_was_given(drawn: Drawn) -> None:
     shaken = {"torque": drawn.torque, "frequency": drawn.frequency, "until": 0.1}

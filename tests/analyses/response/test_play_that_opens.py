@@ -1,6 +1,7 @@
 """A play under a mean torque in the steady vibration: closed, opening, jumping; against shooting for the cycle."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ analyses: {{response: }}
 PLAY = "clearance: 0.02 rad"
 
 
+@cache
 def run(
     torque: float,
     mean: float = 20.0,

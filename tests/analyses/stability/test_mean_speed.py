@@ -281,6 +281,7 @@ analyses: {stability: MAP}
 """
 
 
+@cache
 def unstable(drive: str = "", stability_map: str = "{}", load: str = "constant") -> Findings:
     whole = (
         UNSTABLE.replace("DRIVE", drive)
