@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.distributed.condensed_element import CondensedElements
-from torsion.kernels.distributed.dense_elements import dense_modes
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
@@ -55,6 +53,8 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
     resolved = reach(tree)
     beyond = count is not None and count > resolved.count and math.isfinite(resolved.frequency)
     if count is not None and beyond and _unknowns(tree) <= LARGEST_DENSE:
+        from torsion.kernels.distributed.dense_elements import dense_modes
+
         return dense_modes(tree, count)
     return tree_modes(tree, resolved.count if count is None else count)
 
@@ -66,6 +66,8 @@ def _limit(tree: Tree) -> float:
 
 def _unknowns(tree: Tree) -> float:
     """Return angles and unknowns inside of finite elements; infinite for a continuum."""
+    from torsion.kernels.distributed.condensed_element import CondensedElements
+
     laws = () if tree.shafts is None else tree.shafts.laws
     return tree.size + sum(
         law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws
