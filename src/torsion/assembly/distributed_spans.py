@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.shafts import Piece, is_uniform
+from torsion.assembly.shafts import is_uniform
+from torsion.assembly.spans import Piece
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Law, Shafts

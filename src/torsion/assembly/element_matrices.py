@@ -11,7 +11,8 @@ import numpy as np
 import skfem
 
 from torsion.arrays import FloatArray
-from torsion.assembly.shafts import Piece, is_uniform, uniform_area
+from torsion.assembly.shafts import is_uniform, uniform_area
+from torsion.assembly.spans import Piece
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it

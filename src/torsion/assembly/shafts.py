@@ -1,7 +1,6 @@
 """A shaft along its length: phase, area, static flexibility and inertia of its segments."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,23 +35,6 @@ def area_along(bar: Bar, share: FloatArray) -> FloatArray:
     return polar_area_moment(
         outer[0] + (outer[1] - outer[0]) * share, bore[0] + (bore[1] - bore[0]) * share
     )
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A part of a shaft with distributed inertia: the one of the given position among so many of equal length."""
-
-    bar: Bar
-    position: int
-    number: int
-
-    @property
-    def length(self) -> float:
-        return self.bar.length / self.number
-
-    def polar_area_moment(self, x: FloatArray) -> FloatArray:
-        """Return I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
-        return area_along(self.bar, (self.position + x) / self.number)
 
 
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:

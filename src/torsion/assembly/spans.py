@@ -5,7 +5,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.arrays import IntArray
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.shafts import area_along
 from torsion.primitives import Bar, Station
 
 
@@ -62,3 +63,20 @@ class Row:
         ends = np.arange(self.inside - 1, self.inside + self.number, dtype=np.int64)
         ends[0], ends[-1] = self.bar.driving, self.bar.driven
         return ends
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a shaft with distributed inertia: the one of the given position among so many of equal length."""
+
+    bar: Bar
+    position: int
+    number: int
+
+    @property
+    def length(self) -> float:
+        return self.bar.length / self.number
+
+    def polar_area_moment(self, x: FloatArray) -> FloatArray:
+        """Return I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
+        return area_along(self.bar, (self.position + x) / self.number)
