@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -252,11 +253,8 @@ class Held(Generic[Kind]):
     def __init__(self, name: str) -> None:
         self.name = name
 
-    def __get__(self, part: "Part", owner: type) -> Kind | None:
-        for record in getattr(part, "records", ()):
-            if any(kind.__name__ == self.name for kind in type(record).__mro__):
-                return cast(Kind, record)
-        return None
+    def __get__(self, part: "Part | None", owner: type) -> Kind | None:
+        return None if part is None else cast(Kind | None, part.records_by_name.get(self.name))
 
 
 @dataclass(frozen=True, repr=False)
@@ -303,6 +301,15 @@ class Part:
 
     def __repr__(self) -> str:
         return one_line(f"Part {self.name}: {self.kind}")
+
+    @cached_property
+    def records_by_name(self) -> dict[str, Any]:
+        """The first record of every class, and of the classes that they are of, by the name of the class."""
+        return {
+            kind.__name__: record
+            for record in reversed(self.records)
+            for kind in type(record).__mro__
+        }
 
     def get(self, kind: type[Kind]) -> Kind | None:
         """Return its record of a type; None where it has none."""

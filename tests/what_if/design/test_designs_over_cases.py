@@ -71,7 +71,7 @@ def designed(scene: str, folder: Path) -> Design:
     return torsion.run(torsion.parse(scene, str(folder / "train.yaml"))).need(Design)
 
 
-ROWS = 12
+ROWS = 8
 BY_PHASE = """  - motor: {name: motor, inertia: 1.2, ripple: [{order: 2, torque: 30 %, phase: 20 deg}]}
   - coupling: {name: rubber, stiffness: 13 kN*m/rad, psi: 0.85, vibratory_torque: 220 N*m}
   - disc: {name: hub, inertia: 0.3}
@@ -95,7 +95,7 @@ def mixed(folder: Path) -> str:
         "rubber: {catalogue: rows.csv}",
         DIAMETER,
         PHASE.replace("0 deg, to: 180", "-90 deg, to: 90"),
-        design="    evaluations: 450\n    seed: SEED",
+        design="    evaluations: 260\n    seed: SEED",
     )
     head, tail = scene.split("  - motor")[0], scene[scene.index("materials:") :]
     head = head.replace("steps: 41", "steps: 9")  # peaks between speeds are sought
