@@ -528,9 +528,8 @@ UNDECLARED = {  # by begin of the caption: columns that no quantity declares; ""
     "Natural frequencies of the cases": ("",),
     "Changes of the input": ("",),
     # the plan and the sources
-    "Computed steps": ("",),
-    "Not computed": ("",),
-    "Rules used": ("",),
+    "Computed steps": ("Size",),
+    "Rules used": ("Clauses", "Basis"),
     # motion, joints, stability, variants and comparisons
     "Best candidates": ("",),
     "Changes": ("",),

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output import check_words
@@ -13,14 +14,13 @@ from torsion.output.figures.figure import Figure
 from torsion.output.headline import Cases
 from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
-from torsion.output.selection import elements, highest, torques
+from torsion.output.selection import elements, torques
 from torsion.rules import RULES
 from torsion.rules.verdict_line import WORDS
 
 MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8
 BY_CASE, NOT_JUDGED = "by case", "not checked"
-Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -135,39 +135,31 @@ def _loads(cases: Cases) -> Iterator[Figure]:
     """Yield the most stressed shaft in every case; without shafts the component with the largest torque."""
     from torsion.output.chapters.component_loads import stress_curves
 
-    stresses: Loads = {}
-    torque: Loads = {}
-    for name, case in cases.items():
-        if not (case.is_answered and responds(case)):
-            continue
-        speed = case.need(Response).speed * RPM
-        for bar in case.study.train.bars:
-            curve = stress_curves(case, bar)
-            stresses.setdefault(bar.name, {})[name] = (curve.speed * RPM, curve.stress)
-        for element in elements(case.system):
-            values = synthesis(case, element.spans)
-            if element.kind != "shaft":
-                torque.setdefault(element.name, {})[name] = (speed, values)
-
-    component = _largest(stresses or torque)
-    if stresses:
-        caption = f"Vibratory shear stress of {component} in the cases"
-        content = "case-stress", caption, stresses[component], "shear stress amplitude", "N/mm²"
-        yield case_curves.curves(*content)
-    elif torque:
-        unit = torques(values for _, values in torque[component].values())
-        drawn = {
-            name: (speed, values * unit.factor)
-            for name, (speed, values) in torque[component].items()
+    answered = {name: case for name, case in cases.items() if case.is_answered and responds(case)}
+    loads = [case.need(ComponentLoads) for case in answered.values()]
+    shafts = [shaft for case in loads for shaft in case.shafts]
+    parts = [part for case in loads for part in case.elements]
+    if shafts:
+        name = max(shafts, key=lambda shaft: shaft.stress or 0.0).shaft
+        stresses = {
+            case_name: (curve.speed * RPM, curve.stress)
+            for case_name, case in answered.items()
+            for bar in case.system.train.bars
+            if bar.name == name
+            for curve in [stress_curves(case, bar)]
         }
-        caption = f"Total vibratory torque in {component} in the cases"
+        caption = f"Vibratory shear stress of {name} in the cases"
+        content = "case-stress", caption, stresses, "shear stress amplitude", "N/mm²"
+        yield case_curves.curves(*content)
+    elif parts:
+        name = max(parts, key=lambda part: part.torque or 0.0).component
+        torque = {
+            case_name: (case.need(Response).speed * RPM, synthesis(case, element.spans))
+            for case_name, case in answered.items()
+            for element in elements(case.system)
+            if element.name == name
+        }
+        unit = torques(values for _, values in torque.values())
+        drawn = {case: (speed, values * unit.factor) for case, (speed, values) in torque.items()}
+        caption = f"Total vibratory torque in {name} in the cases"
         yield case_curves.curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
-
-
-def _largest(loads: Loads) -> str:
-    """Return the name whose curves reach highest; empty without curves."""
-    peaks = {
-        name: max(highest(values) for _, values in curves.values())
-        for name, curves in loads.items()
-    }
-    return max(peaks, key=lambda name: peaks[name], default="")

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from torsion.errors import without_controls
-from torsion.findings import Findings
+from torsion.findings import Findings, LeftOut
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
 from torsion.output.check_words import basis
 from torsion.output.numbers import number, symbols
 from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import Check, Checks
 from torsion.study import Study
 from torsion.user_files import LARGEST_SIGNAL, read_file
 
@@ -23,30 +23,34 @@ MOST_CLAUSES = 20  # of a rule
 def steps(findings: Findings) -> Iterator[Block]:
     """The chapter of what was computed, which is always printed."""
     plan = findings.plan
-    rows = [(line.what, line.method, _singular(line.size), line.why) for line in plan.done]
     yield Heading("Appendix: what was computed")
-    yield table("< Step | < Method | < Size | < Reason", rows, "Computed steps")
+    yield table(
+        "what: < Step | method: < Method | < Size | why: < Reason",
+        [(line, _singular(line.size)) for line in plan.done],
+        "Computed steps",
+    )
     if seconds := sum(line.seconds for line in plan.done):
         yield Paragraph(f"Computing time: {number(seconds, 3)} s.")
     if plan.left_out:
-        yield table("< Not computed | < Reason", plan.left_out, "Not computed")
+        omitted = [LeftOut(*pair) for pair in plan.left_out]
+        yield table("what: < Not computed | why: < Reason", omitted, "Not computed")
     if plan.versions:
         yield KeyValues(tuple(plan.versions.items()))
 
 
 def sources(findings: Findings) -> Iterator[Block]:
     """Appendix: the rules that judged, their clauses and the basis of their limits."""
-    clauses: dict[tuple[str, str], dict[str, None]] = {}
+    checks: dict[tuple[str, str], list[Check]] = {}
     for check in findings.need(Checks).lines:
-        clauses.setdefault((check.rule, basis(check)), {})[symbols(check.clause)] = None
-    if clauses:
+        checks.setdefault((check.rule, basis(check)), []).append(check)
+    if checks:
         yield Heading("Appendix: sources of the limits")
-        rows = [
-            (rule, listed(names, most=MOST_CLAUSES), words)
-            for (rule, words), names in clauses.items()
-        ]
+        rows = []
+        for (_, words), group in checks.items():
+            clauses = dict.fromkeys(symbols(check.clause) for check in group)
+            rows.append((group[0], listed(clauses, most=MOST_CLAUSES), words))
         yield table(
-            "< Rule | < Clauses | < Basis",
+            "rule: < Rule | < Clauses | < Basis",
             rows,
             "Rules used by this run and the basis of their limits",
         )
