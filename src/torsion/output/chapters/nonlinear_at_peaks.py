@@ -6,7 +6,7 @@ from itertools import chain
 from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.numbers import NONE, number, rpm
+from torsion.output.numbers import number, rpm
 
 DIFFERS = 0.10  # of the exact amplitude: more is pointed at
 METHOD = (
@@ -18,8 +18,9 @@ METHOD = (
     " with the largest share in the coupling, and its frequency at this amplitude."
 )
 TITLES = (
-    "< Coupling -> | < Order | Speed [rpm] -> rpm | Response [N m] -> | Exact [N m] -> | Difference [%] -> | "
-    "Exact total [N m] | Mode | Frequency [Hz]"
+    "coupling: < Coupling -> | component: < Order | speed: Speed [rpm] -> rpm | response: Response -> | "
+    "exact: Exact -> | difference: Difference [%]:2 -> | half_range: Exact total | mode: Mode | "
+    "natural_frequency: Frequency"
 )
 
 
@@ -30,23 +31,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Backlash and friction at the peaks of the response")
     yield Paragraph(METHOD)
-    rows = [
-        (
-            peak.coupling,
-            peak.component,
-            rpm(peak.speed),
-            number(peak.response),
-            NONE if peak.exact is None else number(peak.exact),
-            NONE if peak.difference is None else number(100.0 * peak.difference, 2),
-            number(peak.half_range),
-            peak.mode,
-            number(peak.natural_frequency),
-        )
-        for peak in peaks.each
-    ]
-    yield table(
-        TITLES, rows, "Torque amplitudes at the peaks", short="Backlash and friction at the peaks"
-    )
+    title = "Backlash and friction at the peaks"
+    yield table(TITLES, peaks.each, "Torque amplitudes at the peaks", short=title)
     for name in dict.fromkeys(peak.coupling for peak in peaks.each):
         peaks_of_coupling = [peak for peak in peaks.each if peak.coupling == name]
         notes = [
