@@ -262,6 +262,17 @@ def test_kr_wants_stresses_up_to_1_2_of_the_rated_speed(study) -> None:
         assert found == (None if end is None else pytest.approx(end, rel=1e-12))
 
 
+def test_speeds_above_the_rated_one_lie_as_close_as_those_of_the_operation(study) -> None:
+    for steps, known in (
+        (10, 3),
+        (19, 5),
+        (91, 21),
+    ):  # of 100, 50 and 10 rpm, from 1000 to 1200 rpm
+        speeds = {"from": "100 rpm", "to": "1000 rpm", "steps": steps}
+        above = demanded_study(study(train(shaft()), [("kr", settings("kr")())], speeds=speeds))
+        assert above.operation.speeds.steps == known
+
+
 @pytest.mark.parametrize("duty", ["propulsion", "generator set"])
 def test_major_critical_speeds_lie_outside_their_range(study, evidence, duty) -> None:
     """Two equal discs of 3 kg m2 on a massless crank: f = sqrt(2 k/J)/(2 pi); the order 3 of six cylinders."""

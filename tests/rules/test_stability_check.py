@@ -206,13 +206,16 @@ def test_distance_counts_from_where_nothing_is_known():
         ([150.0], -1.0, "not judged"),
         ([80.0], -1.0, "pass"),
         ([220.0], -1.0, "pass"),
+        ([210.0], -1.0, "not judged"),
         ([90.0], -1.0, "not judged"),
         ([], -1.0, "pass"),
         ([150.0], 0.5, "fail"),
     ],
 )
 def test_exponent_that_was_not_distinguished_is_never_a_pass(doubtful, growth, verdict):
-    """Speeds of 80, 90, ... rad/s: what is between 90 and 100 may hold at the first speed operated, 100."""
+    """Speeds of 80, 90, ... rad/s: what is between 90 and 100 may hold at the first speed operated, 100,
+    and what is between 200 and 210 at the last, 200.
+    """
     ranges = ((140.0, 150.0, growth),) if growth > 0 else ()
     whole = replace(found([growth] * 15, ranges=ranges), doubtful=np.array(doubtful))
     check = stability_check(whole, OPERATED)
