@@ -336,7 +336,7 @@ def _in_roots(
     push = balance[:, layout.inputs] if train.elements else train.push
     ends, fixed = train.ends[springs], train.ends[stuck]
     held = np.concatenate([ends, fixed])
-    held = held[:, :rigid] / np.abs(held).max(axis=1, initial=0.0)[:, None]
+    held = held[:, :rigid] / np.abs(held).max(axis=1, initial=TINY)[:, None]
     damped = np.where(is_damped, damping[:, :rigid], 0.0) / max(size.max(initial=0.0), TINY)
     values, turned = np.linalg.svd(np.concatenate([held, damped]))[1:]
     count = rigid - np.count_nonzero(values > HELD)
