@@ -84,7 +84,8 @@ def answered(root: complex, loads, force: np.ndarray, start: float) -> np.ndarra
                 length = np.array([min(end, time) - begin])
                 y = y * np.exp(root * length[0])
                 for term in terms:
-                    once, ramp = exponential_answers(np.array([root]), term.rate, length, 2)
+                    decay = np.exp(np.array([[root * length[0]]]))
+                    once, ramp = exponential_answers(np.array([root]), term.rate, length, 2, decay)
                     y += force[term.load] * (term.level * once + term.slope * ramp)[0, 0]
         found[k] = y
     return found

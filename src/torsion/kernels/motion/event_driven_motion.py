@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.motion.linear_regime import Layout, Regime
-from torsion.kernels.motion.modal_loads import LoadedModes, Start, beside_each_other, inputs_at
+from torsion.kernels.motion.modal_loads import LoadedModes, Start, beside_each_other
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ class EventDrivenMotion:
             regime, chosen, starts = groups[number]
             start = starts.select(np.searchsorted(chosen, step[columns]))
             late = time[columns] - start.time
-            moved = regime.moved(start, late)
-            rates = inputs_at(self.train, start, late, 2)[:, :, 1]
+            moved = regime.moved(start, late, orders=2)
+            rates = moved.input_rates[:, :, 0]
             parts = (regime.positions(moved), regime.speeds(moved.y), moved.inputs, rates)
             values, gained = np.concatenate(parts), regime.speeds(regime.rates_of(moved))
             reading = Reading(self.train, values, gained, regime.torque @ values, np.empty(0))

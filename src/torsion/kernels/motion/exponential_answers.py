@@ -19,11 +19,11 @@ TERMS = 14
 
 
 def exponential_answers(
-    root: ComplexArray, rate: complex, time: FloatArray, count: int
+    root: ComplexArray, rate: complex, time: FloatArray, count: int, decay: ComplexArray
 ) -> list[ComplexArray]:
-    """I_0 and as many more as make `count`, each (coordinates, times).
+    """I_0 and as many more as make `count`, each (coordinates, times); decay: exp(root time).
 
-    >>> answers = exponential_answers(np.zeros(1), 0.0, np.array([2.0]), 3)
+    >>> answers = exponential_answers(np.zeros(1), 0.0, np.array([2.0]), 3, np.ones((1, 1)))
     >>> [round(answer[0, 0].real, 12) for answer in answers]  # t, t**2/2, t**3/3
     [2.0, 2.0, 2.666666666667]
     """
@@ -31,7 +31,7 @@ def exponential_answers(
     z = d * time
     near = np.abs(z) < SMALL
     divisor = np.where(d == 0.0, 1.0, d)
-    growth, decay = np.exp(rate * time), np.exp(np.multiply.outer(root, time))
+    growth = np.exp(rate * time)
     answers = [np.asarray((growth - decay) / divisor)]
     for power in range(1, count):
         answers.append(np.asarray((time**power * growth - power * answers[-1]) / divisor))

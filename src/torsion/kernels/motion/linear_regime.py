@@ -33,9 +33,10 @@ class Moved:
     y: ComplexArray  # (coordinates, times), speeds of the motions that nothing holds among them, which stand first
     turned: FloatArray  # (motions that nothing holds, times)
     inputs: FloatArray  # (inputs, times)
+    input_rates: FloatArray  # (inputs, times, orders) of as many derivatives as are requested
 
 
-Kept = dict[complex, list[ComplexArray]]  # answers to exponentials at certain times, by rate
+Kept = dict[complex | None, list[ComplexArray]]  # answers to exponentials at certain times, by rate
 
 
 @dataclass(frozen=True)
@@ -89,37 +90,48 @@ class Regime:
         held = _times(roots.of_speed, v[:, None]) + _times(roots.of_position, q[:, None])
         return np.concatenate([self.free.T @ speed, held[:, 0]]), self.free.T @ position
 
-    def moved(self, start: Start, time: FloatArray, kept: Kept | None = None) -> Moved:
-        """The motion at times since its start, (times,) s; kept: answers that are the same in every call."""
+    def moved(
+        self, start: Start, time: FloatArray, kept: Kept | None = None, orders: int = 1
+    ) -> Moved:
+        """The motion at times since its start, (times,) s, with some derivatives of its inputs.
+
+        kept: answers that are the same in every call.
+        """
         train, root, number = self.train, self.root, self.free.shape[1]
         kept = {} if kept is None else kept
-        count = 3 if number else 2
-        y = start.y * np.exp(np.multiply.outer(root, time))
+        decay = kept.setdefault(None, [np.exp(np.multiply.outer(root, time))])[0]
+        y = start.y * decay
         turned = start.turned + start.y[:number].real * time
-        loads, constant = slice(1, train.following.start), np.zeros((1, 1))
+        loads, none = slice(1, train.following.start), np.zeros((1, 1), dtype=complex)
         steady = self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset
-        acting: list[tuple[complex, np.ndarray, np.ndarray]] = [(0.0 + 0.0j, steady, constant)]
+        acting = [(0.0 + 0.0j, steady, none)]
         late = start.time - train.history.begin[start.interval]
         for rate, level, slope in train.rates[start.interval]:
             levels = self.force[:, loads] @ np.stack([level, slope], axis=1)
             growth = np.exp(rate * late)
-            slopes = levels[:, 1:] * growth
+            slopes = levels[:, 1:] * growth if slope.any() else none
             acting.append((rate, levels[:, :1] * growth + slopes * late, slopes))
         for rate, level, slope in acting:
-            if rate not in kept:
-                kept[rate] = exponential_answers(root, rate, time, count)
+            count = 1 if slope is none else 2
+            if len(kept.get(rate, [])) < 2 * count + 1:
+                alone = np.ones((1, len(time)), dtype=complex)  # a motion that nothing holds
+                kept[rate] = [
+                    *exponential_answers(np.zeros(1, dtype=complex), rate, time, count + 1, alone),
+                    *exponential_answers(root, rate, time, count, decay),
+                ]
             terms = kept[rate]
-            y += level * terms[0] + slope * terms[1]
-            if number:
-                once, ramp, square = (term[:number] for term in terms)
-                twice = level[:number] * (time * once - ramp)
-                turned = turned + twice.real
-                turned = turned + (slope[:number] * (time * ramp - square)).real
+            free, held = terms[: (len(terms) + 1) // 2], terms[(len(terms) + 1) // 2 :]
+            y += level * held[0]
+            turned = turned + (level[:number] * (time * free[0] - free[1])).real
+            if count == 2:
+                y += slope * held[1]
+                turned = turned + (slope[:number] * (time * free[1] - free[2])).real
         if start.series.any():
             series = np.broadcast_to(start.series, (*start.series.shape[:2], len(time)))
             added = self.under(time, start.length, series)
             y, turned = y + added[0], turned + added[1]
-        return Moved(y, turned, inputs_at(train, start, time)[:, :, 0])
+        inputs = inputs_at(train, start, time, orders)
+        return Moved(y, turned, inputs[:, :, 0], inputs[:, :, 1:])
 
     def under(
         self, time: FloatArray, length: FloatArray, series: FloatArray

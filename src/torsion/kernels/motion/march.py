@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.kernels.motion.endless_events import Chatter, refuse_too_many
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
-from torsion.kernels.motion.linear_regime import Layout, Modes, Moved, Regime, regime_of
+from torsion.kernels.motion.linear_regime import Kept, Layout, Modes, Moved, Regime, regime_of
 from torsion.kernels.motion.modal_loads import SAME_TIME, LoadedModes, Start, Turning
 from torsion.kernels.motion.piecewise_elements import OPEN, Friction
 from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES, value
@@ -34,7 +34,7 @@ class Influence:
     """What torques at the nodes of a step of one length do to the interfaces, and what its start goes on with."""
 
     turning: Turning  # each (interfaces, ENDS, interfaces, nodes), rad/(N m) and so on
-    kept: dict[complex, list[ComplexArray]]
+    kept: Kept
 
 
 @dataclass
@@ -273,7 +273,7 @@ class March:
         inputs[self.train.following] = value(series, share)
         angle, speed, rate = (
             rows.reshape(number, number, POINTS, ends).transpose(0, 3, 1, 2)
-            for rows in self._interfaces(Moved(y, turned, inputs))
+            for rows in self._interfaces(Moved(y, turned, inputs, np.zeros((0, 0, 0))))
         )
         return angle, speed, rate
 
@@ -292,7 +292,7 @@ class March:
         time: float,
         start: Start,
         late: FloatArray,
-        kept: dict[complex, list[ComplexArray]] | None = None,
+        kept: Kept | None = None,
     ) -> Turning:
         """Whole angles, speeds and accelerations of the interfaces at times since a start."""
         turning = self._interfaces(self.regime.moved(start, late, kept))

@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.piecewise_elements import Element, Friction
-from torsion.kernels.motion.polynomial_torques import value
+from torsion.kernels.motion.polynomial_torques import DERIVED, POINTS
 from torsion.kernels.motion.torque_history import History, Piece, history
 
 ROUNDING = 1e-12  # of an element's largest relative angle
@@ -168,10 +168,12 @@ def inputs_at(train: LoadedModes, start: Start, time: FloatArray, orders: int = 
     inputs, offsets = np.zeros((train.inputs, len(time), orders)), train.following.stop
     since = start.time + time - train.history.begin[start.interval]
     inputs[1 : train.following.start] = train.loads_at(start.interval, since, orders)
-    series = start.series
-    for order in range(min(orders, len(series)) if len(train.shape) else 0):
-        values = value(series, time / start.length) * (2.0 / start.length) ** order
-        inputs[train.following, :, order] = values
-        series = np.asarray(legendre.legder(series))
+    if len(train.shape):
+        shape = (*start.series.shape[:2], len(time))
+        basis = legendre.legvander(2.0 * time / start.length - 1.0, POINTS - 1)
+        for order in range(min(orders, POINTS)):
+            series = np.tensordot(DERIVED[order], start.series * (2.0 / start.length) ** order, 1)
+            values = np.einsum("tk,kit->it", basis, np.broadcast_to(series, shape))
+            inputs[train.following, :, order] = values
     inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
     return inputs

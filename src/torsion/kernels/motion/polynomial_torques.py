@@ -18,6 +18,9 @@ NODES: FloatArray = (_x + 1.0) / 2.0  # shares of the step
 ENDS: FloatArray = np.append(NODES, 1.0)
 # (coefficients, nodes): Legendre series over the step of values at the nodes
 SERIES: FloatArray = (np.arange(POINTS)[:, None] + 0.5) * _w * legendre.legvander(_x, POINTS - 1).T
+# (coefficients, coefficients) of every derivative of a series
+_derived = np.pad(legendre.legder(np.eye(POINTS)), ((0, 1), (0, 0)))
+DERIVED = [np.linalg.matrix_power(_derived, order) for order in range(POINTS)]
 FAR = 16.0  # |z| from which the integrals by parts lose nothing
 # |z| below which so many points are exact to rounding: n of them take the exponential as a polynomial of degree
 # 2 n - POINTS, which errs by 2 (|z|/4)^k/k! at k = 2 n - POINTS + 1 (Chebyshev): 2e-18, 2e-17 and 2e-18

@@ -74,22 +74,22 @@ class Watch:
         # Answers of a whole look are the same from every start.
         is_whole = (first, last) in pairwise(LOOKS)
         kept = self.kept.setdefault(first, {}) if is_whole else None
-        moved = regime.moved(start, time, kept)
+        moved = regime.moved(start, time, kept, 3)
         number = len(moved.turned)
-        inputs = inputs_at(regime.train, start, time, 3)
+        rates = moved.input_rates
         value = (by_y @ moved.y).real + by_turned @ moved.turned + by_inputs @ moved.inputs
         rise = (by_y @ regime.rates_of(moved)).real + by_turned @ moved.y[:number].real
-        rise += by_inputs @ inputs[:, :, 1]
+        rise += by_inputs @ rates[:, :, 0]
         if self.has_rates:
-            value += by_rates @ inputs[:, :, 1]
-            rise += by_rates @ inputs[:, :, 2]
+            value += by_rates @ rates[:, :, 0]
+            rise += by_rates @ rates[:, :, 1]
         rise *= self.part
         below = (value[:, :-1] <= 0.0) | (value[:, 1:] <= 0.0)
         below |= (value + rise)[:, :-1] <= 0.0
         below |= (value - rise)[:, 1:] <= 0.0
         for part in np.flatnonzero(below.any(axis=0)).tolist():
             functions = np.flatnonzero(below[:, part]).tolist()
-            column = Moved(moved.y[:, part], moved.turned[:, part], moved.inputs[:, part])
+            column = Moved(moved.y[:, part], moved.turned[:, part], moved.inputs[:, part], rates)
             root = self._root(start, column, float(time[part]), functions)
             if root is not None and (late := float(time[part]) + root[0] * self.part) <= length:
                 return late, *root[1:]
@@ -107,7 +107,9 @@ class Watch:
             y[:, order] = regime.root * y[:, order - 1] + pushed[:, order - 1]
         turned = np.concatenate([moved.turned[:, None], y[: len(moved.turned), :-1].real], axis=1)
         terms = (by_y @ y).real + by_turned @ turned + by_inputs @ inputs[:, :TERMS]
-        column = Moved(moved.y[:, None], moved.turned[:, None], moved.inputs[:, None])
+        column = Moved(
+            moved.y[:, None], moved.turned[:, None], moved.inputs[:, None], moved.input_rates
+        )
         values = [regime.positions(column), regime.speeds(column.y), inputs[:, :1], inputs[:, 1:2]]
         size = EXACT * (self.sizes @ np.abs(np.concatenate(values))[:, 0])
         size += EXACT * (np.abs(by_y) @ np.abs(moved.y))
@@ -129,6 +131,7 @@ class Watch:
             np.asarray(y @ weight, dtype=complex)[:, None],
             np.asarray(turned @ weight)[:, None],
             np.asarray(inputs[:, :TERMS] @ weight)[:, None],
+            moved.input_rates,
         )
         return *best, there
 
