@@ -228,8 +228,8 @@ def test_a_figure_that_was_changed_by_hand_is_noticed(bare: Findings, tmp_path: 
     kept_in(tmp_path, document(bare))
     file = tmp_path / "results.json"
     text = file.read_text(encoding="utf-8")
-    assert '"120"' in text
-    file.write_text(text.replace('"120"', '"130"'), encoding="utf-8")
+    assert ",120.0," in text
+    file.write_text(text.replace(",120.0,", ",130.0,"), encoding="utf-8")
     with pytest.raises(torsion.InputError, match="was changed after"):
         opened(file)
 
