@@ -18,11 +18,12 @@ from torsion.kernels.motion.damped_modes import Roots, roots_of
 from torsion.kernels.motion.exponential_answers import exponential_answers
 from torsion.kernels.motion.modal_loads import LoadedModes, Start, inputs_at
 from torsion.kernels.motion.piecewise_elements import Law
-from torsion.kernels.motion.polynomial_torques import answers, integrals
+from torsion.kernels.motion.polynomial_torques import POINTS, answers, integrals
 
 Modes = tuple[int, ...]  # the regime of every element
 HELD = 1e-10  # relative: rigid motions that springs and dampers twist by less are free
 TINY = float(np.finfo(float).tiny)
+MOST_KEPT = 64  # answers to exponentials and to steps of a length
 NOTHING = 1e-12  # of the fastest: a slower mode stands still
 
 
@@ -36,7 +37,9 @@ class Moved:
     input_rates: FloatArray  # (inputs, times, orders) of as many derivatives as are requested
 
 
-Kept = dict[complex | None, list[ComplexArray]]  # answers to exponentials at certain times, by rate
+Kept = dict[
+    object, list[ComplexArray]
+]  # answers at certain times to exponentials, by rate, and to steps, by length
 
 
 @dataclass(frozen=True)
@@ -98,8 +101,10 @@ class Regime:
         kept: answers that are the same in every call.
         """
         train, root, number = self.train, self.root, self.free.shape[1]
-        kept = {} if kept is None else kept
-        decay = kept.setdefault(None, [np.exp(np.multiply.outer(root, time))])[0]
+        is_kept, kept = kept is not None, {} if kept is None else kept
+        if None not in kept:
+            kept[None] = [np.exp(np.multiply.outer(root, time))]
+        decay = kept[None][0]
         y = start.y * decay
         turned = start.turned + start.y[:number].real * time
         loads, none = slice(1, train.following.start), np.zeros((1, 1), dtype=complex)
@@ -128,24 +133,48 @@ class Regime:
                 turned = turned + (slope[:number] * (time * free[1] - free[2])).real
         if start.series.any():
             series = np.broadcast_to(start.series, (*start.series.shape[:2], len(time)))
-            added = self.under(time, start.length, series)
+            basis = self._kept_basis(time, start.length, kept) if is_kept else None
+            added = self.under(time, start.length, series, basis)
             y, turned = y + added[0], turned + added[1]
         inputs = inputs_at(train, start, time, orders)
         return Moved(y, turned, inputs[:, :, 0], inputs[:, :, 1:])
 
     def under(
-        self, time: FloatArray, length: FloatArray, series: FloatArray
+        self,
+        time: FloatArray,
+        length: FloatArray,
+        series: FloatArray,
+        basis: ComplexArray | None = None,
     ) -> tuple[ComplexArray, FloatArray]:
         """Coordinates and positions of what nothing holds, from rest, under torques that follow the motion.
 
-        These have series (coefficients, interfaces, times) over lengths (s).
+        These have series (coefficients, interfaces, times) over lengths (s). basis: (coordinates, coefficients, times)
+        answers to a coefficient of 1, of one series.
         """
         share = time / length
         force, number = self.force[:, self.train.following], self.free.shape[1]
-        z = np.asarray(self.root[:, None] * time, dtype=complex)
         acts = np.einsum("mr,krt->kmt", force[:number].real, series)
         twice = integrals(acts, share)[1] * np.square(length)
+        if basis is not None:
+            return np.einsum("nk,nkt->nt", force @ series[:, :, 0].T, basis), twice
+        z = np.asarray(self.root[:, None] * time, dtype=complex)
         return time * answers(z, share, force, series), twice
+
+    def _kept_basis(self, time: FloatArray, length: FloatArray, kept: Kept) -> ComplexArray | None:
+        """(coordinates, coefficients, times) answers to a coefficient of 1, from the second step of a length on."""
+        key, count, size = ("step", float(length[0])), len(time), len(self.root)
+        if key not in kept:
+            if len(kept) > MOST_KEPT:
+                kept.clear()
+            kept[key] = []
+            return None
+        if not kept[key]:
+            late = np.tile(time, POINTS)
+            z = np.asarray(np.multiply.outer(self.root, late), dtype=complex)
+            series, unit = np.repeat(np.eye(POINTS), count, axis=1)[:, None], np.ones((size, 1))
+            answer = late * answers(z, late / length, unit, series)
+            kept[key] = [answer.reshape(size, POINTS, count)]
+        return kept[key][0]
 
     def rates_of(self, moved: Moved) -> ComplexArray:
         """(coordinates, times) rates of the coordinates."""
