@@ -18,7 +18,7 @@ from torsion.kernels.motion.damped_modes import Roots, roots_of
 from torsion.kernels.motion.exponential_answers import exponential_answers
 from torsion.kernels.motion.modal_loads import LoadedModes, Start, inputs_at
 from torsion.kernels.motion.piecewise_elements import Law
-from torsion.kernels.motion.polynomial_torques import POINTS, answers, integrals
+from torsion.kernels.motion.polynomial_torques import POINTS, answers, second_integral
 
 Modes = tuple[int, ...]  # the regime of every element
 HELD = 1e-10  # relative: rigid motions that springs and dampers twist by less are free
@@ -132,9 +132,8 @@ class Regime:
                 y += slope * held[1]
                 turned = turned + (slope[:number] * (time * free[1] - free[2])).real
         if start.series.any():
-            series = np.broadcast_to(start.series, (*start.series.shape[:2], len(time)))
             basis = self._kept_basis(time, start.length, kept) if is_kept else None
-            added = self.under(time, start.length, series, basis)
+            added = self.under(time, start.length, start.series, basis)
             y, turned = y + added[0], turned + added[1]
         inputs = inputs_at(train, start, time, orders)
         return Moved(y, turned, inputs[:, :, 0], inputs[:, :, 1:])
@@ -154,10 +153,11 @@ class Regime:
         share = time / length
         force, number = self.force[:, self.train.following], self.free.shape[1]
         acts = np.einsum("mr,krt->kmt", force[:number].real, series)
-        twice = integrals(acts, share)[1] * np.square(length)
+        twice = second_integral(acts, share) * np.square(length)
         if basis is not None:
             return np.einsum("nk,nkt->nt", force @ series[:, :, 0].T, basis), twice
         z = np.asarray(self.root[:, None] * time, dtype=complex)
+        series = np.broadcast_to(series, (*series.shape[:2], len(time)))
         return time * answers(z, share, force, series), twice
 
     def _kept_basis(self, time: FloatArray, length: FloatArray, kept: Kept) -> ComplexArray | None:
