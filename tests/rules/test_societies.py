@@ -262,6 +262,13 @@ def test_kr_wants_stresses_up_to_1_2_of_the_rated_speed(study) -> None:
         assert found == (None if end is None else pytest.approx(end, rel=1e-12))
 
 
+def test_speeds_that_all_lie_above_the_rated_one_are_all_that_the_rule_is_held_against(
+    study,
+) -> None:
+    speeds = {"from": "1100 rpm", "to": "1150 rpm"}
+    assert demanded_study(study(train(shaft()), [("kr", settings("kr")())], speeds=speeds)) is None
+
+
 def test_speeds_above_the_rated_one_lie_as_close_as_those_of_the_operation(study) -> None:
     for steps, known in (
         (10, 3),

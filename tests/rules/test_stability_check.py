@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import torsion
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
-from torsion.rules.stable_motion import stability_check
+from torsion.rules.stable_motion import mean_speed_check, stability_check
 from torsion.study import Operation
 
 OPERATED = Operation(speeds={"from": "100 rad/s", "to": "200 rad/s"})
@@ -221,6 +222,14 @@ def test_exponent_that_was_not_distinguished_is_never_a_pass(doubtful, growth, v
     check = stability_check(whole, OPERATED)
     assert check.verdict == verdict
     assert ("not distinguished" in check.note) == bool(doubtful)
+
+
+@pytest.mark.parametrize(("growth", "verdict"), [(-1.0, "pass"), (math.nan, "fail")])
+def test_mean_speed_of_which_nothing_is_known_at_any_speed_never_passes(growth, verdict):
+    text = "name: x\noperation: {speeds: {from: 100 rad/s, to: 200 rad/s}}\ntrain: [disc: {inertia: 1}]\n"
+    check = mean_speed_check(found([growth] * 15), torsion.parse(text))
+    assert check.verdict == verdict
+    assert math.isnan(check.value)
 
 
 RPM = math.pi / 30.0
