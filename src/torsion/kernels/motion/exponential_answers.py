@@ -24,7 +24,7 @@ def exponential_answers(
     """I_0 and as many more as make `count`, each (coordinates, times); decay: exp(root time).
 
     >>> answers = exponential_answers(np.zeros(1), 0.0, np.array([2.0]), 3, np.ones((1, 1)))
-    >>> [round(answer[0, 0].real, 12) for answer in answers]  # t, t**2/2, t**3/3
+    >>> [round(float(answer[0, 0].real), 12) for answer in answers]  # t, t**2/2, t**3/3
     [2.0, 2.0, 2.666666666667]
     """
     d = (rate - root)[:, None]

@@ -18,7 +18,7 @@ from torsion.kernels.motion.linear_regime import Kept, Layout, Modes, Moved, Reg
 from torsion.kernels.motion.modal_loads import SAME_TIME, LoadedModes, Start, Turning
 from torsion.kernels.motion.piecewise_elements import OPEN, Friction
 from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES, value
-from torsion.kernels.motion.regime_events import BLOCK, RADIANS, Watch, looks, parts_within
+from torsion.kernels.motion.regime_events import BLOCK, RADIANS, Watch, looks
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
@@ -208,7 +208,7 @@ class March:
         """When (s from a time on) the first event is within a length, of which function, and the motion then."""
         part = self._part(self.regime, length / 4.0 if self.number else math.inf)
         watch = self.watches.setdefault((self.modes, part), Watch(self.regime, part))
-        for first, last in looks(parts_within(length, part) if len(self.regime.events) else 0):
+        for first, last in looks(math.ceil(length / part) if len(self.regime.events) else 0):
             event = watch.first_event(self.start, first, last, length)
             if event is not None:
                 return event

@@ -5,7 +5,6 @@ of it, or a tangent at one end is below zero at the other; there the functions a
 exact to rounding.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -134,8 +133,3 @@ class Watch:
             moved.input_rates,
         )
         return *best, there
-
-
-def parts_within(length: float, part: float) -> int:
-    """How many parts a length (s) has."""
-    return math.ceil(length / part)
