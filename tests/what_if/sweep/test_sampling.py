@@ -53,6 +53,15 @@ def test_independent_samples_have_wilsons_interval(count: int, size: int) -> Non
     assert (share, low, high) == pytest.approx((count / size, exact.low, exact.high), abs=1e-15)
 
 
+def test_sobol_has_students_interval_of_the_shares_of_its_sequences() -> None:
+    counts, length = np.arange(4, 4 + SCRAMBLES), 32
+    share, *ends = probability((np.arange(length) < counts[:, None]).ravel(), "sobol")
+    shares = counts / length
+    exact = stats.t.interval(0.95, SCRAMBLES - 1, loc=shares.mean(), scale=stats.sem(shares))
+    assert share == pytest.approx(shares.mean(), rel=1e-15)
+    assert ends == pytest.approx(exact, rel=1e-12)
+
+
 def test_none_of_the_samples_is_no_probability_of_nothing() -> None:
     share, low, high = probability(np.zeros(512, dtype=bool), "sobol")
     assert share == low == 0.0

@@ -402,6 +402,12 @@ def test_a_law_beside_a_catalogue_is_about_the_row_however_the_variants_are_solv
     assert alone.results["modes"].frequency[0] == pytest.approx(exact[0], rel=1e-13)
 
 
+def test_a_figure_that_lowers_a_value_decides_as_one_that_raises_it() -> None:
+    used = np.linspace(0.1, 0.9, 6)
+    factor = np.column_stack([[1.0, 0.0, 2.0, 1.0, 2.0, 3.0], -used])
+    assert _decides(used, factor) == (1, pytest.approx(-1.0, rel=1e-15))
+
+
 def test_equal_values_share_their_ranks() -> None:
     from scipy.stats import spearmanr
 
