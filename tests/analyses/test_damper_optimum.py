@@ -114,7 +114,7 @@ def test_a_ring_that_is_too_small_for_a_mode_is_left_out(tmp_path: Any) -> None:
     ("ring", "words"),
     [
         ({}, "`damping` is missing"),
-        ({"loss_factor": 0.1}, "`loss_factor` is of a stiffness"),
+        ({"loss_factor": 0.1}, "`loss_factor` needs `stiffness`"),
         ({"stiffness": 1e4, "psi": 1, "magnifier": 5}, "psi and magnifier exclude each other"),
     ],
 )

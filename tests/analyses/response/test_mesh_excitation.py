@@ -214,7 +214,7 @@ def test_harmonic_component_is_named_by_its_mesh() -> None:
     ("changes", "words"),
     [
         ({"torque": 5.0, "transmission_error": "3 um"}, "exclude each other"),
-        ({}, "`torque` is missing"),
+        ({}, "`torque` or `transmission_error` is missing"),
         ({"transmission_error": "3 um", "frequency": 5}, "excites by its teeth"),
         ({"transmission_error": "3 um", "order": 2, "harmonic": 2}, "exclude each other"),
         ({"transmission_error": "3 mm"}, "usual"),

@@ -360,7 +360,7 @@ def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
         "torsion.analyses.stability.floquet_exponents.drift_slope",
         lambda at, speed, near: (1.0, None),
     )
-    found = solved(first=250, last=1500, steps=126)
+    found = solved.__wrapped__(first=250, last=1500, steps=126)  # not what an earlier test solved
     assert verdict(found, "stability").verdict == "fail"
     assert "were not distinguished" in verdict(found, "stability").note
 
@@ -532,10 +532,10 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
 @for_all(
     ("drive", "words"),
     [
-        ("{slip: 1 %, droop: 4 %}", "`slip` and `droop` are two laws of one drive"),
+        ("{slip: 1 %, droop: 4 %}", "`slip` and `droop` exclude each other"),
         ("{slip: 0}", "0"),
         ("{slip: 100 %}", "100 %"),
-        ("{lag: 0.3 s}", "`lag` without a slope"),
+        ("{lag: 0.3 s}", "`slip` or `droop` or `law` or `torque` is missing"),
         ("{law: speed, lag: 0.3 s}", "`lag` without a slope"),
         (
             "{slip: 1 %, lag: 0.3 s}",
@@ -545,8 +545,8 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
             "{torque: [[0 rpm, 1300], [1000 rpm, 1250]]}",
             "the table of the drive of 'motor' covers 0 rpm to 1000 rpm",
         ),
-        ("{slip: 1 %, pull_out: 3200 N*m}", "`pull_out` without `at_slip`"),
-        ("{droop: 4 %, pull_out: 3200 N*m, at_slip: 8 %}", "`pull_out` without `slip`"),
+        ("{slip: 1 %, pull_out: 3200 N*m}", "`pull_out` needs `at_slip`"),
+        ("{droop: 4 %, pull_out: 3200 N*m, at_slip: 8 %}", "`pull_out` needs `slip`"),
         (
             "{slip: 9 %, pull_out: 3200 N*m, at_slip: 8 %, lag: 1 s}",
             "`lag` beyond the pull-out torque",

@@ -108,7 +108,9 @@ def many(number: int) -> Findings:
     return run(f"\n- motor: {{inertia: 5}}\n{pairs}")
 
 
-def test_every_part_that_does_not_keep_a_limit_has_a_mark_where_its_words_have_no_room() -> None:
+def test_every_part_that_does_not_keep_a_limit_has_an_outline_where_its_words_have_no_room() -> (
+    None
+):
     diameter = check(
         "not kept", value=90.0, limit=99.0, unit="mm", at_least=True, clause="minimum diameter"
     )
@@ -118,7 +120,6 @@ def test_every_part_that_does_not_keep_a_limit_has_a_mark_where_its_words_have_n
     findings = judged(many(20), *fine, *bad, fails)
     found = texts(svg(figure(findings, "utilisation")))
     alone = [text for text, _ in found]
-    assert alone.count("✗") == 20 + 1  # one in the key
     with_words = sum(text.startswith("✗ FAIL") for text in alone)
     note = next(text for text in alone if "want of room" in text)
     assert f"of these {20 - with_words} fail" in note

@@ -89,6 +89,8 @@ def test_a_mode_is_one_line_along_its_shaft_and_broken_at_a_branch() -> None:
 
 
 def test_the_drawing_of_a_damper_keeps_its_housing_in_front_of_its_ring() -> None:
-    discs = tuple(Disc(float(k), 0.0, 0.5, "", "damper", ring=0.5) for k in range(2))
+    discs = tuple(
+        Disc(float(k), 0.0, 0.5, "", "damper", ring=0.5, role="absorber") for k in range(2)
+    )
     text = svg(Figure("dampers", "c", (Sketch(discs, ()),)))
     assert text.index("stroke-dasharray") < text.index("#ead2e0")
