@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,8 +53,9 @@ def lines(joints: Joints) -> Table:
         phase = line.phase if line.index > STILL else None
         speeds = [end.speed_ratio for end in extremes]
         angle = line.resultant if line.resultant**2 > STILL else 0.0
+        shown = line if line.classical**2 > STILL else replace(line, classical=0.0)
         ends = (speeds[0], at[0], speeds[1], at[1])
-        rows.append((line, names(joints, line), angle, phase, *ends, still(line.index)))
+        rows.append((shown, names(joints, line), angle, phase, *ends, still(line.index)))
     return table(
         "< Joints -> | Resultant angle [deg] -> resultant, deg | "
         "classical: Small-angle sum [deg]:s -> small-angle | Phase [deg]:g | Maximum speed ratio:7 -> maximum | "

@@ -54,7 +54,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if sweep.any_fails is not None:
         of_samples = "lower: From [%]:3 | upper: To [%]:3 | median: Median utilisation [%]:4"
         yield table(
-            "clause: < Clause -> | what: < Check | where: < Component -> | failing: Variants that fail -> fail | "
+            "clause: < Clause | what: < Check -> | where: < Component -> | failing: Variants that fail -> fail | "
             "probability: Probability [%]:3 -> fails, % | "
             f"{'best: Minimum utilisation [%]:4' if is_grid else of_samples} | worst: Maximum [%]:4 -> maximum, % | "
             "decides: < Correlates with:? | correlation: Rank correlation:2?",
@@ -103,7 +103,7 @@ def _grid(sweep: Sweep, grid: Grid | None) -> Iterator[Block]:
     axis = grid.axes[0]
     if grid.turns:
         yield table(
-            "clause: < Clause -> | what: < Check | where: < Component -> | kept: Passes at:6 -> passes | "
+            "clause: < Clause | what: < Check -> | where: < Component -> | kept: Passes at:6 -> passes | "
             "failing: Fails at:6 -> fails | between: Limit at about -> limit at about",
             [(sweep.checks[turn.check], turn) for turn in grid.turns],
             f"Changes between pass and fail over {axis.name} [{unit_words(axis.unit)}]",
