@@ -32,11 +32,6 @@ class Piece:
         level = (self.level + self.slope * late) * factor
         return replace(self, begin=begin, level=level, slope=self.slope * factor)
 
-    def rate_of_change(self) -> "Piece":
-        """Its derivative over time between its begin and its end."""
-        level = self.slope + self.rate * self.level
-        return replace(self, level=level, slope=self.rate * self.slope)
-
 
 @dataclass(frozen=True, slots=True)
 class Term:

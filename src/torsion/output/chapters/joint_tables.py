@@ -48,13 +48,15 @@ def lines(joints: Joints) -> Table:
     """Return the joints of each shaft line as one."""
     rows = []
     for line in joints.lines:
-        extremes = line.greatest, line.least
-        at = [end.at if line.index > STILL else None for end in extremes]
-        phase = line.phase if line.index > STILL else None
-        speeds = [end.speed_ratio for end in extremes]
+        varies = line.index > STILL
+        ends = [
+            value
+            for end in (line.greatest, line.least)
+            for value in (end.speed_ratio, end.at if varies else None)
+        ]
+        phase = line.phase if varies else None
         angle = line.resultant if line.resultant**2 > STILL else 0.0
         shown = line if line.classical**2 > STILL else replace(line, classical=0.0)
-        ends = (speeds[0], at[0], speeds[1], at[1])
         rows.append((shown, names(joints, line), angle, phase, *ends, still(line.index)))
     return table(
         "< Joints -> | Resultant angle [deg] -> resultant, deg | "
