@@ -16,6 +16,7 @@ from torsion.analyses.undamped_modes import ModesSettings
 from torsion.errors import InputError
 from torsion.findings import NORMAL, Findings
 from torsion.output.results_json import results
+from torsion.schema.cases import _effect
 from torsion.schema.overlay import multiplied
 from torsion.study import Study
 
@@ -511,3 +512,23 @@ def test_a_case_based_on_one_at_fault_leaves_that_one_fault_alone() -> None:
             "t.yaml",
         )
     assert [fault.line for fault in caught.value.faults] == [13]
+
+
+def test_any_digit_of_any_array_is_an_effect_of_a_case() -> None:
+    study = torsion.read(
+        Path(__file__).parents[2] / "shafting_specs" / "six_cylinder_pressure.yaml"
+    )
+    parts = list(study.train.parts)
+    place, record = next(
+        (place, part.engine) for place, part in enumerate(parts) if part.engine is not None
+    )
+    assert record.gas is not None
+    firing = record.gas.firing.copy()
+    firing[0, firing.shape[1] // 2] *= 1.0 + 1e-12
+    parts[place] = parts[place].with_records(
+        replace(record, gas=replace(record.gas, firing=firing))
+    )
+    assert _effect(replace(study, train=replace(study.train, parts=tuple(parts)))) != _effect(study)
+    assert _effect(
+        replace(study, train=replace(study.train, parts=tuple(study.train.parts)))
+    ) == _effect(study)

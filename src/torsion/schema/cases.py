@@ -1,14 +1,17 @@
 """The cases of a file: each an overlay of the same file, read, validated and planned as a file of its own."""
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel
 
 from torsion.errors import Fault, InputError, Path, nearest, printable
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
-from torsion.model.parts import Part
+from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
@@ -206,12 +209,16 @@ def _case(
         except InputError as error:
             overlay.faults += error.faults
         else:
-            changes = (*(base.case.changes if base.case else ()), *overlay.changes)
-            is_corner = bool(case.corner or (base.case and base.case.is_corner))
-            merged, is_judged = merge_changes(changes), case.keys.judged
-            record = Case(case.name, merged, is_judged, is_corner, changed)
-            name = f"{study.name}, case {case.name}"
-            return replace(changed_study, name=name, case=record)
+            if _effect(changed_study) != _effect(base):
+                changes = (*(base.case.changes if base.case else ()), *overlay.changes)
+                is_corner = bool(case.corner or (base.case and base.case.is_corner))
+                merged, is_judged = merge_changes(changes), case.keys.judged
+                record = Case(case.name, merged, is_judged, is_corner, changed)
+                name = f"{study.name}, case {case.name}"
+                return replace(changed_study, name=name, case=record)
+            message = "it changes no result that is requested"
+            hint = "names, notes, sources and figures that nothing reads have no effect"
+            overlay.faults.append(Fault(case.path, message, hint, at_key=True))
     faults += in_case(case.name, input_error(overlay.faults, source).faults)
     return None
 
@@ -301,3 +308,34 @@ def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
         rows = node_at(root, (*part.path, *keys))
         for step, _ in entries_of(None if rows is None else rows.value):
             yield (*part.path, *keys, step, *entry_path)
+
+
+def _effect(study: Study) -> Any:
+    """Return everything of a study that a result can follow from: without names, notes and sources, and places of the file.
+
+    Ratings have an effect where a rule or a motion over time reads them.
+    """
+    train = study.train
+    plain = dict[str, Any](name="", note=None, source=None, is_named=False, path=())
+    has_effect = study.rules or "transient" in study.analyses
+    ratings = () if has_effect else (CouplingRatings, GearRating)
+    parts = [replace(part.without(*ratings), **plain) for part in train.parts]
+    torques = [replace(torque, path=(), source=None) for torque in train.torques]
+    links = train.stations, train.inertias, train.springs, train.bars, train.constraints
+    analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}
+    settings = (study.operation, study.model, study.fem, analyses, study.rules, train.modal_damping)
+    return _content((parts, torques, links, train.dampers, settings, dict(train.materials)))
+
+
+def _content(value: Any) -> Any:
+    """Return the same in tuples, bytes and words that compare; of an array every digit."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if is_dataclass(value) and not isinstance(value, type):
+        names = [field.name for field in fields(value) if field.repr]
+        return type(value), *(_content(getattr(value, name)) for name in names)
+    if isinstance(value, BaseModel):
+        return type(value), _content(dict(value))
+    if isinstance(value, Mapping):
+        return tuple((_content(key), _content(entry)) for key, entry in value.items())
+    return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)
