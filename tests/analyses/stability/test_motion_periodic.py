@@ -8,7 +8,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.lines_of_joints import line_of
 
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
@@ -25,7 +24,7 @@ from torsion.analyses.stability.periodic_orbits import (
 from torsion.analyses.steady import statics, steady
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.kernels.joints.line import resultant
+from torsion.kernels.joints.line import line_of, resultant
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper

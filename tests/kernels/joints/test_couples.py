@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.lines_of_joints import line_of, motion
 
 from torsion.kernels.joints import couples, cross, line
 
@@ -34,7 +33,7 @@ def line_couples(
     driving: object, case: line.Line, torque: object, carrier: couples.Carrier = "driving"
 ) -> tuple[couples.Couples, ...]:
     """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
-    turning = motion(driving, case)
+    turning = line.motion(driving, case)
     offsets = np.cumsum(case.offset).reshape(-1, *np.ones(np.ndim(driving), dtype=int))
     given = np.asarray(torque, dtype=float)
     power = given if carrier == "driving" else given * turning.ratio[-1]
@@ -165,9 +164,9 @@ def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
 def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Carrier) -> None:
     x, case = (
         np.linspace(0.0, 6.0, 31),
-        line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3]),
+        line.line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3]),
     )
-    every, turning = line_couples(x, case, 4.0, carrier), motion(x, case)
+    every, turning = line_couples(x, case, 4.0, carrier), line.motion(x, case)
     close(
         [each.driven_torque * speed for each, speed in zip(every, turning.ratio, strict=True)],
         every[0].driving_torque + np.zeros((3, 1)),
@@ -181,7 +180,7 @@ def test_intermediate_shaft_is_free_of_couple_in_z_and_bears_twice_in_w(
     plane: float, arrangement: str
 ) -> None:
     x, angle, torque = np.linspace(0.0, 6.0, 61), 0.4, 7.0
-    case = line_of([angle, angle], [0.0, plane], [0.0, plane])
+    case = line.line_of([angle, angle], [0.0, plane], [0.0, plane])
     (net,) = intermediate_couples(x, case, torque)
     follows(net, double_cardan(angle, torque, arrangement), x, 1e-14)
     peak = intermediate_couples(np.array(0.0), case, torque)[0].inplane
@@ -198,7 +197,7 @@ def test_moments_of_a_whole_line_in_space_balance() -> None:
             rng.uniform(-3, 3, 3),
         )
         planes[0], driving = 0.0, rng.uniform(-3, 3)
-        case = line_of(angles, planes, phases)
+        case = line.line_of(angles, planes, phases)
         every = line_couples(driving, case, 2.0)
         nets = intermediate_couples(driving, case, 2.0)
         normal, shaft = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.lines_of_joints import line_of, motion
 
 from torsion.kernels.joints import cross, line
 
@@ -22,7 +21,9 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
 def random_line(rng: np.random.Generator, joints: int, steepest: float = 0.9) -> line.Line:
     plane = rng.uniform(-np.pi, np.pi, joints)
     plane[0] = 0.0
-    return line_of(rng.uniform(0.02, steepest, joints), plane, rng.uniform(-np.pi, np.pi, joints))
+    return line.line_of(
+        rng.uniform(0.02, steepest, joints), plane, rng.uniform(-np.pi, np.pi, joints)
+    )
 
 
 def two_joint_rapidity(first: float, second: float, misphase: float) -> np.ndarray:
@@ -68,7 +69,7 @@ def test_yokes_stand_where_rotations_in_space_put_them(joints: int) -> None:
             np.linalg.qr(rng.normal(size=(3, 3)))[0],
             rng.uniform(-4, 4),
         )
-        driven = driving + motion(driving, case).error + np.cumsum(case.offset)
+        driven = driving + line.motion(driving, case).error + np.cumsum(case.offset)
         for angle, (shaft, zero, pin) in zip(
             driven, driven_pins(case, driving, frame), strict=True
         ):
@@ -81,7 +82,7 @@ def test_the_equivalent_single_joint_turns_as_the_chain_does(joints: int) -> Non
     x = np.linspace(-9.0, 9.0, 181)
     for _ in range(60):
         case = random_line(rng, joints, 0.6)
-        chain, whole = motion(x, case), line.resultant(case)
+        chain, whole = line.motion(x, case), line.resultant(case)
         single = cross.transfer(x + whole.phase, whole.angle)
         lead = chain.error[-1] - single.error  # of two angles counted from different zeros
         np.testing.assert_allclose(lead, lead[0], rtol=0.0, atol=1e-13)
@@ -94,7 +95,7 @@ def test_the_equivalent_single_joint_turns_as_the_chain_does(joints: int) -> Non
 
 def test_extremes_of_the_resultant_are_those_of_the_chain_and_stand_where_it_says() -> None:
     case, x = random_line(np.random.default_rng(3), 5), np.linspace(0.0, np.pi, 20_001)
-    chain, whole = motion(x, case).ratio[-1], line.resultant(case)
+    chain, whole = line.motion(x, case).ratio[-1], line.resultant(case)
     close([chain.max(), chain.min()], [whole.greatest, whole.least], 1e-7)
     close(np.abs(np.cos(x[chain.argmax()] - whole.greatest_at)), 1.0, 1e-7)
     close(whole.index, whole.greatest - whole.least)
@@ -114,7 +115,7 @@ def test_lines_stand_side_by_side_in_leading_axes() -> None:
 @pytest.mark.parametrize("phase", [10, 55, 100])
 def test_ma_2011_extremes_index_and_equivalent_angle(phase: int) -> None:
     expected = {key: float(value) for key, value in ORACLES[f"ma2011_phi{phase}"].items()}
-    found = line.resultant(line_of(**MA, phase=np.radians([0.0, phase])))
+    found = line.resultant(line.line_of(**MA, phase=np.radians([0.0, phase])))
     close([60.0 * found.greatest, 60.0 * found.least], [expected["max"], expected["min"]])
     close(found.index, expected["index"])
     close(np.degrees(found.angle), expected["beta_eq_deg"])
@@ -122,8 +123,8 @@ def test_ma_2011_extremes_index_and_equivalent_angle(phase: int) -> None:
 
 def test_ma_2011_phase_55_curve_and_where_it_turns() -> None:
     expected = {key: float(value) for key, value in ORACLES["ma2011_phi55"].items()}
-    case = line_of(**MA, phase=np.radians([0.0, 55.0]))
-    curve = motion(np.radians([0.0, 45.0, 90.0]), case)
+    case = line.line_of(**MA, phase=np.radians([0.0, 55.0]))
+    curve = line.motion(np.radians([0.0, 45.0, 90.0]), case)
     close(60.0 * curve.ratio[-1], [expected["w3_x1_0"], expected["w3_x1_45"], expected["w3_x1_90"]])
     close(np.degrees(line.resultant(case).greatest_at), expected["x1_max_deg"])
     close(np.degrees(line.resultant(case).greatest_at) + 90.0, expected["x1_min_deg"])
@@ -131,7 +132,7 @@ def test_ma_2011_phase_55_curve_and_where_it_turns() -> None:
 
 
 def test_ma_2011_printed_least_speed_at_phase_100_is_a_misprint() -> None:
-    found = 60.0 * line.resultant(line_of(**MA, phase=np.radians([0.0, 100.0]))).least
+    found = 60.0 * line.resultant(line.line_of(**MA, phase=np.radians([0.0, 100.0]))).least
     close(found, 60.0 * np.cos(np.radians(15.0)) * np.cos(np.radians(20.0)))
     assert round(float(found), 2) == 54.46  # printed: 64.64
 
@@ -142,7 +143,7 @@ def test_two_joints_follow_the_hyperbolic_law_of_cosines(plane: float) -> None:
     for first, second, phase in zip(
         rng.uniform(0.01, 1.5, 40), rng.uniform(0.01, 1.5, 40), rng.uniform(-4, 4, 40), strict=True
     ):
-        case = line_of([first, second], [0.0, plane], [0.3, phase])
+        case = line.line_of([first, second], [0.0, plane], [0.3, phase])
         both = two_joint_rapidity(first, second, phase - plane)
         close(line.resultant(case).rapidity, both, 3e-13)
         before, behind = cross.rapidity([first, second])
@@ -153,17 +154,17 @@ def test_two_joints_follow_the_hyperbolic_law_of_cosines(plane: float) -> None:
 
 
 def test_equal_angles_with_yokes_in_line_cancel() -> None:
-    case = line_of(np.radians([30.0, 30.0]), [0.0, 0.7], [0.2, 0.7])
+    case = line.line_of(np.radians([30.0, 30.0]), [0.0, 0.7], [0.2, 0.7])
     assert line.resultant(case).rapidity < 1e-15
     np.testing.assert_allclose(
-        motion(np.linspace(0, 6, 50), case).error[-1], 0.0, rtol=0.0, atol=3e-16
+        line.motion(np.linspace(0, 6, 50), case).error[-1], 0.0, rtol=0.0, atol=3e-16
     )
 
 
 def test_cancelling_joints_of_almost_ninety_degrees() -> None:
     """Speeds between span a range of 5730 to 1, so that 1e-13 of it is the rounding of the joint's own angle."""
-    case = line_of(np.radians([89.99, 89.99]))
-    found = motion(np.linspace(-7.0, 7.0, 2001), case)
+    case = line.line_of(np.radians([89.99, 89.99]))
+    found = line.motion(np.linspace(-7.0, 7.0, 2001), case)
     np.testing.assert_allclose(found.error[-1], 0.0, rtol=0.0, atol=1e-11)
     close(found.ratio[-1], 1.0, 1e-11)
     assert two_joint_rapidity(np.radians(89.99), np.radians(89.99), 0.0) == 0.0
@@ -173,15 +174,15 @@ def test_classical_sum_of_squares_is_its_small_angle_limit() -> None:
     shape, plane, phase = np.array([1.0, 1.3, 0.4]), [0.0, 0.3, -1.0], [0.1, 0.9, 0.2]
     errors = []
     for scale in (0.04, 0.02, 0.01):
-        case = line_of(scale * shape, plane, phase)
+        case = line.line_of(scale * shape, plane, phase)
         errors.append(abs(line.classical_angle(case) / line.resultant(case).angle - 1.0))
     close(np.log2([errors[0] / errors[1], errors[1] / errors[2]]), 2.0, 0.05)
 
 
 def test_classical_angle_of_ma_2011() -> None:
-    close(np.degrees(line.classical_angle(line_of(np.radians([15.0, 20.0])))), np.sqrt(175.0))
+    close(np.degrees(line.classical_angle(line.line_of(np.radians([15.0, 20.0])))), np.sqrt(175.0))
 
 
 def test_first_joint_has_no_plane() -> None:
     with pytest.raises(ValueError, match="plane"):
-        line_of([0.1, 0.2], [0.1, 0.0])
+        line.line_of([0.1, 0.2], [0.1, 0.0])
