@@ -74,7 +74,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "sketch link.yaml -o two.yaml",
         "sketch two.yaml -o same.svg",
         "sketch tabled.yaml -o rows.svg",
-        "sketch signed.yaml -o logo.svg",
         "solve two.yaml -o out --matrices two.yaml",
         "solve report.html -o .",
         "check check.json -o .",

@@ -13,7 +13,7 @@ pytest.importorskip("furo", reason="the site needs pip install -e '.[docs]'")
 pytest.importorskip("myst_parser", reason="the site needs pip install -e '.[docs]'")
 
 ROOT = Path(__file__).parents[1]
-SCENES = 2  # of the gallery
+SCENES = 3  # of the gallery
 OUTSIDE = re.compile(r"[a-z]+:|//")  # another site, or data in the page
 
 

@@ -64,7 +64,7 @@ def test_a_range_is_passed_in_the_time_that_the_program_needs() -> None:
         for one in barred_ranges(found)
         if isinstance(one, Table) and "Transients in" in one.caption
     ]
-    assert cells[0][-1] == "passes"
+    assert cells[0][-1] == "no"  # does not end within
 
 
 def test_a_motion_that_ends_within_the_range_does_not_pass_it() -> None:

@@ -118,7 +118,7 @@ def test_a_heat_over_frequency_counts_every_order_by_its_own_share(study, eviden
 @for_all(
     ("limit", "words"),
     [
-        ({"torque": 3.0, "at": 10.0}, "`above` is missing"),
+        ({"torque": 3.0, "at": 10.0}, "`at` needs `above`"),
         ([[1.0, 3.0]], "two rows or more"),
         ([[2.0, 3.0], [1.0, 3.0]], "two rows or more, rising"),
         ({"table": [[1.0, 3.0], [2.0, 3.0]], "at": 1.0}, "exclude"),

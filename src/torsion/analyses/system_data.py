@@ -13,7 +13,7 @@ from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
-from torsion.errors import InputError
+from torsion.errors import InputError, without_controls
 from torsion.findings import Results, Work
 from torsion.model.parts import GearRating
 from torsion.primitives import Bar, Inertia, SectionMesh, Torque
@@ -300,7 +300,7 @@ def _shafts(evidence: Results) -> Iterator[ShaftRow]:
             outer_driven=None if is_mesh or bar.outer[0] == bar.outer[1] else bar.outer[1],
             bore=bar.bore[0] if is_round else None,
             bore_driven=None if not is_round or bar.bore[0] == bar.bore[1] else bar.bore[1],
-            mesh=section.file if isinstance(section, SectionMesh) else None,
+            mesh=without_controls(section.file) if isinstance(section, SectionMesh) else None,
             length=bar.length,
             modulus=stress_modulus(bar),
             inertia=sum(_lumps(evidence, bar)),

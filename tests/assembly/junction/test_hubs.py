@@ -214,7 +214,7 @@ def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str)
         (
             "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}",
             "5:",
-            "belong together",
+            "needs",
         ),
         (
             "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: air}",

@@ -58,10 +58,10 @@ class Regime:
     tied: IntArray  # elements that spring or stick
     basis: (
         FloatArray | None
-    )  # (motions, modes) what is held; None: the last of the motions themselves
+    )  # (motions, modes) of what an element ties; None: the last of the motions themselves
     free: FloatArray  # (motions, motions that nothing holds)
     constraint: FloatArray  # (motions, inputs)
-    roots: Roots  # of what is held
+    roots: Roots  # of what an element ties
     force: ComplexArray  # (coordinates, inputs)
 
     @cached_property
