@@ -77,8 +77,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield from plots(findings, modes, range(count))
     if count < len(modes.frequency):
         yield Paragraph(
-            f"The figures show modes 1 to {count} of {len(modes.frequency)}, up to the highest excited frequency. "
-            f"The full report (--full) shows {MOST_MODES}."
+            f"The figures show the lowest {count} of {len(modes.frequency)} modes, up to the highest excited frequency. "
+            f"The full report (--full) shows at most {MOST_MODES}."
         )
 
 
