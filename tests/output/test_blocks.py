@@ -135,6 +135,14 @@ def test_a_row_can_be_a_place_of_the_arrays_of_a_result() -> None:
     assert table("mode: Mode", along(wheel, "mode", [1])).rows == (("2",),)
 
 
+def test_an_axis_that_is_called_like_a_quantity_shows_the_quantity() -> None:
+    curve = Curve(np.array([math.pi, 2.0 * math.pi]), np.array([[1.0, 2.0], [3.0, 4.0]]))
+    titles = "speed: Speed [rpm]:3 | torque@2: Torque:2"
+    made = table(titles, along(curve, "speed"))
+    assert made.rows == (("30.0", "2.0"), ("60.0", "4.0"))
+    assert table(titles, along(curve, "speed", [1])).rows == (("60.0", "4.0"),)
+
+
 def test_complex_values_have_an_amplitude_and_a_phase_unless_they_may_be_rounding() -> None:
     made = table("Amplitude:3s | Phase [deg]:gp", [(-2.0 + 0j,) * 2, (1e-15j,) * 2])
     assert made.rows == (("2.00", "180"), ("0", "–"))
@@ -159,3 +167,11 @@ class Mesh:
 
     speed: float = result("rad/s", (), "speed")
     torque: float = result("N*m", (), "torque")
+
+
+@reported
+class Curve:
+    """A result over an axis that is called like one of its quantities."""
+
+    speed: FloatArray = result("rad/s", ("speed",), "speeds")
+    torque: FloatArray = result("N*m", ("speed", "mode"), "torque of each mode at each speed")

@@ -12,16 +12,17 @@ from torsion.results import Quantity, is_declared, quantities
 
 @dataclass(frozen=True)
 class Place:
-    """A result at one place of an axis of its arrays; the axis itself is a quantity, counted from 1."""
+    """A result at one place of an axis of its arrays; an axis that no quantity is called like is counted from 1."""
 
     result: Any
     axis: str
     index: int
 
     def __getattr__(self, name: str) -> Any:
-        if name == self.axis:
+        declared = declared_of(self.result)
+        if name not in declared and name == self.axis:
             return self.index + 1
-        values, axes = getattr(self.result, name), declared_of(self.result)[name].axes
+        values, axes = getattr(self.result, name), declared[name].axes
         return np.take(values, self.index, axes.index(self.axis)) if self.axis in axes else values
 
 
