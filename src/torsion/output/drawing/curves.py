@@ -8,6 +8,10 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.output.figures.figure import runs
 
 MOST_POINTS = 4  # in a column of one px
+BESIDE, PASSES = (
+    0.5,
+    12,
+)  # tenths of px beside a chord, which nobody can see; looks at a curve, at most
 FAR = 2e5  # tenths of px: beyond the plot in any case
 
 
@@ -38,7 +42,7 @@ def path(x: FloatArray, y: FloatArray, columns: int) -> str:
     for first, last in runs(finite):
         across, up = x[first : last + 1], y[first : last + 1]
         kept = decimated(across, up, max(1, round(columns * across.size / x.size)))
-        pieces.append(_piece(_whole(across[kept]), _whole(up[kept])))
+        pieces.append(_piece(across[kept], up[kept]))
     return "".join(pieces)
 
 
@@ -51,23 +55,32 @@ def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
             decimated(across, line[first : last + 1], columns) + first for line in (y, base)
         )
         forth, back = np.append(x[upper], x[lower][::-1]), np.append(y[upper], base[lower][::-1])
-        pieces.append(_piece(_whole(forth), _whole(back)) + "z")
+        pieces.append(_piece(forth, back) + "z")
     return "".join(pieces)
 
 
-def _whole(values: FloatArray) -> IntArray:
-    return np.rint(np.clip(values, -FAR, FAR)).astype(np.int64)
-
-
-def _piece(x: IntArray, y: IntArray) -> str:
+def _piece(x: FloatArray, y: FloatArray) -> str:
     """Return one line without a gap, by steps."""
-    across, down = np.diff(x), np.diff(y)
-    moves = (across != 0) | (down != 0)
-    across, down = across[moves], down[moves]
-    if across.size == 0:
-        return f"M{x[0] - 5} {y[0]}h10"
-    steps = np.column_stack([across, down]).tolist()
-    return outline([(int(x[0]), int(y[0])), *steps])
+    places = _thinned(np.column_stack([x, y]).clip(-FAR, FAR)).round().astype(np.int64)
+    steps = np.diff(places, axis=0)
+    steps = steps[steps.any(axis=1)]
+    if steps.size == 0:
+        return f"M{places[0, 0] - 5} {places[0, 1]}h10"
+    return outline([places[0].tolist(), *steps.tolist()])
+
+
+def _thinned(places: FloatArray) -> FloatArray:
+    """Return (points, 2) without those next to the chord of their neighbours, unless the line turns back there."""
+    for start in (1, 2) * PASSES:  # every other point, so that its neighbours stay
+        back = places[start:-1:2] - places[start - 1 : -2 : 2]
+        chord = places[start + 1 :: 2] - places[start - 1 : -2 : 2]
+        length, along = np.hypot(*chord.T), (back * chord).sum(axis=1)
+        off = np.abs(back[:, 0] * chord[:, 1] - back[:, 1] * chord[:, 0])
+        is_between = (off <= BESIDE * length) & (along >= 0.0) & (along <= length**2)
+        if start == 2 and not is_between.any():
+            break
+        places = np.delete(places, start + 2 * np.flatnonzero(is_between), axis=0)
+    return places
 
 
 def outline(start_and_steps: Sequence[Sequence[int]]) -> str:
