@@ -125,7 +125,7 @@ def test_blocks_in_their_order(bare: Findings) -> None:
         "Comparison of the models"
     ]
     shown = [block.text for block in made if isinstance(block, Paragraph) and block.brief]
-    assert shown == ["The models lumped and fem are within 1 % of the exact model."]
+    assert shown == ["PASS: the models lumped and fem are within 1 % of the exact model."]
     guessed = comparing(model("lumped", 1e-3, certified=False))
     assert [row[5] for row in tables(blocks(bare, guessed))[0].rows] == ["yes", "no"]
     same = Compared(1e-2, 1e-2, same="All are the same.")
@@ -139,16 +139,16 @@ def test_blocks_in_their_order(bare: Findings) -> None:
 @pytest.mark.parametrize(
     ("errors", "said"),
     [
-        ({"fem": 1e-3}, "The model fem is within 1 % of the exact model."),
+        ({"fem": 1e-3}, "PASS: the model fem is within 1 % of the exact model."),
         (
             {"lumped": 2e-3, "fem": 1e-3},
-            "The models lumped and fem are within 1 % of the exact model.",
+            "PASS: the models lumped and fem are within 1 % of the exact model.",
         ),
         (
             {"lumped": 4e-3, "fem": 1e-3},
-            "The model lumped is not within 1 % of the exact model; fem is.",
+            "FAIL: the model lumped is not within 1 % of the exact model; fem is.",
         ),
-        ({"lumped": 4e-3}, "The model lumped is not within 1 % of the exact model."),
+        ({"lumped": 4e-3}, "FAIL: the model lumped is not within 1 % of the exact model."),
     ],
 )
 def test_the_verdict_in_a_sentence(errors: dict[str, float], said: str) -> None:

@@ -6,6 +6,7 @@ from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.numbers import counted, given, number, order, rpm
+from torsion.rules.verdict_line import WORDS
 
 MOST_MODES = 40  # of which a table is printed
 WHAT = (
@@ -67,10 +68,12 @@ def conclusion(comparison: Compared) -> Paragraph:
     if comparison.failed:
         kept = f"; {' and '.join(good)} is" if good else ""
         return Paragraph(
-            f"The model {' and '.join(comparison.failed)} is not within {limit}{kept}.", "fail"
+            f"{WORDS['fail']}: the model {' and '.join(comparison.failed)} is not within {limit}{kept}.",
+            "fail",
         )
     verb = ("model", "is") if len(good) == 1 else ("models", "are")
-    return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
+    models = f"the {verb[0]} {' and '.join(good)} {verb[1]} within {limit}"
+    return Paragraph(f"{WORDS['pass']}: {models}.", "pass")
 
 
 def _worst(model: ModelCompared, comparison: Compared) -> str:
