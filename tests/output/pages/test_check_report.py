@@ -116,7 +116,8 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
     assert by_mode.rows[5][2:5] == ("–", "∞", "∞")
     words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert (
-        "FAIL: the model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is." in words
+        "FAIL: the model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is."
+        in words
     )
     assert "within 0.1 %" in html(document(coarse, report=REPORTS["check"]))
 

@@ -14,7 +14,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, rpm
+from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     harmonic_name,
@@ -65,6 +65,15 @@ def shafts(findings: Findings) -> Iterator[Block]:
         findings.need(ComponentLoads).shafts,
         "Maximum stress amplitude of every shaft over the speed range",
     )
+    loads = {load.shaft: load for load in findings.need(ComponentLoads).shafts}
+    for shaft, sections in findings.study.train.sectioned.items():
+        load = max((loads[bar.name] for bar in sections), key=lambda load: load.stress or 0.0)
+        if load.stress:
+            words = (
+                f"{load.shaft} has the highest stress of the {len(sections)} sections of {shaft}"
+            )
+            value = f"{number(load.stress * PA)} N/mm² at {rpm(load.speed)} rpm"
+            yield Paragraph(f"{words}: {value}.")
     for name in (name for name in curves if name in drawn):
         curve, response = curves[name], findings.need(Response)
         bands = (

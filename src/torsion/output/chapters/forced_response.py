@@ -183,11 +183,12 @@ def curves(findings: Findings, element: Element) -> Figure:
     ratings, unit = findings.study.train.parts[element.part].ratings, torques([orders])
     limit = None if ratings is None else ratings.vibratory_torque
     limits = [("permissible vibratory torque (manufacturer)", (limit or 0.0) * unit.factor)]
+    kind = "" if element.kind in element.name else f", {element.kind}"
     return of_torsion(
         findings,
         curves_over_speed.torque(
             f"torque-{element.part}-{element.spans[0]}",
-            f"Vibratory torque in {element.name}, {element.kind}",
+            f"Vibratory torque in {element.name}{kind}",
             **speed_axis(findings),
             lines=[
                 (harmonic_name(response, k, "order "), values * unit.factor)
