@@ -56,10 +56,8 @@ def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     ends = np.array([1]), np.array([6])
     right = network_modes(tree, h, j, 3, ends, c)
     assert right.alone == 0
-    true = variant_networks._polished
-    monkeypatch.setattr(
-        variant_networks, "_polished", lambda trains, start, way: true(trains, 1.9 * start, way)
-    )
+    starts = variant_networks._starts
+    monkeypatch.setattr(variant_networks, "_starts", lambda *given: 1.9 * starts(*given))
     again = network_modes(tree, h, j, 3, ends, c)
     assert again.alone > 0
     assert again.frequency == pytest.approx(right.frequency, rel=1e-14)
@@ -77,7 +75,6 @@ def _chains(size: int, loops: int, trains: int) -> tuple:
 
 
 def test_frequencies_beside_a_pole_of_what_the_root_sees_settle() -> None:
-    """Newton's first steps there double the way; bounds are wide enough to enclose what has not settled."""
     tree, h, j, ends, c = _chains(10, 1, 400)
     found = network_modes(tree, h, j, 6, ends, c)
     alone = graph_modes(replace(tree, flexibility=h[:, 23], inertia=j[:, 23]), *ends, c[:, 23], 6)

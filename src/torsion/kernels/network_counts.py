@@ -13,10 +13,8 @@ and M are those of one train; those of M in it are carried along as a running er
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.sturm import margins
@@ -27,6 +25,7 @@ _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its pro
 _OF_STIFFNESS = (
     5.0  # of what a span passes on, less its margin, if 1 + h z is taken to be that of another h
 )
+_FARTHEST = 0.5  # relative change of a square beyond which a step has left its mode
 _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
 
 
@@ -105,7 +104,7 @@ class Way:
         return Way(self.steps, self.root, sign, q, load, lifts, basis, terms)
 
 
-def product(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+def product(left: FloatArray, right: FloatArray) -> FloatArray:
     """(chords, chords, trains) of two (chords, trains)."""
     return np.asarray(left[:, None] * right[None, :])
 
@@ -119,7 +118,7 @@ class Elimination:
     `error`, `load_error` are of roundings.
     """
 
-    def __init__(self, trains: Network, square: NDArray[Any], way: Way, lean: float = 0.0) -> None:
+    def __init__(self, trains: Network, square: FloatArray, way: Way, lean: float = 0.0) -> None:
         tree = trains.tree
         self.way, self.lean, self.fixed = way, lean, tree.held.tolist()
         if lean:
@@ -129,16 +128,14 @@ class Elimination:
                 of_stiffness + 2.0 * _UNIT_ROUNDOFF,
             )  # other root
             square = square * (1.0 + lean * of_square)
-        a, h = tree.moving_inertia * square, tree.flexibility.astype(square.dtype)
-        self.inertia, self.flexibility, self.stiffness = (
-            a,
-            h,
-            np.where(tree.held[:, None], np.inf, -a),
-        )
+        self.inertia, self.flexibility = tree.moving_inertia * square, tree.flexibility
+        self.stiffness = np.where(tree.held[:, None], np.inf, -self.inertia)
         self.negative, self.number = np.zeros(len(square), dtype=np.int64), len(trains.chord)
         self._begin(trains)
         for station, near, span in way.steps:
-            (self._past_fixed if self.fixed[station] else self._past_free)(station, near, h[span])
+            (self._past_fixed if self.fixed[station] else self._past_free)(
+                station, near, tree.flexibility[span]
+            )
         if lean:
             self.error += 3.0 * tree.size * _UNIT_ROUNDOFF * self.size
 
@@ -155,9 +152,9 @@ class Elimination:
         ) * _UNIT_ROUNDOFF  # of a product of loads, or one passed on
         self.unit = self.term + spans * _UNIT_ROUNDOFF  # with those of q
         basis = np.eye(self.number)[:, :, None] if way.basis is None else way.basis
-        self.q = np.zeros((self.number, *a.shape), a.dtype)
+        self.q = np.zeros((self.number, *a.shape))
         self.q[:, way.root] = way.lift
-        self.matrix = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis).astype(a.dtype)
+        self.matrix = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis)
         for station, near, span in reversed(way.steps):
             s, t = way.sign[:, station], way.torque[:, station]
             self.q[:, station] = t * h[span] + (0.0 if self.fixed[near] else self.q[:, near])
@@ -165,31 +162,27 @@ class Elimination:
         inertia_load = a * self.q
         self.load = inertia_load + way.load
         self.matrix += np.einsum("kit,lit->klt", inertia_load, self.q)
-        if self.lean:
-            self._begin_bounds(
-                np.abs(np.einsum("klt,lt,mlt->kmt", np.abs(basis), trains.chord, np.abs(basis)))
-            )
+        if not self.lean:
+            return
 
-    def _begin_bounds(self, size: FloatArray) -> None:
-        way, h = self.way, self.flexibility
-        self.reach, self.size = (
-            np.zeros_like(self.q),
-            size,
-        )  # reach: sum of the terms of q without signs
+        # Sums of the terms of q without signs, and the roundings that follow from them.
+        self.reach = np.zeros_like(self.q)
         self.reach[:, way.root] = np.abs(way.lift)
+        basis = np.abs(basis)
+        self.size = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis)
         for station, near, span in reversed(way.steps):
             s, t = np.abs(way.sign[:, station]), np.abs(way.torque[:, station])
-            self.reach[:, station] = t * h[span] + (
-                0.0 if self.fixed[near] else self.reach[:, near]
-            )
+            self.reach[:, station] = t * h[span]
+            if not self.fixed[near]:
+                self.reach[:, station] += self.reach[:, near]
             self.size += h[span] * (product(s, t) if way.basis is None else product(s + t, s + t))
-        inertia_load = self.inertia * self.reach
+        inertia_load = a * self.reach
         self.size += np.einsum("kit,lit->klt", inertia_load, self.reach)
         self.error, self.load_error = self.unit * self.size, self.unit * inertia_load
         if way.terms is not None:
             self.load_error += self.unit * way.terms
 
-    def _past_fixed(self, i: int, near: int, h: NDArray[Any]) -> None:
+    def _past_fixed(self, i: int, near: int, h: FloatArray) -> None:
         share = 1.0 / h
         self.stiffness[near] += share
         q, f = self.q[:, i], self.load[:, i]
@@ -205,48 +198,36 @@ class Elimination:
             if self.lean:
                 self.load_error[:, near] += 2.0 * self.unit * self.reach[:, i] * share
 
-    def _past_free(self, i: int, near: int, h: NDArray[Any]) -> None:
-        z = self.stiffness[i]
+    def _past_free(self, i: int, near: int, h: FloatArray) -> None:
+        f, z = self.load[:, i], self.stiffness[i]
         transfer = 1.0 / (1.0 + h * z)
-        through = z * transfer
-        self.negative += transfer.real < 0.0
-        f = self.load[:, i]
-        term = h * transfer * product(f, f)
+        through, term = z * transfer, h * transfer * product(f, f)
+        self.negative += transfer < 0.0
         self.matrix += term
         if self.lean:
+            size, room = np.abs(f), self.load_error[:, i]
             self.size += np.abs(term)
-            self._bound(i, h * transfer)
+            self.error += np.abs(h * transfer) * (
+                product(size + room, size + room) * (1.0 + self.term) - product(size, size)
+            )
             lessening = self.lean * self.margin * np.abs(through)
             through = through - lessening
-            if not self.fixed[near]:  # what is passed on less is as inertia of the next station
-                self._lessen(i, near, lessening, np.abs(through), np.abs(transfer))
+            if not self.fixed[near]:
+                # What is passed on less is as inertia of the next station; `amount`: by how much that is not right.
+                q, room = self.q[:, near], self.unit * self.reach[:, near]
+                largest, amount = np.abs(q) + room, _OF_STIFFNESS * _UNIT_ROUNDOFF * np.abs(through)
+                self.load[:, near] += lessening * q
+                self.matrix += lessening * product(q, q)
+                extra = amount * largest + np.abs(lessening) * room
+                self.error += product(extra, largest) + product(largest, extra)
+                passed_error = self.load_error[:, i] + self.term * size
+                self.load_error[:, near] += np.abs(transfer) * passed_error + extra
         self.stiffness[near] += through
         if not self.fixed[near]:  # every span has a copy of a fixed station of its own
             self.load[:, near] += transfer * f
 
-    def _bound(self, i: int, weight: FloatArray) -> None:
-        size, room = np.abs(self.load[:, i]), self.load_error[:, i]
-        self.error += np.abs(weight) * (
-            product(size + room, size + room) * (1.0 + self.term) - product(size, size)
-        )
-
-    def _lessen(
-        self, i: int, near: int, lessening: FloatArray, through: FloatArray, transfer: FloatArray
-    ) -> None:
-        q, room = self.q[:, near], self.unit * self.reach[:, near]
-        largest, amount = (
-            np.abs(q) + room,
-            _OF_STIFFNESS * _UNIT_ROUNDOFF * through,
-        )  # by which `less` is not right
-        self.load[:, near] += lessening * q
-        self.matrix += lessening * product(q, q)
-        extra = amount * largest + np.abs(lessening) * room
-        self.error += product(extra, largest) + product(largest, extra)
-        passed_error = transfer * (self.load_error[:, i] + self.term * np.abs(self.load[:, i]))
-        self.load_error[:, near] += passed_error + extra
-
     @property
-    def at_root(self) -> tuple[NDArray[Any], NDArray[Any]]:
+    def at_root(self) -> tuple[FloatArray, FloatArray]:
         """Stiffness (trains,) and loads (chords, trains) that are left there."""
         return self.stiffness[self.way.root], self.load[:, self.way.root]
 
@@ -316,7 +297,7 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
             axis=0
         )
     return modal, np.where(
-        np.isfinite(change) & (np.abs(change) < 1e-6), square * (1.0 + change), square
+        np.isfinite(change) & (np.abs(change) < _FARTHEST), square * (1.0 + change), square
     )
 
 

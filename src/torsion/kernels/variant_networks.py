@@ -1,46 +1,38 @@
 """Natural frequencies of trains with closed loops, many side by side, each proven by counts.
 
-From the modes of the middle train every other begins at what shares of energy say, as in `variant_modes`. Newton's
-steps make the dynamic stiffness zero that is seen at the station with the most kinetic energy; the same elimination at
-s (1 + i 1e-100) has the slope. What the counts of `network_counts` do not enclose with static angles is bracketed
-anew if it is another mode, then enclosed with the angles of its mode, toward one root or another. A train that is not
-proven then is solved by itself.
+From the modes of the middle train every other begins at what shares of energy say, as in `variant_modes`. Rayleigh's
+quotients of what `modal_way` finds beside it lead to its modes, and the counts of `network_counts` about the angles of
+the mode enclose them, toward one root or another. A train that is not proven then is solved by itself.
 """
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.chords import pairs
 from torsion.kernels.loops import graph_modes, stiffest_tree
 from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.network_counts import Elimination, Network, Way, modal_way, network_count
+from torsion.kernels.network_counts import Network, Way, modal_way, network_count
 from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
 from torsion.kernels.variant_modes import (
     Selection,
     VariantModes,
-    changes,
     enclosed,
     middle_of,
     parts,
     toward,
 )
 
-_STEP = 1e-100  # relative, imaginary: beside it nothing changes but imaginary parts (Squire and Trapp 1998)
-_STEPS = 12  # of Newton; 3 are usual, 9 beside a pole of the stiffness that the root sees
-_HALVINGS = 14  # of a bracket of two octaves
-_SETTLED = 1e-10  # relative step after which the next one is below rounding, beside a pole too
-_FARTHEST = 0.3  # relative step beyond which one has left its mode
+_FURTHER = 30  # modes of the middle train beside those wanted, for the start of all others
+_STEPS = 6  # of Rayleigh; 3 are usual
+_SETTLED = 1e-10  # relative step of the square after which the next one is below rounding
 _OF_CHORDS = (
     16.0,
     256.0,
 )  # times the width that counts without chords need: a running error is a bound
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
-_BESIDE = 1e-7  # relative half width that says whether a mode is the right one
 _ROOTS = 6  # at most to be tried
 _FEW_CHORDS = 16  # up to which all roots are tried; with more, a root that proves no mode is the last (measured)
 _MOST_CHORDS = (
@@ -76,20 +68,29 @@ def network_modes(
         replace(tree, flexibility=flexibility, inertia=inertia), pairs(tree.size, *ends), chord
     )
     mean = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    middle_modes = counted_modes(mean, *ends, middle_of(chord), count)
+    middle_modes = counted_modes(mean, *ends, middle_of(chord), count + _FURTHER)
     if len(middle_modes.frequency) < count:
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
     torn, rows = _torn(many, mean, ends)
+    energy = (mean.moving_inertia[:, None] * middle_modes.angle**2).sum(axis=1)
+    root, rigid = int(rows[np.argmax(energy)]), middle_modes.rigid
+    passed = np.abs(middle_modes.torque * middle_modes.angle[mean.parent]).sum(axis=0)
+    passed = passed / middle_modes.frequency**2
     bounds, number = np.empty((3, count, trains)), 0
-    for part in parts(tree.size * (1 + len(chord)), trains):
-        some = many.chosen(part)
-        proven = np.zeros(some.chord.shape[1], dtype=np.bool_)
-        if torn.tree.parents.count(-1) == 1:
-            bounds[:, :, part], proven = _modes(
-                torn.chosen(part), rows, some, mean, middle_modes, middle_of(chord)
+    for part in parts(tree.size * (1 + len(chord)) * count, trains):
+        start = _starts(many.chosen(part), mean, middle_of(chord), middle_modes)[:count]
+        proven = np.zeros(start.shape[1], dtype=np.bool_)
+        if torn.tree.parents.count(-1) == 1 and len(chord) <= _MOST_CHORDS:
+            # Every mode of every train is a column.
+            mode, column = (index.ravel() for index in np.indices(start.shape))
+            some = torn.chosen(part.start + column)
+            each_bounds, each_proven = enclosed_each(
+                some, start.ravel(), passed[mode], mode + rigid, root
             )
+            bounds[:, :, part] = each_bounds.reshape(3, *start.shape)
+            proven = each_proven.reshape(start.shape).all(axis=0)
         for column in (part.start + np.flatnonzero(~proven)).tolist():
             train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
             modes_alone = counted_modes(train, *ends, chord[:, column], count)
@@ -97,6 +98,23 @@ def network_modes(
             number += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, number)
+
+
+def _starts(trains: Network, mean: Tree, chord: FloatArray, modes: TreeModes) -> FloatArray:
+    """Frequencies (modes, trains) rad/s by Ritz's method, from the `modes` of the mean train and its rigid motions."""
+    angle = np.hstack([modes.rigid_angle, modes.angle])
+    torque = np.vstack([modes.torque, modes.loop_torque])
+    twist = torque * np.append(mean.flexibility, chord)[:, None]
+    twist = np.hstack([np.zeros((len(twist), modes.rigid)), twist])
+    flexibility = np.concatenate([trains.tree.flexibility, trains.chord])
+    stiffness = np.divide(1.0, flexibility, out=np.zeros_like(flexibility), where=flexibility > 0.0)
+    potential, kinetic = (
+        np.einsum("ia,ib,it->tab", shape, shape, weight, optimize=True)
+        for shape, weight in ((twist, stiffness), (angle, trains.tree.moving_inertia))
+    )
+    root = np.linalg.inv(np.linalg.cholesky(kinetic))
+    square = np.linalg.eigvalsh(root @ potential @ root.transpose(0, 2, 1))
+    return np.asarray(np.sqrt(square[:, modes.rigid :].T))
 
 
 def counted_modes(
@@ -182,103 +200,6 @@ def _way(trains: Network, root: int, square: float) -> Way:
     )
 
 
-def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
-    """Frequency (trains,) rad/s after Newton's steps to where the dynamic stiffness that the root sees is zero."""
-    square, left, some = start * start, np.arange(len(start)), trains
-    for _ in range(_STEPS):
-        squares = square[left]
-        with np.errstate(all="ignore"):
-            seen = Elimination(some, squares * (1.0 + 1j * _STEP), way)
-            stiffness = seen.at_root[0] + _through_chords(seen)
-            change = -stiffness.real / (stiffness.imag / _STEP)
-        change[~(np.abs(change) <= _FARTHEST)] = 0.0
-        square[left] = squares + squares * change
-        going = np.abs(change) > _SETTLED
-        if not going.any():
-            break
-        left, some = left[going], some.chosen(going)
-    return np.sqrt(square)
-
-
-def _through_chords(seen: Elimination) -> NDArray[Any]:
-    """What the chords add (trains,) to the stiffness that the root sees."""
-    loads = seen.at_root[1]
-    if len(loads) < 2:
-        return np.asarray((loads**2 / seen.matrix[:, 0]).sum(axis=0))
-    matrix, load = seen.matrix.transpose(2, 0, 1), loads.T[:, :, None]
-    lost = ~(np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(load).all(axis=(1, 2)))
-    matrix = np.where(lost[:, None, None], np.eye(len(loads)), matrix)
-    try:
-        return np.asarray((load * np.linalg.solve(matrix, load)).sum(axis=(1, 2)))
-    except np.linalg.LinAlgError:  # of some train exactly; then all are solved by themselves
-        return np.full(len(lost), np.nan, dtype=np.complex128)
-
-
-def _modes(
-    torn: Network,
-    rows: IntArray,
-    given: Network,
-    mean: Tree,
-    middle_modes: TreeModes,
-    chord: FloatArray,
-) -> tuple[FloatArray, BoolArray]:
-    """Frequencies and bounds (3, modes, trains) rad/s, and which trains are proven.
-
-    torn: the trains that are eliminated, whose stations are `rows` of those given, `own`; known: modes of the `mean`.
-    """
-    start, passed, ways = [], [], []
-    h, j = mean.flexibility, mean.moving_inertia
-    for mode, w in enumerate(middle_modes.frequency.tolist()):
-        angle, torque = middle_modes.angle[:, mode], middle_modes.torque[:, mode]
-        loop_torque = middle_modes.loop_torque[:, mode]
-        moved = (torque**2 * h) @ changes(given.tree.flexibility, h)
-        moved += w * w * (angle**2 * j) @ changes(given.tree.moving_inertia, j)
-        moved += (loop_torque**2 * chord) @ changes(given.chord, chord)
-        start.append(w * np.exp(np.nan_to_num(-0.5 * moved / w**2)))
-        ways.append(_way(torn, int(rows[np.argmax(j * angle**2)]), w * w))
-        passed.append(np.abs(torque * angle[mean.parent]).sum() / w**2)
-    return _proven(torn, np.stack(start), ways, np.array(passed), middle_modes.rigid)
-
-
-def _bracketed(trains: Network, start: FloatArray, mode: int, way: Way) -> FloatArray:
-    """Frequencies (trains,) rad/s near the mode (from 0, rigid ones counted), by halving with counts about `start`."""
-    low, high = 0.5 * start, 2.0 * start
-    for _ in range(_HALVINGS):
-        middle = np.sqrt(low * high)
-        is_above = network_count(trains, middle, 1.0, way) > mode
-        low, high = np.where(is_above, low, middle), np.where(is_above, middle, high)
-    return np.asarray(np.sqrt(low * high))
-
-
-def _proven(
-    trains: Network, start: FloatArray, ways: list[Way], passed: FloatArray, rigid: int
-) -> tuple[FloatArray, BoolArray]:
-    """Frequencies and bounds (3, modes, trains) rad/s by Newton from `start`, and which trains are proven."""
-    frequency = np.stack(
-        [_polished(trains, mode_start, way) for mode_start, way in zip(start, ways, strict=True)]
-    )
-    order = np.argsort(frequency, axis=0)
-    frequency, passed = np.take_along_axis(frequency, order, axis=0), passed[order]
-    bounds, proven = np.stack([frequency] * 3), np.zeros(frequency.shape, dtype=np.bool_)
-    for k, (hertz, way) in enumerate(zip(frequency, ways, strict=True)):
-        bounds[1:, k], proven[k] = _enclosed(trains, hertz, passed[k], k + rigid, way)
-    mode, column = np.nonzero(~proven)
-    if mode.size:
-        some, near, way = trains.chosen(column), frequency[mode, column], ways[mode[0]]
-        is_beside = _enclosed(some, near, passed[mode, column], mode + rigid, way, half=_BESIDE)[1]
-        for k in np.unique(mode[~is_beside]).tolist():
-            lost = (mode == k) & ~is_beside
-            lost_trains = trains.chosen(column[lost])
-            near[lost] = _polished(
-                lost_trains,
-                _bracketed(lost_trains, start[k, column[lost]], k + rigid, ways[k]),
-                ways[k],
-            )
-        enclosed_modes = enclosed_each(some, near, passed[mode, column], mode + rigid, way.root)
-        bounds[:, mode, column], proven[mode, column] = enclosed_modes
-    return bounds, np.asarray(proven.all(axis=0))
-
-
 def enclosed_each(
     trains: Network, frequency: FloatArray, passed: FloatArray, mode: IntArray, root: int
 ) -> tuple[FloatArray, BoolArray]:
@@ -296,10 +217,12 @@ def enclosed_each(
             if not left.size:
                 return bounds, proven
             some = trains.chosen(left)
-            way = _way(some, station, float(near[left].max()) ** 2)
-            if is_modal:
-                way, square = modal_way(some, near[left] ** 2, way)
-                near[left] = np.sqrt(square)
+            way = static = _way(some, station, float(near[left].max()) ** 2)
+            for _ in range(_STEPS if is_modal else 0):
+                way, square = modal_way(some, near[left] ** 2, static)
+                change, near[left] = np.abs(square / near[left] ** 2 - 1.0), np.sqrt(square)
+                if (change <= _SETTLED).all():
+                    break
             bounds[0, left] = near[left]
             bounds[1:, left], proven[left] = _enclosed(
                 some, near[left], passed[left], mode[left], way
@@ -328,18 +251,12 @@ def _enclosed(
     passed: FloatArray,
     mode: int | IntArray,
     way: Way,
-    half: float = 0.0,
 ) -> tuple[FloatArray, BoolArray]:
-    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven.
-
-    half: relative half width, by default that in which success is expected, up to the widest.
-    """
+    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
     widened: tuple[float, ...] = _OF_CHORDS if way.basis is None else _OF_MODES
     width = np.minimum(
         expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1]
     )
-    if half:
-        width, widened = np.full(len(frequency), half), (1.0,)
 
     def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
         return network_count(trains.chosen(left), w, lean, way.chosen(left))

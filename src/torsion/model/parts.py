@@ -254,7 +254,7 @@ class Held(Generic[Kind]):
         self.name = name
 
     def __get__(self, part: "Part | None", owner: type) -> Kind | None:
-        return None if part is None else cast(Kind | None, part.records_by_name.get(self.name))
+        return None if part is None else cast("Kind | None", part.records_by_name.get(self.name))
 
 
 @dataclass(frozen=True, repr=False)
