@@ -14,6 +14,7 @@ from torsion.kernels.chords import pairs
 from torsion.kernels.loops import graph_modes
 from torsion.kernels.network_counts import Elimination, Network, modal_way, network_count
 from torsion.kernels.tree import Tree
+from torsion.kernels.variant_modes import ritz_values
 from torsion.kernels.variant_networks import counted_modes, network_modes
 
 
@@ -56,8 +57,7 @@ def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     ends = np.array([1]), np.array([6])
     right = network_modes(tree, h, j, 3, ends, c)
     assert right.alone == 0
-    starts = variant_networks._starts
-    monkeypatch.setattr(variant_networks, "_starts", lambda *given: 1.9 * starts(*given))
+    monkeypatch.setattr(variant_networks, "ritz_values", lambda *given: 1.9 * ritz_values(*given))
     again = network_modes(tree, h, j, 3, ends, c)
     assert again.alone > 0
     assert again.frequency == pytest.approx(right.frequency, rel=1e-14)

@@ -81,20 +81,6 @@ class Tree:
         return self.parents == list(range(-1, self.size - 1))
 
     @cached_property
-    def is_plain(self) -> bool:
-        """One root, no rigid span, no distributed shaft, and every station moves and has inertia."""
-        rigid, roots = (
-            self.size - int(np.count_nonzero(self.flexibility_columns[1:].all(axis=1))),
-            self.parents.count(-1),
-        )
-        return (
-            rigid == roots == 1
-            and not self.holds
-            and self.shafts is None
-            and bool(self.inertia.min() > 0.0)
-        )
-
-    @cached_property
     def shaft_of(self) -> list[int]:
         """Distributed shaft that each station's span is; -1 for a spring or a root."""
         shaft = [-1] * self.size

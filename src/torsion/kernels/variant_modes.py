@@ -1,10 +1,9 @@
 """Natural frequencies of many trains of one layout, side by side: a column of inertias and flexibilities for each.
 
-From the modes of one train, the geometric middle of all, every other begins at what the shares of energy say of a
-change of its figures: d ln f/d ln k is half the share of a span in the elastic energy, -d ln f/d ln J that of a
-station in the kinetic one. Rayleigh's steps lead from there to its modes; the counts that enclose a frequency are the
-sweeps of one train, with a train in each column. Trains that counts do not confirm (close modes, or far from the middle)
-begin once more at the singular values of each, then each is solved by itself.
+From the modes of one train, the geometric middle of all, every other begins at its Ritz values, the natural frequencies
+of all its motions in which these modes add up. Rayleigh's steps lead from there to its modes; the counts that enclose a
+frequency are the sweeps of one train, with a train in each column. Trains that counts do not confirm are solved each by
+itself.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.mode_shapes import free_shapes
+from torsion.kernels.mode_shapes import TreeModes, free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
 from torsion.kernels.tree import Tree
 
 Selection = IntArray | BoolArray | slice
 
+FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin
 _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)
 _LARGEST = 2**19  # stations times trains at once
 _STEPS = 6  # of Rayleigh; 2 are usual
@@ -58,33 +58,21 @@ def variant_modes(
             f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
         )
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    middle_modes = tree_modes(middle, count)
+    middle_modes = tree_modes(middle, count + FURTHER)
     if len(middle_modes.frequency) < count:
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
-    square = middle_modes.frequency**2
-    by_flexibility = -0.5 * middle.flexibility[:, None] * middle_modes.torque**2 / square
-    by_inertia = -0.5 * middle.moving_inertia[:, None] * middle_modes.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
-        h, j = flexibility[:, part], inertia[:, part]
-        start = np.log(middle_modes.frequency)[:, None]
-        start = start + by_flexibility.T @ changes(h, middle.flexibility)
-        start += by_inertia.T @ changes(j, middle.moving_inertia)
-        trains = replace(tree, flexibility=h, inertia=j)
-        settled = [_settled(trains, mode_start) for mode_start in np.exp(start)]
+        trains = replace(tree, flexibility=flexibility[:, part], inertia=inertia[:, part])
+        start = ritz_values(trains, middle, middle_modes)[:count]
+        settled = [_settled(trains, mode_start) for mode_start in start]
         bounds[:, :, part], proven = _proven(trains, settled, middle_modes.rigid)
-        if not proven.all() and trains.is_plain:
-            left = np.flatnonzero(~proven)
-            some = _columns(trains, left)
-            settled = [_settled(some, mode_start) for mode_start in _values(some)[:count]]
-            bounds[:, :, part.start + left], proven[left] = _proven(
-                some, settled, middle_modes.rigid
-            )
-        for column in np.flatnonzero(~proven).tolist():
-            modes = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
-            bounds[:, :, part.start + column] = modes.frequency, modes.lower, modes.upper
+        for column in (part.start + np.flatnonzero(~proven)).tolist():
+            train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
+            modes = tree_modes(train, count)
+            bounds[:, :, column] = modes.frequency, modes.lower, modes.upper
             alone += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, alone)
@@ -96,12 +84,31 @@ def middle_of(values: FloatArray) -> FloatArray:
         return np.asarray(np.exp(np.log(values).mean(axis=1)))
 
 
-def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
-    """ln of each of `values` (stations, trains) over the middle; 0 of what is 0."""
-    used = (middle > 0.0) & np.isfinite(middle)
-    return np.asarray(
-        np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None])
+def ritz_values(
+    trains: Tree,
+    middle: Tree,
+    modes: TreeModes,
+    chords: tuple[FloatArray, FloatArray] | None = None,
+) -> FloatArray:
+    """Frequencies (modes, trains) rad/s by Ritz's method, from modes and rigid motions of the `middle` train.
+
+    chords: flexibility of spans that close loops, (chords, trains) and of the middle train.
+    """
+    torque, flexibility, middle_flexibility = modes.torque, trains.flexibility, middle.flexibility
+    if chords is not None:
+        torque = np.vstack([torque, modes.loop_torque])
+        flexibility = np.concatenate([flexibility, chords[0]])
+        middle_flexibility = np.append(middle_flexibility, chords[1])
+    twist = np.pad(torque * middle_flexibility[:, None], ((0, 0), (modes.rigid, 0)))
+    stiffness = np.divide(1.0, flexibility, out=np.zeros_like(flexibility), where=flexibility > 0.0)
+    angle = np.hstack([modes.rigid_angle, modes.angle])
+    potential, kinetic = (
+        np.einsum("ia,ib,it->tab", shape, shape, weight, optimize=True)
+        for shape, weight in ((twist, stiffness), (angle, trains.moving_inertia))
     )
+    root = np.linalg.inv(np.linalg.cholesky(kinetic))
+    square = np.linalg.eigvalsh(root @ potential @ root.transpose(0, 2, 1))
+    return np.asarray(np.sqrt(np.abs(square[:, modes.rigid :].T)))
 
 
 def parts(size: int, trains: int) -> Iterator[slice]:
@@ -113,16 +120,6 @@ def _columns(trains: Tree, chosen: Selection) -> Tree:
     return replace(
         trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen]
     )
-
-
-def _values(trains: Tree) -> FloatArray:
-    """Return elastic frequencies (modes, trains) rad/s to begin with: singular values of K^1/2 J^-1/2, of all at once."""
-    size, span = trains.size, np.arange(1, trains.size)
-    factor = np.zeros((trains.inertia.shape[1], size - 1, size))
-    for sign, station in ((1.0, trains.parent[1:]), (-1.0, span)):
-        inertia = trains.inertia[station]
-        factor[:, span - 1, station] = (sign / np.sqrt(trains.flexibility[span] * inertia)).T
-    return np.asarray(np.linalg.svd(factor, compute_uv=False).T[::-1])
 
 
 def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:

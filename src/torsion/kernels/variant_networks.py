@@ -17,15 +17,16 @@ from torsion.kernels.network_counts import Network, Way, modal_way, network_coun
 from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
 from torsion.kernels.variant_modes import (
+    FURTHER,
     Selection,
     VariantModes,
     enclosed,
     middle_of,
     parts,
+    ritz_values,
     toward,
 )
 
-_FURTHER = 30  # modes of the middle train beside those wanted, for the start of all others
 _STEPS = 6  # of Rayleigh; 3 are usual
 _SETTLED = 1e-10  # relative step of the square after which the next one is below rounding
 _OF_CHORDS = (
@@ -68,7 +69,7 @@ def network_modes(
         replace(tree, flexibility=flexibility, inertia=inertia), pairs(tree.size, *ends), chord
     )
     mean = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    middle_modes = counted_modes(mean, *ends, middle_of(chord), count + _FURTHER)
+    middle_modes = counted_modes(mean, *ends, middle_of(chord), count + FURTHER)
     if len(middle_modes.frequency) < count:
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
@@ -80,7 +81,8 @@ def network_modes(
     passed = passed / middle_modes.frequency**2
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)) * count, trains):
-        start = _starts(many.chosen(part), mean, middle_of(chord), middle_modes)[:count]
+        some = many.chosen(part)
+        start = ritz_values(some.tree, mean, middle_modes, (some.chord, middle_of(chord)))[:count]
         proven = np.zeros(start.shape[1], dtype=np.bool_)
         if torn.tree.parents.count(-1) == 1 and len(chord) <= _MOST_CHORDS:
             # Every mode of every train is a column.
@@ -90,7 +92,7 @@ def network_modes(
                 some, start.ravel(), passed[mode], mode + rigid, root
             )
             bounds[:, :, part] = each_bounds.reshape(3, *start.shape)
-            proven = each_proven.reshape(start.shape).all(axis=0)
+            proven = np.asarray(each_proven.reshape(start.shape).all(axis=0))
         for column in (part.start + np.flatnonzero(~proven)).tolist():
             train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
             modes_alone = counted_modes(train, *ends, chord[:, column], count)
@@ -98,23 +100,6 @@ def network_modes(
             number += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, number)
-
-
-def _starts(trains: Network, mean: Tree, chord: FloatArray, modes: TreeModes) -> FloatArray:
-    """Frequencies (modes, trains) rad/s by Ritz's method, from the `modes` of the mean train and its rigid motions."""
-    angle = np.hstack([modes.rigid_angle, modes.angle])
-    torque = np.vstack([modes.torque, modes.loop_torque])
-    twist = torque * np.append(mean.flexibility, chord)[:, None]
-    twist = np.hstack([np.zeros((len(twist), modes.rigid)), twist])
-    flexibility = np.concatenate([trains.tree.flexibility, trains.chord])
-    stiffness = np.divide(1.0, flexibility, out=np.zeros_like(flexibility), where=flexibility > 0.0)
-    potential, kinetic = (
-        np.einsum("ia,ib,it->tab", shape, shape, weight, optimize=True)
-        for shape, weight in ((twist, stiffness), (angle, trains.tree.moving_inertia))
-    )
-    root = np.linalg.inv(np.linalg.cholesky(kinetic))
-    square = np.linalg.eigvalsh(root @ potential @ root.transpose(0, 2, 1))
-    return np.asarray(np.sqrt(square[:, modes.rigid :].T))
 
 
 def counted_modes(
