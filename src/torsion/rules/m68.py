@@ -1,7 +1,7 @@
 """Rule `iacs-m68`: stresses, barred speed ranges and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -76,14 +76,16 @@ class M68(ShaftStress):
         return m68_shafts.classed_shafts(study, self.settings, self.letters)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return the checks of every shaft: stresses, its least diameter behind them, and strengths in barred ranges."""
-        checks = list(super().judge(evidence))
-        for shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
-            if (diameter := self._diameter(evidence, shaft)) is not None:
-                last = max(row for row, check in enumerate(checks) if check.where == shaft.name)
-                checks.insert(last + 1, diameter)
-            checks += self._strength_in_barred_range(shaft, checks)
-        return tuple(checks)
+        """Return the checks of every shaft, and last the strengths of those that pass a barred range."""
+        checks = super().judge(evidence)
+        passing = {check.where: check for check in checks if check.barred}
+        rows = [
+            row
+            for shaft in m68_shafts.classed_shafts(evidence.study, self.settings)
+            if shaft.name in passing
+            for row in self._strength_in_barred_range(shaft, passing[shaft.name])
+        ]
+        return *checks, *rows
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Return strengths below the least one, and states of the train that neither the file nor a case of it has."""
@@ -125,14 +127,13 @@ class M68(ShaftStress):
                 faults.append(Fault((*path, "slots", name), message, hint, at_key=True))
         return faults
 
-    def _diameter(self, evidence: Results, shaft: ClassedShaft) -> Check | None:
-        """Return the less favourable end against its least diameter, for the rated mean torque; None if unknown."""
-        torque, study = rule_over_speed.full_torque(evidence), evidence.study
-        if torque is None:
-            return None
-        drive = self.settings.drive
+    def beyond_stress(self, evidence: Results, shaft: LimitedShaft) -> Iterator[Check]:
+        """Yield the less favourable end of a line shaft against its least diameter, for the rated mean torque if known."""
+        torque, drive = rule_over_speed.full_torque(evidence), self.settings.drive
+        if torque is None or not isinstance(shaft, ClassedShaft):
+            return
         factor = m68_shafts.drive_factor(shaft.role, smooth=drive != "other")
-        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        engines = [part.engine for part in evidence.study.train.parts if part.engine is not None]
         firing = [sum(share for _, share in engine.drives) for engine in engines if engine.drives]
         mean = float(np.max(torque[rule_over_speed.spans_of(evidence.system, shaft.part)]))
         load = mean / min([*firing, 1.0]) * KW_PER_RPM  # rated power is that of all cylinders
@@ -141,7 +142,7 @@ class M68(ShaftStress):
             for outer, bore in shaft.ends
         ]
         diameter, minimum = max(ends, key=lambda end: end[1] / end[0])
-        return Check(
+        yield Check(
             self.name,
             "minimum diameter",
             shaft.name,
@@ -151,21 +152,17 @@ class M68(ShaftStress):
             "mm",
             verdict_of(diameter >= minimum, TO_BE_VERIFIED),
             TO_BE_VERIFIED,
-            rated_speed(study),
+            rated_speed(evidence.study),
             note=f"F {factor:g} (drive: {drive}), k {shaft.k:g}, {load:.5g} kW per rpm",
             at_least=True,
         )
 
-    def _strength_in_barred_range(
-        self, shaft: ClassedShaft, checks: Iterable[Check]
-    ) -> Iterator[Check]:
+    def _strength_in_barred_range(self, shaft: ClassedShaft, passing: Check) -> Iterator[Check]:
         """Yield the row about a strength below that which the rule demands near the limit of passing a barred range."""
-        passing = [check for check in checks if check.where == shaft.name and check.barred]
-        minimum = LEAST_STRENGTH_IN_BARRED_RANGE
-        if not passing or (shaft.stated or 0.0) >= minimum * (1 - ROUNDING):
+        minimum, near = LEAST_STRENGTH_IN_BARRED_RANGE, self.settings.near_transient
+        if (shaft.stated or 0.0) >= minimum * (1 - ROUNDING):
             return
-        near = self.settings.near_transient
-        use = max(math.inf if check.utilisation is None else check.utilisation for check in passing)
+        use = math.inf if passing.utilisation is None else passing.utilisation
         is_near = use >= near * (1 - ROUNDING)
         origin = "ours" if near == NEAR_TRANSIENT else "stated by user"
         words = f"the stress there is {use:.3g} of its limit, near is {near:g} ({origin})"
@@ -176,7 +173,7 @@ class M68(ShaftStress):
         verdict: Verdict = "fail" if is_near and shaft.stated is not None else "not judged"
         what = "Tensile strength where a barred range is passed"
         row = _strength(self.name, shaft, what, minimum, verdict)
-        yield replace(row, speed=passing[0].speed, note=words)
+        yield replace(row, speed=passing.speed, note=words)
 
 
 def _is_generator_set(study: Study) -> bool:

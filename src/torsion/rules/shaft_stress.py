@@ -149,7 +149,12 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
                     subject=SUBJECT,
                     begin=self.begin,
                 )
+            checks += self.beyond_stress(evidence, stressed.shaft)
         return distinct((*checks, *super().judge(evidence)))
+
+    def beyond_stress(self, evidence: Results, shaft: LimitedShaft) -> Iterator[Check]:
+        """Yield what is judged of a shaft beside its stress, behind that."""
+        return iter(())
 
     def stresses(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
         """Yield the checks of the stress amplitude of one shaft.
