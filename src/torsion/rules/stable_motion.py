@@ -3,7 +3,7 @@
 What was not looked at of the operation is not passed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from operator import attrgetter
 
@@ -21,14 +21,13 @@ from torsion.model.machine_torques import DriveLaw
 from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.reached_speeds import distinct, with_reach
 from torsion.rules.rule_over_speed import within
-from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings
+from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, verdict_of
 from torsion.study import Operation, Study
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
 MOST = 4  # ranges without an answer that are stated one by one
 _RPM = 30.0 / np.pi
-SpeedRange = tuple[float, float]  # rad/s
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
 NO_SLOPE = 1e-9  # N m s/rad: less is none
 NOT_DISTINGUISHED = "a drift of the mean speed and an instability were not distinguished"
@@ -48,7 +47,7 @@ class StableMotion(Rule[RuleSettings]):
         )
         stated, laws = mean_speed_words(stability, evidence.study), drive_laws(evidence.study)
         words = line.note, unstable_words(times), slope_words(evidence.study), stated
-        note = "; ".join(word for word in words if word)
+        note = "; ".join(filter(None, words))
         lines = [replace(line, note=note, times=times)]
         if laws and not any(law.is_controlled for law in laws):
             lines.append(mean_speed_check(stability, evidence.study))
@@ -137,12 +136,19 @@ def stability_check(stability: Stability, operation: Operation) -> Check:
     first, last, is_whole = _operated(stability.speed, operation)
     unstable = [band for band in stability.ranges if band.meets(first, last)]
     growth, speed = _fastest(stability.speed, stability.growth, unstable, operation)
-    bare = _bare(stability, first, last)
+    # What lies between speeds without a periodic motion and their neighbours that have one.
+    unsolved = stability.unsolved
+    met = [(max(low, first), min(high, last)) for low, high in stability.unknown]
+    bare = [
+        (low, high)
+        for low, high in met
+        if low < high or ((unsolved >= low) & (unsolved <= high)).any()
+    ]
     if not unstable and (bare or growth == -np.inf):
-        missing = stability.unsolved[(stability.unsolved >= first) & (stability.unsolved <= last)]
+        missing = unsolved[(unsolved >= first) & (unsolved <= last)]
         growth, speed = np.inf, float(np.append(missing, first)[0])
     notes = [
-        *_bare_words(stability, bare),
+        *([_bare_words(stability, bare)] if bare else []),
         *([] if is_whole else ["stability was not requested at all speeds of the operation"]),
         *([] if stability.loses else [NOTHING_DAMPS]),
         *_nearest(stability, first, last),
@@ -181,63 +187,31 @@ def _check(
     notes: list[str],
     *,
     kept: bool,
-    at_least: bool = False,
 ) -> Check:
     """A verdict against the limit 0, which holds by the definition of stability."""
-    return Check(
-        "stability",
-        clause,
-        where,
-        what,
-        value,
-        0.0,
-        unit,
-        "pass" if kept else "fail",
-        "by definition",
-        speed,
-        note="; ".join(notes),
-        at_least=at_least,
-    )
+    verdict, note = verdict_of(kept, "by definition"), "; ".join(notes)
+    about = "stability", clause, where, what
+    return Check(*about, value, 0.0, unit, verdict, "by definition", speed, note=note)
 
 
-def _bare(stability: Stability, first: float, last: float) -> list[SpeedRange]:
-    """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
-    met = [(max(low, first), min(high, last)) for low, high in stability.unknown]
-    return [
-        (a, b)
-        for a, b in met
-        if a < b or ((stability.unsolved >= a) & (stability.unsolved <= b)).any()
-    ]
-
-
-def _bare_words(stability: Stability, bare: list[SpeedRange]) -> list[str]:
-    """The speeds at which nothing is known, in words."""
-    if not bare:
-        return []
+def _bare_words(stability: Stability, bare: list[tuple[float, float]]) -> str:
+    """The speed ranges (rad/s) at which nothing is known, in words."""
     if np.isnan(stability.growth).all():
-        return [f"no periodic motion was found at any of the {stability.growth.size} speeds tried"]
+        return f"no periodic motion was found at any of the {stability.growth.size} speeds tried"
     where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
     further_words = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
-    return [
-        f"no periodic motion was found, and so nothing is known, from {where} rpm{further_words}"
-    ]
+    return f"no periodic motion was found, and so nothing is known, from {where} rpm{further_words}"
 
 
-def _nearest(stability: Stability, first: float, last: float) -> list[str]:
+def _nearest(stability: Stability, first: float, last: float) -> Iterator[str]:
     """The distance of the operation from the unstable ranges outside it."""
     outside = [band for band in stability.ranges if not band.meets(first, last)]
-    below = [band.unknown[1] or band.last for band in outside if band.last <= first]
-    above = [band.unknown[0] or band.first for band in outside if band.first >= last]
-    sentences = []
-    if below:
-        sentences.append(
-            f"the next unstable range ends {100.0 * (1.0 - max(below) / first):.3g} % below the lowest speed"
-        )
-    if above:
-        sentences.append(
-            f"the next unstable range begins {100.0 * (min(above) / last - 1.0):.3g} % above the highest speed"
-        )
-    return sentences
+    if below := [band.unknown[1] or band.last for band in outside if band.last <= first]:
+        share = f"{100.0 * (1.0 - max(below) / first):.3g} %"
+        yield f"the next unstable range ends {share} below the lowest speed"
+    if above := [band.unknown[0] or band.first for band in outside if band.first >= last]:
+        share = f"{100.0 * (min(above) / last - 1.0):.3g} %"
+        yield f"the next unstable range begins {share} above the highest speed"
 
 
 class StableBending(Rule[RuleSettings]):
@@ -251,15 +225,15 @@ class StableBending(Rule[RuleSettings]):
 
 def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
     """Return one for the whirl and one for the tilting of every shaft whose speeds are known."""
-    checks = []
+    checks = list[Check]()
     for shaft in bending.shafts:
+        of_shaft = list[Check]()
         if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-            check = _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
-            checks.append(replace(check, parts=shaft.parts))
+            speed, decrement = shaft.whirl.speed, shaft.whirl.log_decrement
+            of_shaft.append(_whirl(shaft.name, speed, decrement, operation))
         if shaft.tilting is not None:
-            checks.append(
-                replace(_tilting(shaft.name, shaft.tilting, operation), parts=shaft.parts)
-            )
+            of_shaft.append(_tilting(shaft.name, shaft.tilting, operation))
+        checks += (replace(check, parts=shaft.parts) for check in of_shaft)
     return tuple(checks)
 
 
@@ -268,11 +242,8 @@ def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bo
     if operation.speeds is None:
         return float(speed[0]), float(speed[-1]), True
     first, last = operation.speeds.first, operation.speeds.last
-    return (
-        first,
-        last,
-        bool(speed[0] <= first * (1 + ROUNDING) and speed[-1] >= last * (1 - ROUNDING)),
-    )
+    is_whole = speed[0] <= first * (1 + ROUNDING) and speed[-1] >= last * (1 - ROUNDING)
+    return first, last, bool(is_whole)
 
 
 def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Operation) -> Check:
@@ -286,17 +257,9 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     notes = ["nothing damps it"] if abs(smallest) <= ROUNDING else []
     value = 0.0 if notes else smallest
     notes += [] if is_whole else [PART]
-    return _check(
-        "whirl",
-        name,
-        what,
-        value,
-        "",
-        float(speed[row]),
-        notes,
-        kept=is_whole and 0 <= value < np.inf,
-        at_least=True,
-    )
+    kept = is_whole and 0 <= value < np.inf
+    check = _check("whirl", name, what, value, "", float(speed[row]), notes, kept=kept)
+    return replace(check, at_least=True)
 
 
 def _tilting(name: str, tilting: Tilting, operation: Operation) -> Check:

@@ -1,7 +1,6 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -58,12 +57,16 @@ class Tube:
 def tubes(train: Train) -> tuple[Tube, ...]:
     """Return every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
     joints = {mesh.part: mesh for mesh in train.constraints}
-    rows = [
-        _tube(train, joints[mesh.after], mesh)
+    between = (
+        (mesh, _path(train, joints[mesh.after].driven, mesh.driving))
         for mesh in train.constraints
         if mesh.after is not None
-    ]
-    return tuple(tube for tube in rows if tube is not None)
+    )
+    return tuple(
+        _tube(train, mesh, pieces)
+        for mesh, pieces in between
+        if any(isinstance(piece, Bar) for piece in pieces)
+    )
 
 
 def critical_speed(
@@ -76,13 +79,11 @@ def critical_speed(
     return math.pi**2 / 4.0 * math.sqrt(modulus / density) * math.hypot(outer, bore) / length**2
 
 
-def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
-    pieces = list(_path(train, first.driven, second.driving))
+def _tube(train: Train, joint: Constraint, pieces: tuple[Spring | Bar, ...]) -> Tube:
+    """Return the shaft of these pieces, which ends at a joint."""
     bars = [piece for piece in pieces if isinstance(piece, Bar)]
-    if not bars:
-        return None
     names = ", ".join(bar.name for bar in bars)
-    bar, ratio, parts = bars[0], train.parts[second.part].ratio, tuple(bar.part for bar in bars)
+    bar, ratio, parts = bars[0], train.parts[joint.part].ratio, tuple(bar.part for bar in bars)
     if any(train.shaft(bar).support for bar in bars):
         lacking = (
             shaft.lacks
@@ -92,9 +93,8 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
         return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
     lacks, critical = "", math.nan
     material = train.materials[train.shaft(bar).material]
-    if len(bars) > 1 or any(
-        isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces
-    ):
+    is_soft = any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces)
+    if len(bars) > 1 or is_soft:
         lacks = "it is not one tube from joint to joint"
     elif bar.section is not None:
         lacks = "its section is a mesh, which is not solved for bending"
@@ -109,23 +109,17 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     return Tube(names, parts, ratio, critical, lacks)
 
 
-def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
-    """What lies on the way from one station to another, along springs and shafts in the direction of power flow."""
-    behind = defaultdict[int, list[Spring | Bar]](list)
+def _path(train: Train, start: int, end: int) -> tuple[Spring | Bar, ...]:
+    """Return what lies between two stations, the last first, along springs and shafts in the direction of power flow."""
     pieces: tuple[Spring | Bar, ...] = (*train.springs, *train.bars)
-    for piece in pieces:
-        behind[piece.driving].append(piece)
-    reached: dict[int, Spring | Bar | None] = {start: None}
+    paths: dict[int, tuple[Spring | Bar, ...]] = {start: ()}
     queue = [start]
     for station in queue:  # which grows meanwhile: breadth first
-        for piece in behind[station]:
-            if piece.driven not in reached:
-                reached[piece.driven] = piece
+        for piece in pieces:
+            if piece.driving == station and piece.driven not in paths:
+                paths[piece.driven] = piece, *paths[station]
                 queue.append(piece.driven)
-    last = reached.get(end)
-    while last is not None:
-        yield last
-        last = reached[last.driving]
+    return paths.get(end, ())
 
 
 class JointRuleSettings(RuleSettings):
@@ -161,20 +155,12 @@ class UniversalJoints(Rule[JointRuleSettings]):
     def faults(self, study: Study) -> list[Fault]:
         """Return what the file lacks for this rule."""
         if not study.has_joints:
-            return [
-                Fault(
-                    self.path(study),
-                    f"{RULE} finds no joint in the train",
-                    "leave the rule out",
-                )
-            ]
+            message = f"{RULE} finds no joint in the train"
+            return [Fault(self.path(study), message, "leave the rule out")]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
-            return [
-                Fault(
-                    ("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint
-                )
-            ]
+            message = f"no speed is given; {RULE} judges the highest"
+            return [Fault(("operation", "speeds"), message, hint)]
         return []
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
@@ -185,12 +171,8 @@ class UniversalJoints(Rule[JointRuleSettings]):
             if tube.lacks
         ]
         if self.settings.speed_angle is None:
-            rows.append(
-                (
-                    f"{RULE}: speed times angle",
-                    "`speed_angle` gives no limit; it depends on the joint's size",
-                )
-            )
+            why = "`speed_angle` gives no limit; it depends on the joint's size"
+            rows.append((f"{RULE}: speed times angle", why))
         return tuple(rows)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
@@ -198,33 +180,19 @@ class UniversalJoints(Rule[JointRuleSettings]):
         joints, speed = evidence.get(Joints), _speed(evidence.study)
         if joints is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = [
-            row for line in joints.lines for row in _of_line(joints, line, self.settings, speed)
-        ]
+        rows = list[Check]()
+        for line in joints.lines:
+            rows += _of_line(joints, line, self.settings, speed)
         rows += _between(joints, self.settings, speed).values()
         if self.settings.speed_angle is not None:
             limit: Limit = self.settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in joints.joints:
-                value = (
-                    speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
-                )  # as its maker counts it
-                rows.append(
-                    _verdict(
-                        "n b",
-                        joint.name,
-                        "Speed times angle",
-                        value,
-                        "deg/min",
-                        limit,
-                        speed,
-                        (joint.part,),
-                    )
-                )
-        for tube in tubes(evidence.study.train):
-            if tube.lacks:
-                rows.append(_unjudged_bending(tube, tube.lacks))
-            else:
-                rows += _bending(tube, evidence.get(Lateral), self.settings.critical_share, speed)
+                # As its maker counts it.
+                value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
+                about, parts = ("n b", joint.name, "Speed times angle"), (joint.part,)
+                rows.append(_verdict(about, value, "deg/min", limit, speed, parts))
+        share, bent = self.settings.critical_share, evidence.get(Lateral)
+        rows += (_bending(tube, bent, share, speed) for tube in tubes(evidence.study.train))
         return tuple(rows)
 
 
@@ -235,31 +203,27 @@ def _of_line(
     joints = [all_joints.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit = _published(settings, "unevenness")
     parts = tuple(joint.part for joint in sorted(joints, key=lambda joint: -joint.unevenness))
-    yield _verdict(
-        "U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend
-    )
-    what, value = "Angular acceleration of the driven side", _steepest(joints[-1], speed)
-    yield _verdict(
-        "torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed, parts
-    )
+    about, limit = ("U", where, "Non-uniformity of the line"), _published(settings, "unevenness")
+    yield _verdict(about, line.index, "1", limit, None, parts, before=bend)
+    about = "torsional", where, "Angular acceleration of the driven side"
+    limit = _published(settings, "torsional")
+    yield _verdict(about, _steepest(joints[-1], speed), "rad/s2", limit, speed, parts)
 
 
 def _between(joints: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    checks, limit, what = (
-        dict[int, Check](),
-        _published(settings, "inertial"),
+    checks, limit = dict[int, Check](), _published(settings, "inertial")
+    what, driven = (
         "Angular acceleration of the shaft downstream of the joint",
+        "driven from its first end",
     )
     for line in joints.lines:
         for position in line.joints[:-1]:
             joint = joints.joints[position]
-            value, driven = _steepest(joint, speed), "driven from its first end"
-            about = (joint.part,)
+            value, about = _steepest(joint, speed), ("inertial", joint.name, what)
             checks[position] = _verdict(
-                "inertial", joint.name, what, value, "rad/s2", limit, speed, about, after=driven
+                about, value, "rad/s2", limit, speed, (joint.part,), after=driven
             )
     return checks
 
@@ -269,20 +233,16 @@ def _steepest(joint: JointFound, speed: float) -> float:
     return joint.steepest * (speed * float(joint.ratio)) ** 2
 
 
-def _unjudged_bending(tube: Tube, why: str) -> Check:
-    """The row of a tube whose critical bending speed is not known."""
-    return replace(
-        unjudged(RULE, "n_crit", tube.name, BENDING, why, TO_BE_VERIFIED), parts=tube.parts
-    )
-
-
-def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:
+def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Check:
     """Speed of a tube against a share of its critical bending speed, that of a tube on supports as it was computed."""
+    about = "n_crit", tube.name, BENDING
+    lacks = tube.lacks
+    if tube.has_support and bent is None and not lacks:
+        lacks = "its bending was not computed"
+    if lacks:
+        return replace(unjudged(RULE, *about, lacks, TO_BE_VERIFIED), parts=tube.parts)
     first, second, origin = tube.critical, tube.critical / 2.0, "simply supported at the joints"
-    if tube.has_support:
-        if bent is None:
-            yield _unjudged_bending(tube, "its bending was not computed")
-            return
+    if tube.has_support and bent is not None:
         first, second = (
             min(
                 (
@@ -305,23 +265,11 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
         f"the secondary couple turns at twice the speed, {2.0 * speed_rpm:.5g} rpm, and {twice}"
     )
     limit = share * critical_rpm, standing, words
-    yield _verdict(
-        "n_crit",
-        tube.name,
-        BENDING,
-        speed_rpm,
-        "rpm",
-        limit,
-        speed,
-        tube.parts,
-        after=couple,
-    )
+    return _verdict(about, speed_rpm, "rpm", limit, speed, tube.parts, after=couple)
 
 
 def _verdict(
-    clause: str,
-    where: str,
-    what: str,
+    about: tuple[str, str, str],
     value: float,
     unit: str,
     limit: Limit,
@@ -331,22 +279,21 @@ def _verdict(
     before: str = "",
     after: str = "",
 ) -> Check:
-    """A verdict on some parts whose note is that of the limit, with what stands `before` and `after` it."""
+    """A verdict on some parts whose note is that of the limit, with what stands `before` and `after` it.
+
+    about: clause, place and what is compared.
+    """
     maximum, standing, words = limit
-    note = "; ".join(text for text in (before, words, after) if text)
-    verdict = verdict_of(value <= maximum, standing)
     return Check(
         RULE,
-        clause,
-        where,
-        what,
-        value,
-        maximum,
-        unit,
-        verdict,
-        standing,
+        *about,
+        value=value,
+        limit=maximum,
+        unit=unit,
+        verdict=verdict_of(value <= maximum, standing),
+        standing=standing,
         speed=speed,
-        note=note,
+        note="; ".join(filter(None, (before, words, after))),
         parts=parts,
     )
 
@@ -362,11 +309,5 @@ def _speed(study: Study) -> float | None:
     speeds, rated = study.operation.speeds, study.operation.rated
     if speeds is not None and study.case is not None and study.case.has_own_speeds:
         return speeds.last
-    return max(
-        (
-            limit_speed
-            for limit_speed in (speeds and speeds.last, rated and rated.speed)
-            if limit_speed
-        ),
-        default=None,
-    )
+    highest = max(0.0 if speeds is None else speeds.last, 0.0 if rated is None else rated.speed)
+    return highest or None
