@@ -14,7 +14,7 @@ from torsion.analyses.response.component_loads import heat
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
-from torsion.model.silicone import Silicone
+from torsion.model.damper import Silicone
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 

@@ -204,21 +204,24 @@ class Coupling(Component, keyword="coupling", sort="link"):
             )
         ONE_STIFFNESS.check(self)
         if self.temperature is not None:
-            _refuse_beside_temperature(self, self.temperature)
+            if self.flexibility == 0:
+                message = "a rigid coupling makes no heat"
+                raise refuse(message, "leave `temperature` out", "flexibility")
+            lost = self.temperature.keys_given(*HYSTERESES)
+            dampings = self.keys_given(*HYSTERESES, *TABLES)
+            if lost and dampings:
+                message = f"`{dampings[0]}` and `temperature` both say what the coupling loses"
+                raise refuse(message, f"`temperature` gives it as `{lost[0]}`", dampings[0])
         damping = given_damping(self)
         if damping and self.flexibility == 0:
             message = "a rigid coupling has no damping"
             raise refuse(message, "leave it out, or give a stiffness", damping[0])
-        self._refuse_ratings()
-        _refuse_nonlinear_clashes(self)
-
-    def _refuse_ratings(self) -> None:
-        """Refuse ratings that contradict each other."""
         normal, rare = self.max_torque, self.max_torque_rare
         if rare is not None and normal is not None and rare < normal:
             message = f"{rare:g} N m is below the {normal:g} N m of `max_torque`"
             raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
         heat_ratings(self.heat_limit, self.heat_limit_misfire)
+        _refuse_nonlinear_clashes(self)
 
     def lower(self, build: Lowering) -> None:
         damping, temperature = given_damping(self), self.temperature
@@ -265,16 +268,6 @@ class Coupling(Component, keyword="coupling", sort="link"):
             build.record(nonlinear)
             viscous = nonlinear.viscous if nonlinear.play else viscous
         build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, eta))
-
-
-def _refuse_beside_temperature(coupling: Coupling, temperature: CouplingWarming) -> None:
-    """Refuse what does not go together with the temperature of a coupling."""
-    if coupling.flexibility == 0:
-        raise refuse("a rigid coupling makes no heat", "leave `temperature` out", "flexibility")
-    lost, dampings = temperature.keys_given(*HYSTERESES), coupling.keys_given(*HYSTERESES, *TABLES)
-    if lost and dampings:
-        message = f"`{dampings[0]}` and `temperature` both say what the coupling loses"
-        raise refuse(message, f"`temperature` gives it as `{lost[0]}`", dampings[0])
 
 
 def _refuse_nonlinear_clashes(coupling: Coupling) -> None:

@@ -76,25 +76,26 @@ class Joint(Component, keyword="joint", sort="link", symbol=Symbol(width=0.8)):
             return ()
         if self.kind == "cross":
             return ((2, cross.error_amplitude(self.angle, yoke)),)
-        spider = (
-            yoke + math.pi / 2
-        )  # counted from the normal of the plane, as the theory of the tripod does
-        return (
-            (3, tripod.error_amplitude(self.angle, spider, self.radius or 0.0, self.arm or 1.0)),
-        )
+        # Counted from the normal of the plane, as the theory of the tripod does.
+        spider = yoke + math.pi / 2
+        radius, arm = self.radius or 0.0, self.arm or 1.0
+        return ((3, tripod.error_amplitude(self.angle, spider, radius, arm)),)
 
     def lower(self, build: Lowering) -> None:
         before = build.arrival.yoke
-        if before is None:
-            self._refuse_on_a_first_joint(build)
+        if before is None and self.plane is not None:
+            hint = "remove `plane`; the first joint (also after a gear) defines the plane"
+            message = "`plane` counts from a previous joint, and there is none on this shaft"
+            build.fault(message, hint, "plane")
+        if before is None and self.phase is not None and build.arrival.depth > 0:
+            hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
+            message = "`phase` on a first joint of a branch has nothing to count from"
+            build.fault(message, hint, "phase")
         after = None if before is None else build.arrival.joint
         plane, phase = self.plane or 0.0, self.phase or 0.0
         yoke = phase if before is None else before + phase - plane
-        build.record(
-            JointRecord(
-                self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm
-            )
-        )
+        angles = self.angle, plane, phase, yoke
+        build.record(JointRecord(self.kind, *angles, self.order, self.radius, self.arm))
         driving, driven = build.link(halves=self.inertia)
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.
@@ -103,14 +104,3 @@ class Joint(Component, keyword="joint", sort="link", symbol=Symbol(width=0.8)):
         build.add(
             Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after)
         )
-
-    def _refuse_on_a_first_joint(self, build: Lowering) -> None:
-        """No joint stands before this one on its shaft line."""
-        if self.plane is not None:
-            hint = "remove `plane`; the first joint (also after a gear) defines the plane"
-            message = "`plane` counts from a previous joint, and there is none on this shaft"
-            build.fault(message, hint, "plane")
-        if self.phase is not None and build.arrival.depth > 0:
-            hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
-            message = "`phase` on a first joint of a branch has nothing to count from"
-            build.fault(message, hint, "phase")

@@ -100,17 +100,28 @@ class Machine(Rotor, symbol=Symbol("load")):
         return torques
 
     def refuse_clashes(self) -> None:
-        if self.held:
-            self._refuse_held()
-        if self.damping is not None and self.damping.model == "schwanecke":
-            self._refuse_schwanecke()
+        sizes, drive = self.keys_given("power", "torque"), self.drive
+        model = None if self.damping is None else self.damping.model
+        if self.held and sizes and not self.is_driver:
+            message = "a `held` machine takes what is left: leave out its power"
+            raise refuse(message, "", sizes[0])
+        if self.held and self.harmonics:
+            key = self.harmonics_key
+            message = f"a fixed {self.keyword} cannot be moved by its {key}"
+            raise refuse(message, INERTIA_FOR_HELD, key)
+        needed = ("diameter", "pitch_ratio", "area_ratio")
+        missing = [key for key in needed if getattr(self, key, None) is None]
+        if model == "schwanecke" and missing:
+            raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
         if self.is_driver and self.load is not None:
             raise refuse("`load` of a machine that drives", "give `drive`", "load")
-        if self.drive is not None:
-            self._refuse_drive(self.drive)
-        if self.is_driver and self.damping is not None and self.damping.model == "law":
+        if drive is not None and not self.is_driver:
+            raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
+        if drive is not None and drive.lag is not None and not (self.speed is not None and sizes):
+            message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
+            raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
+        if self.is_driver and model == "law":
             raise refuse("`damping: law` is for a load", "give `drive` with a `lag`", "damping")
-        sizes = self.keys_given("power", "torque")
         if self.load is not None and self.load.table and sizes:
             message = f"`{sizes[0]}` and a table of `load` exclude each other"
             raise refuse(message, "the table states the torque", sizes[0])
@@ -119,63 +130,33 @@ class Machine(Rotor, symbol=Symbol("load")):
             raise refuse(message, "give one of them too", "speed")
         super().refuse_clashes()
 
-    def _refuse_drive(self, drive: DriveLaw) -> None:
-        if not self.is_driver:
-            raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
-        has_rating = self.speed is not None and self.keys_given("power", "torque")
-        if drive.lag is not None and not has_rating:
-            message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
-            raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
-
-    def _refuse_held(self) -> None:
-        for key in self.keys_given("power", "torque"):
-            if not self.is_driver:
-                raise refuse("a `held` machine takes what is left: leave out its power", "", key)
-        if self.harmonics:
-            key = self.harmonics_key
-            message = f"a fixed {self.keyword} cannot be moved by its {key}"
-            raise refuse(message, INERTIA_FOR_HELD, key)
-
-    def _refuse_schwanecke(self) -> None:
-        needed = ("diameter", "pitch_ratio", "area_ratio")
-        if missing := [key for key in needed if getattr(self, key, None) is None]:
-            raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
-
     def lower_rotor(self, build: Lowering, what: str = "") -> int:
-        model, factor = (
-            ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
+        damping, drive = self.damping or MachineDamping.model_construct(model="viscous"), self.drive
+        usual_load = LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None
+        record = MachineRecord(
+            self.is_driver,
+            self.power,
+            self.torque,
+            self.speed,
+            self.load,
+            usual_load,
+            self.held,
+            drive,
+            damping.model,
+            damping.factor,
         )
-        build.record(
-            MachineRecord(
-                self.is_driver,
-                self.power,
-                self.torque,
-                self.speed,
-                self.load,
-                LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None,
-                self.held,
-                self.drive,
-                model,
-                factor,
-            )
-        )
+        build.record(record)
         station = super().lower_rotor(build, what)
-        if self.drive is not None and self.drive.lag is not None:
-            self._add_lagged(self.drive, self.drive.lag, station, build)
-        if self.damping is not None and (self.damping.model != "viscous" or self.damping.value):
-            build.add(self._damper(self.damping, station, build))
+        if drive is not None and drive.lag is not None:
+            # A slope s with a time constant is a damper s in series with a spring s/lag: s iω/(1 + iω lag).
+            torque, name = record.rated_torque(0.0) or 0.0, f"{build.name} drive"
+            slope = build.to_own_speed(drive.slope_at_rated(torque, self.speed or 0.0))
+            field = build.station(name)
+            spring = Spring(name, build.part, station, field, drive.lag / slope)
+            build.add(spring, Damper(field, slope))
+        if damping.model != "viscous" or damping.value:
+            build.add(self._damper(damping, station, build))
         return station
-
-    def _add_lagged(self, drive: DriveLaw, lag: float, station: int, build: Lowering) -> None:
-        """A slope s with a time constant is a damper s in series with a spring s/lag: s iω/(1 + iω lag)."""
-        assert self.speed is not None
-        torque = self.torque if self.torque is not None else (self.power or 0.0) / self.speed
-        slope = build.to_own_speed(drive.slope_at_rated(torque, self.speed))
-        field = build.station(f"{build.name} drive")
-        build.add(
-            Spring(f"{build.name} drive", build.part, station, field, lag / slope),
-            Damper(field, slope),
-        )
 
     def lower(self, build: Lowering) -> None:
         station = self.lower_rotor(build)

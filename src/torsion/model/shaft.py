@@ -22,7 +22,7 @@ from torsion.fields import (
     refuse,
     required,
 )
-from torsion.model.component import Component, Lowering, Material, Strength
+from torsion.model.component import Component, Lowering, Strength
 from torsion.model.elastic_element import given_damping
 from torsion.model.parts import Role, ShaftRecord, Symbol
 from torsion.model.shaft_details import (
@@ -191,7 +191,14 @@ class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
         ends, material = build.link(), build.material(self.material)
         if material is None:
             return
-        self._check_hubs(build, material)
+        for number, hub in enumerate(self.hub):
+            # The material of a hub is known here only.
+            of_hub = build.material(hub.material, "hub", number) if hub.material else material
+            softest = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST
+            if of_hub and not softest <= of_hub.shear_modulus / material.shear_modulus <= STIFFEST:
+                limits = f"below {softest:g} or above {STIFFEST:g} of the shaft's"
+                hint = "give hub and seat as a `coupling`; for a soft hub write `torque: rim`"
+                build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)
         if self.section is None:
             section, outer, bore = None, both_ends(self.diameter), both_ends(self.bore)
         else:
@@ -213,13 +220,3 @@ class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
                 segments=self.segments,
             )
         )
-
-    def _check_hubs(self, build: Lowering, shaft: Material) -> None:
-        """Note the faults of hubs of another material, which are known here only."""
-        for number, hub in enumerate(self.hub):
-            material = build.material(hub.material, "hub", number) if hub.material else shaft
-            softest = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST
-            if material and not softest <= material.shear_modulus / shaft.shear_modulus <= STIFFEST:
-                limits = f"below {softest:g} or above {STIFFEST:g} of the shaft's"
-                hint = "give hub and seat as a `coupling`; for a soft hub write `torque: rim`"
-                build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)

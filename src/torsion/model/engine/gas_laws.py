@@ -84,7 +84,12 @@ def law_of(gas: Gas, frame: Frame) -> Law:
         return _of_table(gas, frame)
     if gas.tables:
         return _of_tables(gas, frame)
-    return _of_diagrams(gas, frame) if gas.diagram else _of_cycle(gas, frame)
+    if not gas.diagram:
+        return _of_cycle(gas, frame)
+    try:
+        return _of_diagrams(gas, frame, frame.require_cylinder("a diagram"))
+    except GasFault as fault:
+        raise GasFault(fault.message, fault.hint, *(fault.key or ("diagram",))) from None
 
 
 def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) -> ComplexArray:
@@ -179,14 +184,7 @@ def over_cycle(
     return Diagram(angle, pressure)
 
 
-def _of_diagrams(gas: Gas, frame: Frame) -> Law:
-    try:
-        return _law_of_diagrams(gas, frame, frame.require_cylinder("a diagram"))
-    except GasFault as fault:
-        raise GasFault(fault.message, fault.hint, *(fault.key or ("diagram",))) from None
-
-
-def _law_of_diagrams(gas: Gas, frame: Frame, cylinder: Cylinder) -> Law:
+def _of_diagrams(gas: Gas, frame: Frame, cylinder: Cylinder) -> Law:
     diagrams = []
     for given in gas.diagram:
         file = frame.folder / given.file
