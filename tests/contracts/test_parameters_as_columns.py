@@ -14,10 +14,10 @@ import torsion
 from torsion.analyses import VARYING
 from torsion.columns import Column, NotInColumns
 from torsion.errors import InputError
-from torsion.schema import figures_by_name, overlay, scene_reader
+from torsion.schema import overlay, scene_reader, varied_figures
 from torsion.schema.train_in_columns import SECTIONS
 from torsion.schema.variation import Variation
-from torsion.schema.varied_figure import Figure
+from torsion.schema.varied_figures import Figure
 from torsion.what_if.variants.laws import Law
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +74,7 @@ def difference(first: Any, second: Any) -> float:
 
 
 def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -> Any:
-    changed = figures_by_name.overlay_of(study, source)
+    changed = varied_figures.overlay_of(study, source)
     for name in VARYING:
         changed.remove(("analyses", name))
     node = overlay.node_at(source.root, path)

@@ -6,7 +6,7 @@ import torsion
 from torsion.errors import InputError
 from torsion.rules.m53 import M53Settings
 from torsion.rules.verdict_line import Checks
-from torsion.schema.case_states import states_of_cases
+from torsion.schema.cases import states_of_cases
 
 TRAIN = """
 name: line

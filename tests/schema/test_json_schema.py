@@ -17,9 +17,8 @@ from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
 from torsion.schema.json_schema import json_schema
-from torsion.schema.manual import declarations, pages
+from torsion.schema.manual import declarations, pages, setting_examples
 from torsion.schema.scene_reader import parse
-from torsion.schema.setting_texts import setting_examples
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")

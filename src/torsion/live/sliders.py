@@ -10,7 +10,7 @@ import numpy as np
 from torsion.errors import Fault, InputError
 from torsion.schema.overlay import in_words, node_at
 from torsion.schema.variation import Variation
-from torsion.schema.varied_figure import Figure
+from torsion.schema.varied_figures import Figure
 from torsion.study import Study
 
 STEPS = 100  # of a slider without steps of its own, about

@@ -1,20 +1,13 @@
 """Other words for kinds and keys: read, and replaced by the key of the format as soon as the file is read."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from torsion.errors import Fault
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.schema.declaration_reader import keys_of, mappings_of
-from torsion.schema.fault_text import Node, Source
+from torsion.schema.fault_text import Node
 from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS
-
-
-def with_canonical_keys(source: Source) -> Source:
-    """Return the source with every alias replaced by its key, at the place of the alias; both given is a fault."""
-    faults = tuple(_section_faults(source.root))
-    return replace(source, faults=(*source.faults, *faults))
 
 
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:
@@ -25,20 +18,8 @@ def aliases_of(keys: Iterable[str]) -> dict[str, str]:
     }
 
 
-def canonical_column(name: str, columns: Iterable[str]) -> str:
-    """Return the key of a column of a CSV table, which may be an alias in small letters."""
-    keys = {alias.casefold(): key for alias, key in aliases_of(columns).items()}
-    return keys.get(name, name)
-
-
-def canonical_steps(first: str, steps: list[str]) -> list[str]:
-    """Return the keys of a path behind its first word, a section or the name of a component."""
-    aliases = SECTIONS_BY_ALIAS.get(first, KEYS_BY_ALIAS)
-    return [aliases.get(step, step) for step in steps]
-
-
-def _section_faults(root: Node) -> Iterator[Fault]:
-    """Replace the aliases of a file; yield the faults."""
+def replace_aliases(root: Node) -> Iterator[Fault]:
+    """Replace every alias of a file by its key, at the place of the alias; yield the fault of both given."""
     yield from _rename(root, SECTIONS_BY_ALIAS[""])
     if (operation := root.parts.get("operation")) is not None:
         yield from _rename(operation, SECTIONS_BY_ALIAS["operation"])

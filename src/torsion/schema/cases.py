@@ -16,7 +16,7 @@ from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
 from torsion.schema.removal import remove_components
-from torsion.study import Case, Change, SpeedRange, Study, case_folder
+from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
 
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end
@@ -218,7 +218,7 @@ def _case(
                 return replace(changed_study, name=name, case=record)
             message = "it changes no result that is requested"
             hint = "names, notes, sources and figures that nothing reads have no effect"
-            overlay.faults.append(Fault(case.path, message, hint, at_key=True))
+            overlay.refuse(case.path, message, hint)
     faults += in_case(case.name, input_error(overlay.faults, source).faults)
     return None
 
@@ -244,30 +244,25 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
             factor = Fraction(repr(keys.scale[name]))
             if factor == 1 and not overlay.permits_no_change:
                 message = f"{in_words(node.value)} of `{words}`: nothing changes"
-                overlay.faults.append(Fault(fault, message, "a factor other than 1", at_key=True))
+                overlay.refuse(fault, message, "a factor other than 1")
             else:
                 overlay.multiply(name, factor, node, position, fault)
     if keys.speeds is not None:
         places = case_node.parts["speeds"], case_node.keys["speeds"]
         overlay.replace("operation.speeds", *places, (*path, "speeds"))
     if keys.rules is not None:
-        _rules(overlay, case_node, (*path, "rules"))
+        stated, rules = node_at(overlay.source.root, ("rules",)), case_node.parts["rules"]
+        if stated is not None and stated.value == rules.value:
+            message = "these are the rules of the file: nothing changes"
+            overlay.refuse((*path, "rules"), message, "leave it out")
+        else:
+            before = "none" if stated is None else in_words(stated.value)
+            overlay.changes.append(Change("rules", before, in_words(rules.value)))
+            overlay.put(("rules",), rules, case_node.keys["rules"])
+            # Without rules there is no limit that a design could keep; that of the file has this case among others.
+            if not rules.value:
+                overlay.remove(("analyses", "design"))
     remove_components(overlay, keys.remove, (*path, "remove"))
-
-
-def _rules(overlay: Overlay, node: Node, fault: Path) -> None:
-    """Put the rules of a case in place of the file's."""
-    stated, rules = node_at(overlay.source.root, ("rules",)), node.parts["rules"]
-    if stated is not None and stated.value == rules.value:
-        message = "these are the rules of the file: nothing changes"
-        overlay.faults.append(Fault(fault, message, "leave it out", True))
-        return
-    before = "none" if stated is None else in_words(stated.value)
-    overlay.changes.append(Change("rules", before, in_words(rules.value)))
-    overlay.put(("rules",), rules, node.keys["rules"])
-    # Without rules there is no limit that a design could keep; that of the file has this case among others.
-    if not rules.value:
-        overlay.remove(("analyses", "design"))
 
 
 def _tolerances(case: _Requested, overlay: Overlay) -> None:
@@ -339,3 +334,50 @@ def _content(value: Any) -> Any:
     if isinstance(value, Mapping):
         return tuple((_content(key), _content(entry)) for key, entry in value.items())
     return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)
+
+
+SCALED = {"stiffness": "other stiffness", "flexibility": "other stiffness"}  # last word of a key
+STATES = {"misfire": "misfire", **SCALED}  # the same of a key that a case sets
+LOAD = "operation.load"  # as a table of its own it is what a propeller takes at zero pitch; a law in a word is not
+
+
+def states_of_cases(body: Any) -> tuple[CaseStates, ...]:
+    """Return the states of each case that counts for the verdict; body: `cases` as the file has it."""
+    cases = body if isinstance(body, dict) else {}
+    return tuple(
+        _states_of(name, cases)
+        for name, case in cases.items()
+        if not isinstance(case, dict) or case.get("judged", True) is not False
+    )
+
+
+def _states_of(name: str, cases: dict[str, Any]) -> CaseStates:
+    """Return the states of a case and of the case that it is based on, and the rules that it names in place of others."""
+    case = cases[name]
+    if not isinstance(case, dict):  # `from: tolerances`
+        return CaseStates(frozenset({"other stiffness"} if case == "tolerances" else ()))
+    states = frozenset(_own_states(case))
+    rules = None if case.get("rules") is None else tuple(_names(case["rules"]))
+    base: Any = case.get("based_on")
+    base_case = None if base == name else cases.get(base)
+    if not isinstance(base_case, dict) or "based_on" in base_case:
+        return CaseStates(states, rules)
+    before = _states_of(base, cases)
+    return CaseStates(states | before.states, before.rules if rules is None else rules)
+
+
+def _own_states(case: dict[str, Any]) -> Iterator[str]:
+    for section, states in (("set", STATES), ("scale", SCALED)):
+        changes = case.get(section)
+        for key, value in (changes if isinstance(changes, dict) else {}).items():
+            state = states.get(str(key).rpartition(".")[2])
+            if section == "set" and key == LOAD and isinstance(value, list):
+                state = "zero pitch"
+            if state is not None and value not in (None, []):
+                yield state
+
+
+def _names(rules: Any) -> Iterator[str]:
+    """Yield the names of the rules of a list, each with or without settings."""
+    for rule in rules if isinstance(rules, list) else [rules]:
+        yield from rule if isinstance(rule, dict) else [str(rule)]

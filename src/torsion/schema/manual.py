@@ -5,6 +5,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -17,13 +18,13 @@ from torsion.model.component import STEEL, Component, Material
 from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema import template
 from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.key_tables import key_table, tables_with_parts
 from torsion.schema.other_words import SECTIONS_BY_ALIAS
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.schema.setting_texts import setting_examples, titles
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
 FOLDER = "docs/reference/model-file"
@@ -240,3 +241,18 @@ def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
 
 if __name__ == "__main__":
     write_pages(Path(*sys.argv[1:] or [FOLDER]), pages())
+
+
+@cache
+def titles() -> dict[str, tuple[str, str]]:
+    """Return title and first sentence of the page of every analysis and rule by its name."""
+    lines = template("titles.txt").splitlines()
+    rows = (line.split(" | ") for line in lines if not line.startswith("#"))
+    return {name: (title, sentence) for name, title, sentence in rows}
+
+
+@cache
+def setting_examples() -> dict[str, str]:
+    """Return an example of the settings of every analysis and rule by its name."""
+    examples = template("setting_examples.txt").strip().split("\n\n")
+    return {example.partition(":")[0]: example for example in examples}

@@ -11,9 +11,9 @@ from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
 from torsion.model.parts import Part
-from torsion.schema.aliases import canonical_steps
 from torsion.schema.declaration_reader import entries_of
 from torsion.schema.fault_text import Node, Source
+from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS
 from torsion.study import Change
 
 SECTIONS = (
@@ -50,29 +50,22 @@ class Overlay:
     faults: list[Fault] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
     permits_no_change: bool = False  # a value may be what it is already
-    _put: list[tuple[Path, Node, Place]] = field(default_factory=list)
-    _gone: dict[Path, None] = field(default_factory=dict)
+    puts: list[tuple[Path, Node, Place]] = field(default_factory=list)  # with the places of keys
+    removed: dict[Path, None] = field(default_factory=dict)
 
-    @property
-    def puts(self) -> Sequence[tuple[Path, Node]]:
-        """What stands where in place of the file's."""
-        return [(path, value) for path, value, _ in self._put]
-
-    @property
-    def removed(self) -> Iterable[Path]:
-        """Paths of the file that are taken away."""
-        return self._gone
+    def refuse(self, fault: Path, message: str, hint: str) -> None:
+        """Note what is said wrongly at a key of the case."""
+        self.faults.append(Fault(fault, message, hint, at_key=True))
 
     def put(self, path: Path, value: Node, key_place: Place) -> None:
         """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
-        file = Source(
-            self.source.name, self.source.text
-        )  # of what a table states, the case states this
-        self._put.append((path, replace(value, source=value.source or file), key_place))
+        # Of what a table states, the case states this.
+        file = Source(self.source.name, self.source.text)
+        self.puts.append((path, replace(value, source=value.source or file), key_place))
 
     def remove(self, path: Path) -> None:
         """Take away what stands at a path."""
-        self._gone[path] = None
+        self.removed[path] = None
 
     def replace(self, words: str, value: Node, key_place: Place, fault: Path) -> None:
         """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
@@ -83,9 +76,7 @@ class Overlay:
             if self.permits_no_change:
                 return
             message = f"`{printable(words)}` is {in_words(given.value)} already: nothing changes"
-            self.faults.append(
-                Fault(fault, message, "give another value, or leave it out", at_key=True)
-            )
+            self.refuse(fault, message, "give another value, or leave it out")
             return
         before = "not given" if given is None else in_words(given.value)
         self.changes.append(Change(words, before, in_words(value.value)))
@@ -102,10 +93,10 @@ class Overlay:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             )
-            self.faults.append(Fault(fault, message, "give its value with `set`", at_key=True))
+            self.refuse(fault, message, "give its value with `set`")
         elif (made := multiplied(given.value, factor)) is None:
             message = f"{shown(given.value)} is not a number that can be multiplied"
-            self.faults.append(Fault(fault, message, "give the new value with `set`", at_key=True))
+            self.refuse(fault, message, "give the new value with `set`")
         else:
             self.changes.append(Change(words, in_words(given.value), in_words(made)))
             self.put(path, Node(made, origin.line, origin.column), key_place)
@@ -120,30 +111,23 @@ class Overlay:
         named = next((part for part in self.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
             if named is None:
-                self.faults.append(self._unknown_name(first, words, fault, is_quoted))
+                self.refuse(fault, *self._unknown_name(first, words, is_quoted))
                 return None
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
-                self.faults.append(
-                    Fault(fault, f"`{printable(words)}` is a component without a key", hint, True)
-                )
+                self.refuse(fault, f"`{printable(words)}` is a component without a key", hint)
                 return None
             start = named.path
         elif named is not None:
             hint = f'write `"{first}".{steps[0] if steps else "key"}` for the component, or give it another name'
-            self.faults.append(Fault(fault, f"`{first}` is a section and a component", hint, True))
+            self.refuse(fault, f"`{first}` is a section and a component", hint)
             return None
         if start != (first,) and steps[0] == "name":
-            self.faults.append(
-                Fault(
-                    fault, "a case changes no names", "components have the values of the file", True
-                )
-            )
+            self.refuse(fault, "a case changes no names", "components have the values of the file")
             return None
         if start[-1] == "coupling" and steps[0] in ("from", "size"):
             message = f"`{printable(words)}` changes the row that the coupling was read from"
-            hint = "a case sets its figures: `stiffness`, `psi`, ..."
-            self.faults.append(Fault(fault, message, hint, at_key=True))
+            self.refuse(fault, message, "a case sets its figures: `stiffness`, `psi`, ...")
             return None
         return self._down(start, steps, words, fault)
 
@@ -155,18 +139,18 @@ class Overlay:
             end = step.end()
         if not words_found or end < len(words) or words.rstrip().endswith("."):
             hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
-            self.faults.append(
-                Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True)
-            )
+            self.refuse(fault, f"`{printable(words)}` is not a path to a key", hint)
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
-        return plain[0], words_found[0] != plain[0], canonical_steps(plain[0], plain[1:])
+        aliases = SECTIONS_BY_ALIAS.get(plain[0], KEYS_BY_ALIAS)
+        steps = [aliases.get(word, word) for word in plain[1:]]
+        return plain[0], words_found[0] != plain[0], steps
 
-    def _unknown_name(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
-        """The fault of a word that neither a component nor a section goes by."""
+    def _unknown_name(self, first: str, words: str, is_quoted: bool) -> tuple[str, str]:
+        """Message and hint about a word that neither a component nor a section goes by."""
         if not is_quoted and first in NOT_BY_KEY:
             message = f"`{first}` is not changed by its key"
-            return Fault(fault, message, f"what changes it: {NOT_BY_KEY[first]}", at_key=True)
+            return message, f"what changes it: {NOT_BY_KEY[first]}"
         names = [part.name for part in self.parts]
         dotted = next((name for name in names if "." in name and words.startswith(name)), None)
         if dotted is not None:
@@ -175,9 +159,7 @@ class Overlay:
             known_names = [*names, *SECTIONS]
             near = nearest(first, known_names)
             hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known_names)}"
-        return Fault(
-            fault, f"no component and no section is called `{printable(first)}`", hint, at_key=True
-        )
+        return f"no component and no section is called `{printable(first)}`", hint
 
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""
@@ -190,16 +172,14 @@ class Overlay:
                     message = (
                         f"`{printable(step)}` is not an item of the list in `{printable(words)}`"
                     )
-                    self.faults.append(Fault(fault, message, hint, at_key=True))
+                    self.refuse(fault, message, hint)
                     return None
                 path = (*path, int(step) - 1)
             elif value is None or isinstance(value, dict):
                 path = (*path, step)
             else:
                 message = f"`{path[-1]}` is {in_words(value)}, which has no `{printable(step)}`"
-                self.faults.append(
-                    Fault(fault, message, f"set `{path[-1]}` as a whole", at_key=True)
-                )
+                self.refuse(fault, message, f"set `{path[-1]}` as a whole")
                 return None
             node = None if node is None else node.parts.get(path[-1])
         return path
@@ -207,13 +187,13 @@ class Overlay:
     def applied(self) -> Source:
         """The file with all of it; components keep the names that they have without it."""
         root = self.source.root
-        for path, value, key_place in self._put:
+        for path, value, key_place in self.puts:
             root = _put_in(root, path, value, key_place)
-        for path in sorted(
-            self._gone,
-            key=lambda path: [(isinstance(step, str), step) for step in path],
-            reverse=True,
-        ):
+
+        def order(path: Path) -> list[tuple[bool, str | int]]:
+            return [(isinstance(step, str), step) for step in path]
+
+        for path in sorted(self.removed, key=order, reverse=True):
             root = _without(root, path)
         return replace(self.source, root=root)
 

@@ -16,42 +16,28 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
     parts = {part.name: part for part in overlay.parts}
     entries: dict[Path, None] = {}  # of the lists of components
     ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
+    stated = node_at(overlay.source.root, fault)
     for position, name in enumerate(names):
-        fault_path = _fault_path(overlay, fault, position)
+        # A name stands in a list, or alone.
+        is_list = stated is not None and isinstance(stated.value, list)
+        fault_path = (*fault, position) if is_list else fault
         if name in parts:
             path = parts[name].path[:-1]
             if path[:-1] == MAIN and parts[name].kind != "branch":
                 ends[path] = fault_path
             else:
                 entries |= dict.fromkeys(_branch_entries(overlay, path, parts[name]))
-        elif "." in name:
-            _remove_key(overlay, name, fault_path)
-        else:
-            overlay.path(name, fault_path)  # notes that there is no such name
+        elif (key_path := overlay.path(name, fault_path)) is not None and "." in name:
+            given = node_at(overlay.source.root, key_path)
+            if given is None:
+                message = f"`{printable(name)}` is not given: nothing changes"
+                overlay.faults.append(Fault(fault_path, message, "leave it out"))
+            else:
+                overlay.changes.append(Change(name, in_words(given.value), "not given"))
+                overlay.remove(key_path)
     entries |= dict.fromkeys(_main_entries(overlay, ends))
     if not overlay.faults and entries:
         _remove_entries(overlay, list(entries), fault)
-
-
-def _fault_path(overlay: Overlay, fault: Path, position: int) -> Path:
-    """Where a name stands: in a list, or alone."""
-    node = node_at(overlay.source.root, fault)
-    return (*fault, position) if node is not None and isinstance(node.value, list) else fault
-
-
-def _remove_key(overlay: Overlay, words: str, fault_path: Path) -> None:
-    """Take away a key of a component, or an entry of a section."""
-    path = overlay.path(words, fault_path)
-    if path is None:
-        return
-    given = node_at(overlay.source.root, path)
-    if given is None:
-        overlay.faults.append(
-            Fault(fault_path, f"`{printable(words)}` is not given: nothing changes", "leave it out")
-        )
-        return
-    overlay.changes.append(Change(words, in_words(given.value), "not given"))
-    overlay.remove(path)
 
 
 def _branch_entries(overlay: Overlay, path: Path, part: Part) -> list[Path]:
@@ -110,22 +96,15 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     acting = [k for k, body in of_list(data, "excitations") if body.get("at") in gone]
     entries = [*entries, *(("links", k) for k in links), *(("excitations", k) for k in acting)]
     gone |= {part.name: part for part in overlay.parts if goes(part)}
-    _keep_names(overlay, gone)
+    # Components without a name keep that which kind and number give them with all components there.
+    kinds = {part.kind for part in gone.values()}
+    for part in overlay.parts:
+        if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
+            node = node_at(overlay.source.root, part.path) or overlay.source.root
+            place = node.line, node.column
+            overlay.put((*part.path, "name"), Node(part.name, *place, source=node.source), place)
     for entry in entries:
         overlay.remove(entry)
     with_it = [f"{len(acting)} excitation{'s' * (len(acting) > 1)}"] if acting else []
     words = ", ".join([*gone, *with_it])
     overlay.changes.append(Change("components and what acts on them", words, "taken away"))
-
-
-def _keep_names(overlay: Overlay, gone: dict[str, Part]) -> None:
-    """Give components that have none the names that their kind and number gave them with all components there."""
-    kinds = {part.kind for part in gone.values()}
-    for part in overlay.parts:
-        if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
-            node = node_at(overlay.source.root, part.path) or overlay.source.root
-            overlay.put(
-                (*part.path, "name"),
-                Node(part.name, node.line, node.column, source=node.source),
-                (node.line, node.column),
-            )

@@ -3,6 +3,7 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -17,7 +18,6 @@ from torsion.model.machine_torques import Excitation
 from torsion.primitives import SectionMesh, StepForm
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema.component_names import possible_names, repeated_names
 from torsion.schema.declaration_reader import (
     components,
     declared,
@@ -40,7 +40,7 @@ from torsion.study import (
     ShaftModel,
     Study,
 )
-from torsion.train import Link, Train, lowered, name_fault
+from torsion.train import Link, Train, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 Section = TypeVar("Section", bound=Declared)
@@ -212,7 +212,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         return None
     states: tuple[CaseStates, ...] = ()
     if (cases := data.get("cases")) is not None:
-        from torsion.schema.case_states import states_of_cases
+        from torsion.schema.cases import states_of_cases
 
         states = states_of_cases(cases)
     if damping is not None:
@@ -432,3 +432,39 @@ def _unknown_names(
             fault = name_fault(name, path, components_by_name)
             if fault is not None:
                 yield fault
+
+
+def repeated_names(entries: object) -> Iterator[Fault]:
+    """Yield the faults of names that are given twice."""
+    paths: dict[str, Path] = {}
+    for path, value in _values(entries, ("train",), "name"):
+        if isinstance(value, str):
+            if value in paths:
+                yield taken(value, path[:-1], paths[value])
+            paths.setdefault(value, path[:-1])
+
+
+def possible_names(entries: object) -> set[str] | None:
+    """Return the names that components may go by, given or by kind and number.
+
+    None where they are not known: a kind is unknown, and so what the others are numbered.
+    """
+    count, names = Counter[str](), set[str]()
+    for _, train in [((), entries), *_values(entries, (), "train")]:
+        for entry in train if isinstance(train, list) else [None]:
+            if not isinstance(entry, dict) or len(entry) != 1 or not entry.keys() <= KINDS.keys():
+                return None
+            ((kind, body),) = entry.items()
+            if not isinstance(body, dict | None):
+                return None
+            count[kind] += 1
+            names.add(f"{kind}-{count[kind]}")
+    return names | {name for _, name in _values(entries, (), "name") if isinstance(name, str)}
+
+
+def _values(body: object, path: Path, key: str) -> Iterator[tuple[Path, Any]]:
+    """Yield what stands anywhere in a body at a key, with its path."""
+    for step, item in entries_of(body):
+        if step == key:
+            yield (*path, step), item
+        yield from _values(item, (*path, step), key)

@@ -16,7 +16,7 @@ from torsion import units
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.schema.aliases import canonical_column
+from torsion.schema.aliases import aliases_of
 from torsion.schema.declaration_reader import items_of, keys_of
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.other_words import key_for
@@ -55,11 +55,6 @@ class ListKind:
     figures: Units = field(default_factory=dict)  # columns of a list without a declaration
     needed: tuple[str, ...] = ()
     label: str = ""  # the column that says which row it is
-
-    @property
-    def is_measured(self) -> bool:
-        """A row has a meaning only beside all others: a fault in one ends the reading."""
-        return bool(self.figures) and self.figures is not SPEED_AND_TORQUE
 
 
 _TORQUES = "`order`, `torque [N*m]`, `phase [deg]`, ..."
@@ -206,9 +201,11 @@ class Rows:
             nodes = [node for row in rows[1:] if (node := self._row(row)) is not None]
         if nodes and self.key == BY_LOAD:
             nodes = self._by_load(nodes)
-        faults = self.table.faults
+        faults, figures = self.table.faults, self.kind.figures
         reading.faults += [replace(fault, file=self.source.name) for fault in faults]
-        reading.is_ended |= is_ended or (self.kind.is_measured and bool(faults))
+        # A measured row has a meaning only beside all others: a fault in one ends the reading.
+        is_measured = bool(figures) and figures is not SPEED_AND_TORQUE
+        reading.is_ended |= is_ended or (is_measured and bool(faults))
         return nodes
 
     def _column(self, cell: Cell) -> Column | None:
@@ -225,7 +222,9 @@ class Rows:
             for (owner, key), stated in columns_of(self.key).items()
             if kind in ("", owner)
         }
-        name = canonical_column(name, columns)
+        # A column may be named by another word for its key.
+        aliases = {alias.casefold(): key for alias, key in aliases_of(columns).items()}
+        name = aliases.get(name, name)
         if name in columns:
             return Column(name, kind, unit, columns[name].is_text)
         near = nearest(name, columns)
@@ -245,8 +244,11 @@ class Rows:
                 self.fault(cell, message, "a list is one cell: [0.9, 0.6]")
             first.setdefault((column.kind, column.key), cell)
             self._check_unit(number, cell, column)
-        names = {key for kind, key in first if not kind}
-        for key in self._needed(names):
+        names, needed = {key for kind, key in first if not kind}, self.kind.needed
+        if self.key in (HARMONICS, BY_LOAD):
+            loads = ([key for key in LOADS if key in names] or ["imep"])[: self.key == BY_LOAD]
+            needed = *loads, *(BY_PARTS if {"a", "b"} & names else BY_POLAR)
+        for key in needed:
             if key not in names:
                 hint = f"{', '.join(KINDS)}: what each row is" if key == KIND else self.kind.example
                 self.fault(head[0], f"the column `{key}` is missing", hint)
@@ -254,13 +256,6 @@ class Rows:
         return len(self.table.faults) > before or any(
             column is None and cell.text for cell, column in nameless
         )
-
-    def _needed(self, names: set[str]) -> tuple[str, ...]:
-        """The columns that the table must have, with the names that it has."""
-        if self.key not in (HARMONICS, BY_LOAD):
-            return self.kind.needed
-        loads = ([key for key in LOADS if key in names] or ["imep"])[: self.key == BY_LOAD]
-        return (*loads, *(BY_PARTS if {"a", "b"} & names else BY_POLAR))
 
     def _check_unit(self, column_number: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""

@@ -18,9 +18,8 @@ from torsion.model.component import Material
 from torsion.model.machine_torques import Excitation
 from torsion.schema.declaration_reader import declared, one_component
 from torsion.schema.fault_text import Source
-from torsion.schema.figures_by_name import overlay_of
 from torsion.schema.overlay import node_at
-from torsion.schema.varied_figure import Figure
+from torsion.schema.varied_figures import Figure, overlay_of
 from torsion.study import Study
 from torsion.train import Link, Train, lowered
 

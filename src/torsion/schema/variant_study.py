@@ -43,7 +43,8 @@ def vary(
         raise input_error(overlay.faults, case)
     overlay.remove(("cases",))
 
-    text = edited(source, overlay.puts, overlay.removed, overlay.applied().data)
+    changes = [(path, node) for path, node, _ in overlay.puts]
+    text = edited(source, changes, overlay.removed, overlay.applied().data)
     earlier = study.changes if study.case is None else study.case.changes
     changed = parse(text, study.file or "train.yaml")
     return replace(

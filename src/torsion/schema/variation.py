@@ -14,11 +14,10 @@ from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
 from torsion.schema.declaration_reader import one_component
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
 from torsion.schema.overlay import in_words, node_at
 from torsion.schema.study_faults import study_faults
 from torsion.schema.train_in_columns import Pieces, train_in_columns
-from torsion.schema.varied_figure import Figure
+from torsion.schema.varied_figures import Figure, named, overlay_of, with_tolerance
 from torsion.study import Study
 from torsion.train import Train
 

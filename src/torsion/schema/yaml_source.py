@@ -6,6 +6,7 @@ merge keys, repeated keys, keys other than text and several documents are refuse
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -117,7 +118,11 @@ def parse_source(text: str, name: str) -> Source:
     bare = Source(name, text)
     forbidden = _FORBIDDEN.search(text) or REORDERING.search(text)
     if forbidden:
-        raise input_error([_forbidden(forbidden[0], *end_of(text[: forbidden.start()]))], bare)
+        sign, hint = f"the character U+{ord(forbidden[0]):04X} is not allowed", "remove it"
+        if forbidden[0] == "\ufeff":
+            sign = "there is a byte order mark (U+FEFF) here"
+            hint = "save the file as UTF-8 without it"
+        raise input_error([_fault(sign, hint, *end_of(text[: forbidden.start()]))], bare)
     builder = _Builder(bare.lines)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
@@ -137,9 +142,9 @@ def parse_source(text: str, name: str) -> Source:
     source = Source(name, text, builder.root)
     if not (isinstance(source.data, dict) and ALIAS.search(text)):
         return source
-    from torsion.schema.aliases import with_canonical_keys
+    from torsion.schema.aliases import replace_aliases
 
-    return with_canonical_keys(source)
+    return replace(source, faults=tuple(replace_aliases(source.root)))
 
 
 def yaml_text(value: object) -> str:
@@ -206,32 +211,27 @@ class _Builder:
 
     def _take_key(self, event: Any) -> None:
         """The key of the value that follows; after a repeated one nothing but faults is kept."""
-        position, keys, key = _mark(event), self._open[-1].keys, event.value
+        (line, column), keys, key = _mark(event), self._open[-1].keys, event.value
         self._check_tag(event)
         self._check_controls(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
-            hint = self._decimal_comma(key, position) or "put it in quotes"
-            self.faults.append(
-                _fault(f"the key {key or 'before this colon'} is not text", hint, *position)
-            )
+            # The key may be the second half of a number like 1,5.
+            before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
+            if before and key.isdecimal():
+                hint = f"a decimal comma? write {before[1]}.{key}"
+            self._note(f"the key {key or 'before this colon'} is not text", hint, event)
         elif event.implicit[0] and key == "<<":
-            self.faults.append(
-                _fault("merge keys (<<) are not read", "write the keys out", *position)
-            )
+            self._note("merge keys (<<) are not read", "write the keys out", event)
         self._keys[-1] = key
         if key in keys:
-            self.faults.append(
-                _fault(
-                    f"the key '{key}' is already in line {keys[key][0]}", "remove one", *position
-                )
-            )
+            message = f"the key '{key}' is already in line {keys[key][0]}"
+            self._note(message, "remove one", event)
         else:
-            keys[key] = position
+            keys[key] = line, column
 
-    def _decimal_comma(self, key: str, position: tuple[int, int]) -> str:
-        """The hint to a key that is the second half of a number like 1,5; empty where it is none."""
-        before = _HALF.search(self._lines[position[0] - 1][: position[1] - 1])
-        return f"a decimal comma? write {before[1]}.{key}" if before and key.isdecimal() else ""
+    def _note(self, message: str, hint: str, event: Any) -> None:
+        """Note a fault after which the reading goes on."""
+        self.faults.append(_fault(message, hint, *_mark(event)))
 
     def _take_value(self, event: Any) -> None:
         if isinstance(event, yaml.AliasEvent):
@@ -298,23 +298,17 @@ class _Builder:
         """Note a character that an escape makes and that the text itself must not hold: "\\u001b"; names are a line."""
         if sign := CONTROLS.search(event.value):
             hint = "remove its escape: names and texts are printed on terminals"
-            self.faults.append(
-                _fault(f"the character U+{ord(sign[0]):04X} is not allowed", hint, *_mark(event))
-            )
+            self._note(f"the character U+{ord(sign[0]):04X} is not allowed", hint, event)
         elif (
             self._keys and self._keys[-1] in (None, "name") and (sign := _BREAK.search(event.value))
         ):
             message = f"the character U+{ord(sign[0]):04X} is not allowed in a name or key"
-            self.faults.append(_fault(message, "write it on one line", *_mark(event)))
+            self._note(message, "write it on one line", event)
 
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None:
             tag = event.tag.replace("tag:yaml.org,2002:", "!!")
-            self.faults.append(
-                _fault(
-                    f"tags are not read: {tag}", "remove it, or put text in quotes", *_mark(event)
-                )
-            )
+            self._note(f"tags are not read: {tag}", "remove it, or put text in quotes", event)
 
 
 def resolved(text: str) -> str | int | float | bool | None:
@@ -354,17 +348,6 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
                 message, hint, *(begin if at_begin and error.context_mark else (line, column))
             )
     return _fault(f"this is not YAML: {problem}", "", line, column)
-
-
-def _forbidden(sign: str, line: int, column: int) -> Fault:
-    if sign == "\ufeff":
-        return _fault(
-            "there is a byte order mark (U+FEFF) here",
-            "save the file as UTF-8 without it",
-            line,
-            column,
-        )
-    return _fault(f"the character U+{ord(sign):04X} is not allowed", "remove it", line, column)
 
 
 def _fault(message: str, hint: str, line: int, column: int) -> Fault:
