@@ -43,7 +43,7 @@ def collect(
             pieces += zip(
                 count(len(collected.spans)), pairwise(row.stations.tolist()), made, strict=False
             )
-        collected.one_by_one(row, *bar_segments(bar, number))
+        collected.add_shaft(row, *bar_segments(bar, number))
         if tells_end:
             collected.spans[-1] = replace(collected.spans[-1], driven=len(collected.stations))
             collected.add(

@@ -11,7 +11,7 @@ import numpy as np
 import skfem
 
 from torsion.arrays import FloatArray
-from torsion.assembly.shafts import is_uniform, uniform_area
+from torsion.assembly.shafts import area_along, is_uniform
 from torsion.assembly.spans import Piece
 from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
 
@@ -70,7 +70,7 @@ def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
 
 def _factors(piece: Piece) -> tuple[float, float]:
     """G I/L in N m/rad and rho I L in kg m2 of a uniform piece."""
-    area, length = uniform_area(piece.bar), piece.length
+    area, length = float(area_along(piece.bar, 0.0)), piece.length
     return piece.bar.shear_modulus / length * area, piece.bar.density * length * area
 
 

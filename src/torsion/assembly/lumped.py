@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
 from torsion.assembly.shafts import bar_segments, is_uniform, phase
+from torsion.assembly.spans import Row
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar
@@ -48,10 +49,12 @@ def excess(bar: Bar) -> int:
 def assemble_lumped(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has enough segments for a highest frequency (Hz)."""
     collected = Collected.of(train)
-    segments: dict[str, int] = {}
+    segments = {bar.name: segments_for(bar, requested.frequency) for bar in train.bars}
+    collected.refuse_more(len(train.stations) + sum(segments.values()) - len(segments), segments)
     for bar in train.bars:
-        segments[bar.name] = number = segments_for(bar, requested.frequency)
-        collected.row(bar, *bar_segments(bar, number))
+        row = Row(bar, segments[bar.name], len(collected.stations), collected.stations[bar.driving])
+        collected.add_shaft(row, *bar_segments(bar, row.number))
+        collected.rows.append(row)
     resolved = (
         segments[bar.name] / excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
         for bar in filter(is_refined, train.bars)

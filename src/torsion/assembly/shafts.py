@@ -5,10 +5,11 @@ import math
 import numpy as np
 
 from torsion.arrays import FloatArray
+from torsion.columns import plain
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 
-BLOCK = 2**14  # pieces of a cone at once; 3 MB an array
+BLOCK = 2**14  # pieces of a cone, times variants, at once; 3 MB an array
 GAUSS = np.polynomial.legendre.leggauss(
     24
 )  # points in -1..1 and weights; exact to rounding for every cone
@@ -24,32 +25,31 @@ def is_uniform(bar: Bar) -> bool:
     return bar.outer[0] == bar.outer[1] and bar.bore[0] == bar.bore[1]
 
 
-def uniform_area(bar: Bar) -> float:
-    """Polar moment of area of a uniform shaft, m4."""
-    return float(polar_area_moment(bar.outer[0], bar.bore[0]))
-
-
-def area_along(bar: Bar, share: FloatArray) -> FloatArray:
-    """I_p in m4 at `at`, from 0 at the driving to 1 at the driven end of a shaft."""
-    outer, bore = bar.outer, bar.bore
-    return polar_area_moment(
-        outer[0] + (outer[1] - outer[0]) * share, bore[0] + (bore[1] - bore[0]) * share
-    )
+def area_along(bar: Bar, share: FloatArray | float) -> FloatArray:
+    """I_p in m4 at shares of the length, from 0 at the driving to 1 at the driven end of a shaft."""
+    outer, outer_end, bore, bore_end = map(plain, (*bar.outer, *bar.bore))
+    return polar_area_moment(outer + (outer_end - outer) * share, bore + (bore_end - bore) * share)
 
 
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
-    """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a shaft, by exact integrals."""
-    length = bar.length / number
+    """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a shaft, by exact integrals.
+
+    Of a shaft in columns a second axis is that of the variants.
+    """
+    length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
+    begin = area_along(bar, 0.0)
     if is_uniform(bar):
-        area = uniform_area(bar)
-        lump = np.full(number + 1, bar.density * length * area)
-        lump[[0, -1]] *= 0.5
-        return np.full(number, length / (bar.shear_modulus * area)), lump
-    edge, (x, weight) = np.linspace(0.0, 1.0, number + 1)[:-1], GAUSS
-    means = np.empty((2, number))  # of 1 / I_p in 1/m4, and of I_p in m4, over each piece
-    for begin in range(0, number, BLOCK):
-        part = slice(begin, begin + BLOCK)
-        along = area_along(bar, edge[part, None] + (x + 1.0) / 2.0 / number)
-        means[:, part] = (1.0 / along) @ weight / 2.0, along @ weight / 2.0
-    half = bar.density * length * means[1] / 2.0
-    return length * means[0] / bar.shear_modulus, np.append(half, 0.0) + np.append(0.0, half)
+        means = np.repeat(np.array([1.0 / begin, begin])[:, None], number, axis=1)
+    else:
+        # Means of 1 / I_p in 1/m4, and of I_p in m4, over each piece, block by block.
+        (x, weight), block, parts = GAUSS, max(1, BLOCK // begin.size), []
+        for first in range(0, number, block):
+            piece = np.arange(first, min(first + block, number))[:, None]
+            share = (piece + (x + 1.0) / 2.0) / number
+            along = area_along(bar, share.reshape(*share.shape, *[1] * begin.ndim))
+            parts.append([np.tensordot(m4, weight, (1, 0)) / 2.0 for m4 in (1.0 / along, along)])
+        means = np.concatenate(parts, axis=1)
+    half = density * (length / number) * means[1] / 2.0
+    none = np.zeros_like(half[:1])
+    lumps = np.concatenate([half, none]) + np.concatenate([none, half])
+    return length / number * means[0] / modulus, lumps

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 
@@ -33,29 +34,20 @@ class Row:
     inside: int  # position of the first station between segments
     begin: Station  # at the driving end
 
-    def station(self, k: int) -> Station:
-        """The station at the end of segment k."""
-        name = f"{self.bar.name} {k + 1}/{self.number}"
-        return Station(name, self.bar.part, self.begin.ratio, self.begin.sense)
-
-    def span(self, k: int) -> Span:
-        name = self.bar.name if self.number == 1 else f"{self.bar.name} [{k + 1}]"
-        driving = self.bar.driving if k == 0 else self.inside + k - 1
-        return Span(
-            name,
-            self.bar.part,
-            driving,
-            self.bar.driven if k == self.number - 1 else self.inside + k,
-        )
-
     @property
     def inner_stations(self) -> list[Station]:
-        return [self.station(k) for k in range(self.number - 1)]
+        """Stations at the ends of all segments but the last."""
+        part, begin = self.bar.part, self.begin
+        names = (f"{self.bar.name} {k}/{self.number}" for k in range(1, self.number))
+        return [Station(name, part, begin.ratio, begin.sense) for name in names]
 
     @property
     def spans(self) -> list[Span]:
         """Segments, from the driving to the driven end."""
-        return [self.span(k) for k in range(self.number)]
+        name, count = self.bar.name, self.number
+        names = [name] if count == 1 else [f"{name} [{k}]" for k in range(1, count + 1)]
+        ends = pairwise(self.stations.tolist())
+        return [Span(name, self.bar.part, *pair) for name, pair in zip(names, ends, strict=True)]
 
     @property
     def stations(self) -> IntArray:

@@ -1,7 +1,6 @@
 """Stations and spans while a system is put together; what is the same in every model of the shafts."""
 
 from dataclasses import dataclass, field
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +9,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.spans import Row, Span
 from torsion.assembly.system import Discretisation, System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.primitives import Bar, Station
+from torsion.primitives import Station
 from torsion.train import Train
 
 if TYPE_CHECKING:
@@ -30,13 +29,9 @@ class Collected:
     elastic: list[tuple[float, float, float]] = field(
         default_factory=list
     )  # rad/(N m), N m s/rad, loss factor
-    rows: list[Row] = field(default_factory=list)  # behind all stations and spans
-    inner_inertia: list[FloatArray] = field(
+    rows: list[Row] = field(
         default_factory=list
-    )  # of each row: (segments - 1,) kg m2
-    row_flexibility: list[FloatArray] = field(
-        default_factory=list
-    )  # of each row: (segments,) rad/(N m)
+    )  # shafts in segments, behind all stations and spans
 
     @classmethod
     def of(cls, train: Train) -> "Collected":
@@ -60,26 +55,19 @@ class Collected:
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
 
-    def one_by_one(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
+    def add_shaft(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
         self.stations += row.inner_stations
         self.inertia += [0.0] * (row.number - 1)
         for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
             self.inertia[end] += lump
-        for k, segment_flexibility in enumerate(flexibility.tolist()):
-            self.add(row.span(k), segment_flexibility, 0.0, row.bar.loss_factor)
+        for span, segment_flexibility in zip(row.spans, flexibility.tolist(), strict=True):
+            self.add(span, segment_flexibility, 0.0, row.bar.loss_factor)
 
-    def row(self, bar: Bar, flexibility: FloatArray, lumps: FloatArray) -> None:
-        """Add a whole shaft in segments; no station or span of another kind may be added after it."""
-        inside = len(self.stations) + sum(map(len, self.inner_inertia))
-        self.rows.append(Row(bar, len(flexibility), inside, self.stations[bar.driving]))
-        self.inertia[bar.driving] += float(lumps[0])
-        self.inertia[bar.driven] += float(lumps[-1])
-        self.inner_inertia.append(lumps[1:-1])
-        self.row_flexibility.append(flexibility)
-
-    def _refuse(self, number: int, segments: dict[str, int]) -> None:
-        """Raise InputError where the file states so many stations, SolveError where the program divides shafts."""
+    def refuse_more(self, number: int, segments: dict[str, int]) -> None:
+        """Refuse more than MOST_STATIONS: InputError where the file states them, SolveError where the program does."""
+        if number <= MOST_STATIONS:
+            return
         message = f"the train has {number} stations; at most {MOST_STATIONS} are computed"
         finest = max(self.train.bars, key=lambda bar: segments[bar.name], default=None)
         if finest is None or finest.segments is not None:
@@ -100,25 +88,21 @@ class Collected:
         Raises SolveError for distributed shafts in a train with closed loops, and for more than MOST_STATIONS stations
         of shafts that the program divides; InputError for as many that the file states.
         """
-        rows = self.rows
-        number = len(self.stations) + sum(map(len, self.inner_inertia))
-        if number > MOST_STATIONS:
-            self._refuse(number, segments)
+        self.refuse_more(len(self.stations), segments)
         flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
-        loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
         system = System(
             self.train,
             model,
-            tuple(chain(self.stations, *(row.inner_stations for row in rows))),
-            tuple(chain(self.spans, *(row.spans for row in rows))),
-            np.concatenate([self.inertia, *self.inner_inertia]),
-            np.concatenate([flexibility, *self.row_flexibility]),
-            np.concatenate([viscous, *map(np.zeros_like, loss)]),
-            np.concatenate([loss_factor, *loss]),
+            tuple(self.stations),
+            tuple(self.spans),
+            np.array(self.inertia, dtype=float),
+            flexibility.copy(),
+            viscous.copy(),
+            loss_factor.copy(),
             self.train.dampers,
             segments,
             bars,
-            tuple(rows),
+            tuple(self.rows),
             requested,
             resolved_to,
             tables={

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from torsion.analyses.undamped_modes import chord_spans
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.shafts import GAUSS, is_uniform
+from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
-from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -34,7 +33,7 @@ def numbers_of_system(
             elastic[row, span] = plain(getattr(element, name, 0.0))
     for bar in train.bars:
         spans = bar_spans(system, bar)
-        flexibility, lumps = _segments(bar, len(spans))
+        flexibility, lumps = bar_segments(bar, len(spans))
         elastic[0, spans] = flexibility.reshape(len(spans), -1)
         elastic[2, spans] = plain(bar.loss_factor)
         stations = np.append(system.driving[spans], system.driven[spans[-1]])
@@ -65,28 +64,3 @@ def bar_spans(system: System, bar: Bar) -> IntArray:
     if len(spans) != system.segments.get(bar.name):
         raise NotInColumns(f"the system has not the pieces of {bar.name}")
     return spans
-
-
-def _segments(bar: Bar, number: int) -> tuple[Numbers, Numbers]:
-    """Return flexibility (segments, variants) and lumped inertia (segments + 1, variants), as `bar_segments`."""
-    length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
-    (outer, outer_end), (bore, bore_end) = map(plain, bar.outer), map(plain, bar.bore)
-    if is_uniform(bar):
-        area = polar_area_moment(outer, bore)
-        means = [(1.0 / area, area)] * number
-    else:
-        points, weight = GAUSS
-        means = []
-        for segment in range(number):
-            along = ((segment + (points + 1.0) / 2.0) / number)[:, None]
-            area = polar_area_moment(
-                outer + (outer_end - outer) * along, bore + (bore_end - bore) * along
-            )
-            means.append((weight @ (1.0 / area) / 2.0, weight @ area / 2.0))
-    flexible, heavy = (np.array(mean).reshape(number, -1) for mean in zip(*means, strict=True))
-    flexible, half = (
-        flexible * (length / number / modulus),
-        heavy * (density * length / number / 2.0),
-    )
-    none = np.zeros_like(half[:1])
-    return flexible, np.concatenate([half, none]) + np.concatenate([none, half])
