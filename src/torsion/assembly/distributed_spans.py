@@ -35,30 +35,23 @@ class BarSpans:
         """
         from torsion.kernels.distributed.span_laws import Shafts
 
-        if not self.degree:
-            return Shafts(node, self._continua(ratio**2)).turned(turned)
-        from torsion.assembly.element_matrices import element_law
+        ratio2, laws = ratio**2, list["Law"]()
+        if self.degree:
+            from torsion.assembly.element_matrices import element_law
 
-        return Shafts(node, (element_law(self.pieces, self.degree, ratio**2),)).turned(turned)
-
-    def _continua(self, ratio2: FloatArray) -> "tuple[Law, ...]":
-        """Uniform pieces, which come first, and conical ones."""
+            return Shafts(node, (element_law(self.pieces, self.degree, ratio2),)).turned(turned)
         from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
         from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 
         uniform = sum(is_uniform(piece.bar) for piece in self.pieces)
-        laws: list[Law] = []
         length = np.array([piece.length for piece in self.pieces])
         if uniform:
-            laws.append(
-                uniform_shafts(
-                    length[:uniform], *self._along(slice(uniform), np.zeros(1), ratio2)[..., 0]
-                )
-            )
+            along = self._along(slice(uniform), np.zeros(1), ratio2)[..., 0]
+            laws.append(uniform_shafts(length[:uniform], *along))
         if uniform < len(self.pieces):
             rigidity, inertia = self._along(slice(uniform, None), profile_points(), ratio2)
             laws.append(profile_shafts(length[uniform:], 1.0 / rigidity, inertia))
-        return tuple(laws)
+        return Shafts(node, tuple(laws)).turned(turned)
 
     def _along(self, which: slice, points: FloatArray, ratio2: FloatArray) -> FloatArray:
         """G I in N m2 and rho I in kg m, (2, pieces, points), referred to one speed, at points `at` of every piece."""

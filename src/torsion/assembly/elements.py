@@ -1,6 +1,6 @@
 """The elastic elements of a train as people name them, each with the spans that it was divided into."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -28,7 +28,17 @@ class Element:
 
 def elements(system: System) -> tuple[Element, ...]:
     """Return every element in the order of the train, all sections of a shaft as one with the steps between them."""
-    return tuple(_of_whole_shafts(system, pieces(system)))
+    whole = list[Element]()
+    for name, sections in groupby(
+        pieces(system), key=lambda piece: system.train.parts[piece.part].whole
+    ):
+        first, *further = sections
+        if name == system.train.parts[first.part].name:
+            whole += (first, *further)
+        else:
+            spans = (span for section in (first, *further) for span in section.spans)
+            whole.append(replace(first, name=name, spans=tuple(spans)))
+    return tuple(whole)
 
 
 def pieces(system: System) -> list[Element]:
@@ -36,7 +46,10 @@ def pieces(system: System) -> list[Element]:
     bars = {bar.part: bar.name for bar in system.train.bars}
     spans_by_element: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
-        if not _joins_points_rigidly(system, index):  # a spring of a shaft is that of its step
+        is_point = system.train.parts[span.part].is_point
+        if (
+            not is_point or system.flexibility[index] != 0
+        ):  # a spring of a shaft is that of its step
             name = (
                 span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
             )
@@ -57,16 +70,6 @@ def pieces(system: System) -> list[Element]:
     return sorted(made, key=lambda one: (one.part, one.name.endswith(STEP), one.spans[0]))
 
 
-def _of_whole_shafts(system: System, made: Iterable[Element]) -> Iterator[Element]:
-    for name, sections in groupby(made, key=lambda one: system.train.parts[one.part].whole):
-        first, *further = sections
-        if name == system.train.parts[first.part].name:
-            yield from (first, *further)
-        else:
-            spans = (span for section in (first, *further) for span in section.spans)
-            yield replace(first, name=name, spans=tuple(spans))
-
-
 def by_part(part: IntArray) -> dict[int, IntArray]:
     """Return positions of the stations or spans (any,) of every component, ascending.
 
@@ -84,8 +87,3 @@ def damps(system: System, element: Element) -> bool:
     if first in system.tables:
         return system.tables[first].damps
     return bool(system.loss_factor[first] > 0 or system.viscous[first] > 0)
-
-
-def _joins_points_rigidly(system: System, index: int) -> bool:
-    span = system.spans[index]
-    return system.train.parts[span.part].is_point and bool(system.flexibility[index] == 0)

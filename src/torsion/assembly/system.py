@@ -136,8 +136,21 @@ class System:
 
     @cached_property
     def condensed(self) -> CondensedTrain:
-        """The train referred to one speed, as a tree (and the spans that close loops)."""
-        return _condensed_train(self)
+        """The train referred to one speed, as a tree, and the spans that close loops.
+
+        Raises InputError where rigid spans close a loop or join two fixed stations. Where rigid spans lead to several
+        fixed stations of one part of the train, each of these is a root of its own, and the softest spans between them
+        are left over as those that close a loop (through ground).
+        """
+        flexibility = self.flexibility / self.span_ratio**2
+        ends, chosen = _split_held(self), np.ones(len(flexibility), dtype=bool)
+        chosen = chosen if self.in_tree is None else self.in_tree
+        way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+        has_loops = len(flexibility) > np.count_nonzero(way.parent >= 0)
+        if self.in_tree is None and (ends.anchors or has_loops):
+            chosen = _spanning(self, flexibility, ends)
+            way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+        return _layout(self, flexibility, ends, chosen, way)
 
     @cached_property
     def lumped_inertia(self) -> FloatArray:
@@ -231,24 +244,6 @@ class System:
         return damping
 
 
-def _condensed_train(system: System) -> CondensedTrain:
-    """The tree of a system; raises InputError where rigid spans close a loop or join two fixed stations.
-
-    Where rigid spans lead to several fixed stations of one part of the train, each of these is a root of its own, and
-    the softest spans between them are left over as those that close a loop (through ground).
-    """
-    flexibility = system.flexibility / system.span_ratio**2
-    ends = _split_held(system)
-    chosen = np.ones(len(flexibility), dtype=bool) if system.in_tree is None else system.in_tree
-    way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
-    if system.in_tree is None and (
-        ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0)
-    ):
-        chosen = _spanning(system, flexibility, ends)
-        way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
-    return _layout(system, flexibility, ends, chosen, way)
-
-
 @dataclass(frozen=True)
 class _Ends:
     """Ends of every span after fixed stations were split into one copy a span."""
@@ -303,15 +298,14 @@ def _split_held(system: System) -> _Ends:
 
 def _touching(system: System, station: int) -> list[tuple[int, int, int]]:
     """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
-    touching = []
-    for side, near, far in (
-        (0, system.driving, system.driven),
-        (1, system.driven, system.driving),
-    ):
-        touching += [
-            (side, span, int(far[span])) for span in np.flatnonzero(near == station).tolist()
-        ]
-    return touching
+    return [
+        (side, span, int(far[span]))
+        for side, near, far in (
+            (0, system.driving, system.driven),
+            (1, system.driven, system.driving),
+        )
+        for span in np.flatnonzero(near == station).tolist()
+    ]
 
 
 def _rigidly_rooted(

@@ -89,16 +89,13 @@ class Collected:
         of shafts that the program divides; InputError for as many that the file states.
         """
         self.refuse_more(len(self.stations), segments)
-        flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
         system = System(
             self.train,
             model,
             tuple(self.stations),
             tuple(self.spans),
             np.array(self.inertia, dtype=float),
-            flexibility.copy(),
-            viscous.copy(),
-            loss_factor.copy(),
+            *np.array(self.elastic, dtype=float).reshape(-1, 3).T.copy(),
             self.train.dampers,
             segments,
             bars,

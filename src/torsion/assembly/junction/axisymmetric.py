@@ -118,7 +118,8 @@ def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
     chi = _solution(flow, basis.N, {0.0: inner, 1.0: outer})
     flexibility = float(chi @ (flow @ chi))
     by_angle, by_function = (
-        _gradient(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
+        np.einsum("udtp,ut->dtp", parts, field[basis.element_dofs])
+        for parts, field in ((slopes, psi / stiffness), (flows, chi))
     )
     difference = np.array(
         [weight * by_angle[0] - by_function[1], weight * by_angle[1] + by_function[0]]
@@ -137,20 +138,11 @@ def functions_of(
     values = np.array(
         [np.broadcast_to(np.asarray(function[0]), r.shape) for function in basis.basis]
     )
-    return (
-        basis,
-        values,
-        np.array([function[0].grad for function in basis.basis]),
-        r,
-        _modulus(profile, z, r),
-    )
-
-
-def _modulus(profile: Profile, z: FloatArray, r: FloatArray) -> FloatArray:
+    slopes = np.array([function[0].grad for function in basis.basis])
     owner = np.searchsorted(np.array(profile.places[1:-1]), z)
     if profile.seat:
         owner = np.where(r < profile.seat, 0, owner)
-    return np.array([length.modulus for length in profile.lengths])[owner]
+    return basis, values, slopes, r, np.array([length.modulus for length in profile.lengths])[owner]
 
 
 def energy_matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_array:
@@ -165,11 +157,6 @@ def energy_matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_arr
     return csc_array(
         coo_array((energy.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N))
     )
-
-
-def _gradient(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
-    """The gradient (2, triangles, places) of a field."""
-    return np.asarray(np.einsum("udtp,ut->dtp", slopes, field[basis.element_dofs]))
 
 
 def _boundaries(profile: Profile, meridian_mesh: Meridian, basis: Any) -> tuple[IntArray, ...]:

@@ -22,16 +22,6 @@ class Length:
     bore: tuple[float, float] = (0.0, 0.0)
     modulus: float = 1.0  # shear modulus / that of the whole
 
-    def in_units(self, unit: float) -> "Length":
-        """The same, its sizes over a unit."""
-        (first, last), (begin, end) = self.outer, self.bore
-        return replace(
-            self,
-            length=self.length / unit,
-            outer=(first / unit, last / unit),
-            bore=(begin / unit, end / unit),
-        )
-
     @property
     def twist(self) -> float:
         """Angle at a torque of 1 and a shear modulus of 1, its sections plane: the integral of 1/I_p."""
@@ -113,10 +103,6 @@ class Profile:
     def steps(self) -> tuple[tuple[float, float], ...]:
         """Of each joint of lengths: the outer diameter before and after it."""
         return tuple((before.outer[1], after.outer[0]) for before, after in pairwise(self.lengths))
-
-    @property
-    def thinnest(self) -> float:
-        return min(min(length.outer) for length in self.lengths)
 
     @property
     def smaller(self) -> Length:

@@ -7,7 +7,7 @@ coordinates are (z, r).
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -55,9 +55,16 @@ class Meridian:
 
     def refined(self, marked: Any) -> "Meridian":
         """Some of its triangles divided, new points of a fillet moved to its circle."""
-        return Meridian(
-            _snapped(self.mesh.refined(marked), self.arcs), self.arcs, self.sharp, self.core
-        )
+        mesh = self.mesh.refined(marked)
+        outline = np.zeros(mesh.p.shape[1], dtype=bool)
+        outline[mesh.boundary_nodes()] = True
+        return replace(self, mesh=skfem.MeshTri1(self._snapped(mesh.p, outline), mesh.t))
+
+    def _snapped(self, points: FloatArray, outline: BoolArray) -> FloatArray:
+        """The points (2, points) with those of the outline in a fillet moved to its circle."""
+        for arc in self.arcs:
+            points = arc.snapped(points, outline)
+        return np.ascontiguousarray(points)
 
     def graded(self, times: int) -> "Meridian":
         """The triangles at sharp corners divided several times."""
@@ -91,19 +98,7 @@ class Meridian:
         vertices = self.mesh.p.shape[1]
         outline[:vertices][self.mesh.boundary_nodes()] = True
         outline[vertices + self.mesh.boundary_facets()] = True
-        points = second.doflocs
-        for arc in self.arcs:
-            points = arc.snapped(points, outline)
-        return skfem.MeshTri2(np.ascontiguousarray(points), second.t)
-
-
-def _snapped(mesh: Any, arcs: tuple[Arc, ...]) -> Any:
-    outline = np.zeros(mesh.p.shape[1], dtype=bool)
-    outline[mesh.boundary_nodes()] = True
-    points = mesh.p
-    for arc in arcs:
-        points = arc.snapped(points, outline)
-    return skfem.MeshTri1(np.ascontiguousarray(points), mesh.t)
+        return skfem.MeshTri2(self._snapped(second.doflocs, outline), second.t)
 
 
 @dataclass(frozen=True)
@@ -139,7 +134,8 @@ class _Fill:
 
 def meridian(profile: Profile) -> Meridian:
     """The coarse mesh of a line. Raises ValueError where a corner cannot be filled as stated."""
-    core = profile.thinnest / 4.0 if any(0.0 in length.bore for length in profile.lengths) else 0.0
+    thinnest = min(min(length.outer) for length in profile.lengths)
+    core = thinnest / 4.0 if any(0.0 in length.bore for length in profile.lengths) else 0.0
     fills = _fills(profile, core)
     grains, sharp = _grains(profile, fills)
     lines = _lines(profile, fills, grains)

@@ -313,15 +313,16 @@ def excess_length(
     return excess, f"by finite elements, within {solution.error:.1g} diameters"
 
 
-def _between(step: Step, smaller: End) -> tuple[Length, ...]:
-    """What stands between the shafts of a step, in m."""
+def _between(step: Step, smaller: End, unit: float = 1.0) -> tuple[Length, ...]:
+    """What stands between the shafts of a step, in m over a unit."""
     if step.undercut is not None:
         size, length = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
     elif step.flange is not None:
         size, length = step.flange.diameter, step.flange.thickness
     else:
         return ()
-    return (Length(length, (size, size), (smaller.bore, smaller.bore)),)
+    bore = smaller.bore / unit
+    return (Length(length / unit, (size / unit, size / unit), (bore, bore)),)
 
 
 def profile_of(step: Step, first: End, second: End) -> Profile:
@@ -333,8 +334,8 @@ def profile_of(step: Step, first: End, second: End) -> Profile:
     )
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
     moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
-    between = (length.in_units(unit) for length in _between(step, smaller))
-    return junction(sizes[0], sizes[1], corner, moduli=moduli, between=tuple(between))
+    between = _between(step, smaller, unit)
+    return junction(sizes[0], sizes[1], corner, moduli=moduli, between=between)
 
 
 def stressed_profile(train: Train, step: Step, smaller: End, larger: End) -> tuple[Profile, float]:

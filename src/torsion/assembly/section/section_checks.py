@@ -27,18 +27,29 @@ def sound(mesh: Triangles) -> Triangles:
     Overlaps are found without comparing triangles: where all turn the same way, a point is covered as often as the
     boundary winds around it, and that is once where the boundary has one outline and does not meet itself.
     """
-    extent = float(np.ptp(mesh.points, axis=0).max())
+    from scipy.spatial import cKDTree
+
+    tolerance = SAME * float(np.ptp(mesh.points, axis=0).max())
     mesh = _counterclockwise(mesh)
-    _refuse_double_points(mesh, SAME * extent)
+    corners = mesh.points[np.unique(mesh.nodes[:, :3])]
+    pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
+    if len(pairs):
+        hint = "merge them, so that triangles join"
+        raise SectionFault("two points of the mesh coincide", hint, corners[pairs[0, 0]])
     _refuse_broken_sides(mesh)
-    _refuse_pieces(mesh)
+    ends = mesh.sides[:, :2].T
+    pieces = len(np.unique(connected(len(mesh.points), *ends)[ends[0]]))
+    if pieces > 1:
+        raise SectionFault(f"the mesh is in {pieces} pieces", "a cross-section is one piece")
     edge = boundary(mesh)
-    _refuse_meetings(mesh, edge, SAME * extent)
-    _refuse_pinches(mesh, edge)
+    _refuse_meetings(mesh, edge, tolerance)
+    passed = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
+    if np.any(passed > 1):
+        message, point = "the parts of the section meet only in a point", np.argmax(passed)
+        raise SectionFault(message, "a cross-section is one piece", mesh.points[point])
     if np.count_nonzero(edge.area > 0) != 1:
-        raise SectionFault(
-            "the triangles overlap", "one outline around the section, holes within it"
-        )
+        hint = "one outline around the section, holes within it"
+        raise SectionFault("the triangles overlap", hint)
     return mesh
 
 
@@ -50,16 +61,6 @@ def refuse_size(extent: float, widest: float) -> None:
     if extent > widest:
         hint = f"{unit}; usual: at most {widest:g} m; if it is meant, `unusual: true` on the shaft says so"
         raise SectionFault(f"the section is {extent:.3g} m wide", hint)
-
-
-def _refuse_double_points(mesh: Triangles, tolerance: float) -> None:
-    from scipy.spatial import cKDTree
-
-    corners = mesh.points[np.unique(mesh.nodes[:, :3])]
-    pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
-    if len(pairs):
-        hint = "merge them, so that triangles join"
-        raise SectionFault("two points of the mesh coincide", hint, corners[pairs[0, 0]])
 
 
 def _counterclockwise(mesh: Triangles) -> Triangles:
@@ -118,23 +119,6 @@ def _refuse_broken_sides(mesh: Triangles) -> None:
         )
 
 
-def _refuse_pieces(mesh: Triangles) -> None:
-    ends = mesh.sides[:, :2].T
-    pieces = len(np.unique(connected(len(mesh.points), *ends)[ends[0]]))
-    if pieces > 1:
-        raise SectionFault(f"the mesh is in {pieces} pieces", "a cross-section is one piece")
-
-
-def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
-    """No point of the boundary is passed twice."""
-    count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
-    if np.any(count > 1):
-        point = mesh.points[np.argmax(count)]
-        raise SectionFault(
-            "the parts of the section meet only in a point", "a cross-section is one piece", point
-        )
-
-
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
     """The boundary nowhere touches or crosses itself: no overlap, no crack, no hanging node."""
     first, last, amid = edge.sides.T
@@ -163,40 +147,16 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
 
 def _meet(first: IntArray, second: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
     """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
-    touches = np.zeros(first.shape[1], dtype=bool)
-    for end, (a, b) in (
-        (first[0], second),
-        (first[1], second),
-        (second[0], first),
-        (second[1], first),
-    ):
-        touches |= (
-            (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
-        )
-    side = [
-        np.sign(_cross(points[b] - points[a], points[c] - points[a]))
-        for a, b, c in (
-            (*first, second[0]),
-            (*first, second[1]),
-            (*second, first[0]),
-            (*second, first[1]),
-        )
-    ]
-    shared = (
-        (first[0] == second[0])
-        | (first[0] == second[1])
-        | (first[1] == second[0])
-        | (first[1] == second[1])
-    )
-    return np.asarray(touches | (~shared & (side[0] * side[1] < 0) & (side[2] * side[3] < 0)))
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-
-
-def _distance(point: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """(pairs,) from a point to the segment from a to b."""
-    along = b - a
-    share = np.clip(np.sum((point - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(point - a - share[:, None] * along, axis=1))
+    shared = (first[:, None] == second).any(axis=(0, 1))
+    touches, apart = np.zeros(first.shape[1], dtype=bool), list[BoolArray]()
+    for (a, b), ends in ((first, second), (second, first)):
+        start, along = points[a], points[b] - points[a]
+        side = list[FloatArray]()
+        for end in ends:
+            x, y = (points[end] - start).T
+            side.append(np.sign(along[:, 0] * y - along[:, 1] * x))
+            share = np.clip((x * along[:, 0] + y * along[:, 1]) / (along**2).sum(axis=1), 0.0, 1.0)
+            away = np.hypot(x - share * along[:, 0], y - share * along[:, 1])
+            touches |= (end != a) & (end != b) & (away <= tolerance)
+        apart.append(side[0] * side[1] < 0)
+    return np.asarray(touches | (~shared & apart[0] & apart[1]))

@@ -17,6 +17,7 @@ from torsion.user_files import check_file
 LARGEST_FILE = 20_000_000  # bytes; a mesh of MOST triangles has a tenth of it
 MOST = 10_000  # triangles; they are divided into four at least once
 PLANE = {"triangle": 3, "triangle6": 6}
+BODIES = ("tetra", "hexahedron", "wedge", "pyramid", "polyhedron")
 LOWER = ("vertex", "line", "line3")  # points and sides, by which a mesher marks boundaries
 
 # Of the four triangles in one: their corners among its nodes, and its functions at the middles of their sides.
@@ -72,7 +73,13 @@ def read_triangles(file: str | Path) -> Triangles:
     cells = {block.type: 0 for block in mesh.cells}
     for block in mesh.cells:
         cells[block.type] += len(block.data)
-    _refuse_other_cells(cells)
+    for kind, number in cells.items():
+        if number and kind not in (*PLANE, *LOWER):
+            if kind.startswith(BODIES):
+                hint = "mesh the cross-section alone"
+                raise SectionFault(f"the mesh is a body ({number} cells `{kind}`)", hint)
+            hint = "triangles with 3 or 6 nodes are read"
+            raise SectionFault(f"the mesh has {number} cells `{kind}`", hint)
     kinds = [kind for kind in PLANE if cells.get(kind)]
     if len(kinds) != 1:
         raise SectionFault(
@@ -136,19 +143,6 @@ def _read(file: Path) -> Any:
             raise SectionFault(f"'{file.name}' cannot be read as a mesh", hint) from None
 
 
-def _refuse_other_cells(cells: dict[str, int]) -> None:
-    """Raise SectionFault where there is anything but triangles with 3 or 6 nodes."""
-    for kind, number in cells.items():
-        if number and kind not in PLANE and kind not in LOWER:
-            if kind.startswith(("tetra", "hexahedron", "wedge", "pyramid", "polyhedron")):
-                raise SectionFault(
-                    f"the mesh is a body ({number} cells `{kind}`)", "mesh the cross-section alone"
-                )
-            raise SectionFault(
-                f"the mesh has {number} cells `{kind}`", "triangles with 3 or 6 nodes are read"
-            )
-
-
 def _flat(points: FloatArray) -> FloatArray:
     """(points, 2): x and y of finite points that lie in a plane of constant z."""
     if not np.all(np.isfinite(points)):
@@ -177,20 +171,16 @@ def boundary(mesh: Triangles) -> Boundary:
     sides = mesh.sides[np.bincount(edge)[edge] == 1]
     joined = connected(len(mesh.points), sides[:, 0], sides[:, 1])[sides[:, 0]]
     loop = np.unique(joined, return_inverse=True)[1]
-    area = np.asarray(np.bincount(loop, weights=_area_under(mesh.points, sides)), dtype=float)
+
+    # The integral of (x dy - y dx)/2 along each parabola.
+    first, last, amid = (mesh.points[sides[:, k]] for k in range(3))
+    slope, bend, under = (last - first) / 2.0, (first + last) / 2.0 - amid, np.zeros(len(sides))
+    for t, weight in zip(*_GAUSS, strict=True):
+        (x, y), (dx, dy) = (amid + slope * t + bend * t**2).T, (slope + 2.0 * bend * t).T
+        under += weight * (x * dy - y * dx) / 2.0
+    area = np.asarray(np.bincount(loop, weights=under), dtype=float)
     order = np.argsort(-area, kind="stable")
     return Boundary(sides, np.argsort(order, kind="stable")[loop], area[order])
-
-
-def _area_under(points: FloatArray, sides: IntArray) -> FloatArray:
-    """(sides,) int (x dy - y dx)/2 along each parabola."""
-    first, last, amid = (points[sides[:, k]] for k in range(3))
-    slope, bend = (last - first) / 2.0, (first + last) / 2.0 - amid
-    area = np.zeros(len(sides))
-    for t, weight in zip(*_GAUSS, strict=True):
-        point, along = amid + slope * t + bend * t**2, slope + 2.0 * bend * t
-        area += weight * (point[:, 0] * along[:, 1] - point[:, 1] * along[:, 0]) / 2.0
-    return area
 
 
 def refined(mesh: Triangles) -> Triangles:

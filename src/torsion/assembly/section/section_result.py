@@ -134,18 +134,13 @@ def _solved(mesh: SectionMesh, stamp: tuple[int, int]) -> SectionResult:
     triangles = _checked(mesh, stamp)
     section_moments, degree = moments(triangles), 4 if len(triangles.nodes) <= FEW else 2
     levels = [solve_level(triangles, degree)]
-    while len(levels) < 2 or (
-        len(levels) < LEVELS and 4 * len(triangles.nodes) <= QUICK and not _fine(levels)
-    ):
+    while len(levels) < LEVELS:
+        if len(levels) > 1:
+            before, last = levels[-2:]
+            is_close = last.upper - last.lower <= CLOSE * last.upper
+            is_steady = abs(last.stress / before.stress - 1.0) <= STEADY
+            if 4 * len(triangles.nodes) > QUICK or (is_close and is_steady):
+                break
         triangles = refined(triangles)
         levels.append(solve_level(triangles, degree))
     return SectionResult(mesh.file, section_moments, tuple(levels), degree)
-
-
-def _fine(levels: list[Level]) -> bool:
-    """A further refinement would change nothing that counts."""
-    before, last = levels[-2:]
-    return (
-        last.upper - last.lower <= CLOSE * last.upper
-        and abs(last.stress / before.stress - 1.0) <= STEADY
-    )
