@@ -50,6 +50,11 @@ class InputError(TorsionError):
         self.faults = tuple(faults)
         super().__init__(text or "\n".join(fault.sentence for fault in self.faults))
 
+    @property
+    def message(self) -> str:
+        """What is wrong, without places and hints."""
+        return "; ".join(fault.message for fault in self.faults)
+
     def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...], str]]:
         """Return the error as it goes from one process to another."""
         return type(self), (self.faults, str(self))

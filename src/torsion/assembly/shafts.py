@@ -17,7 +17,8 @@ GAUSS = np.polynomial.legendre.leggauss(
 
 def phase(bar: Bar, frequency: float) -> float:
     """Phase (rad) of a wave of some frequency (Hz) along a shaft: omega length sqrt(density/shear modulus)."""
-    return 2.0 * math.pi * frequency * bar.length * math.sqrt(bar.density / bar.shear_modulus)
+    wave: float = 2.0 * math.pi * frequency * bar.length * (bar.density / bar.shear_modulus) ** 0.5
+    return wave
 
 
 def is_uniform(bar: Bar) -> bool:

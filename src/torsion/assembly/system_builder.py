@@ -89,13 +89,17 @@ class Collected:
         of shafts that the program divides; InputError for as many that the file states.
         """
         self.refuse_more(len(self.stations), segments)
+        elastic = np.array(self.elastic, dtype=float).reshape(-1, 3)
+        flexibility, viscous, loss_factor = elastic.T.copy()
         system = System(
             self.train,
             model,
             tuple(self.stations),
             tuple(self.spans),
             np.array(self.inertia, dtype=float),
-            *np.array(self.elastic, dtype=float).reshape(-1, 3).T.copy(),
+            flexibility,
+            viscous,
+            loss_factor,
             self.train.dampers,
             segments,
             bars,

@@ -55,7 +55,15 @@ class SweepFolder:
             (self.parts / SUMS).unlink(missing_ok=True)
         self.parts.mkdir(parents=True, exist_ok=True)
         self._remove(UNFINISHED)
-        self._read_checksums()
+
+        # A line of checksums that was never finished is ended.
+        sums = self.parts / SUMS
+        text = sums.read_text(encoding="utf-8", errors="replace") if sums.exists() else ""
+        if text and not text.endswith("\n"):
+            with sums.open("a", encoding="utf-8") as file:
+                file.write("\n")
+        lines = (line.partition("  ") for line in text.splitlines())
+        self.checksums.update((name, checksum) for checksum, _, name in lines)
         if identity_file.exists():
             _refuse_another(identity_file, identity)
             return
@@ -74,16 +82,6 @@ class SweepFolder:
         for path in self.parts.glob("part-*"):
             if names.fullmatch(path.name):
                 path.unlink()
-
-    def _read_checksums(self) -> None:
-        """Read the checksums that were written; a line that was never finished is ended."""
-        sums = self.parts / SUMS
-        text = sums.read_text(encoding="utf-8", errors="replace") if sums.exists() else ""
-        if text and not text.endswith("\n"):
-            with sums.open("a", encoding="utf-8") as file:
-                file.write("\n")
-        lines = (line.partition("  ") for line in text.splitlines())
-        self.checksums.update((name, checksum) for checksum, _, name in lines)
 
     def part_path(self, chunk: Chunk) -> Path | None:
         """Return the part of a chunk; None if it is missing or its checksum was never written."""
@@ -223,8 +221,7 @@ def _differences(
         elif section == "files":
             yield f"the file {key} was changed"
         else:
-            yield f"`{key}` was {_in_words(before)} and is {_in_words(after)}"
-
-
-def _in_words(value: object) -> str:
-    return "not given" if value is None else printable(str(value))
+            old, new = (
+                "not given" if value is None else printable(str(value)) for value in (before, after)
+            )
+            yield f"`{key}` was {old} and is {new}"

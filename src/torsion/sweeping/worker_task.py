@@ -50,9 +50,14 @@ def answered(given: Errand, chunk: Chunk) -> Part:
 
 @lru_cache(maxsize=4)
 def _opened(given: Errand) -> tuple[Work, Variation]:
-    fault = differing_versions(
-        given.versions, {name: version(name) for name, _ in given.versions}
-    ) or _other_files(given.files)
+    fault = differing_versions(given.versions, {name: version(name) for name, _ in given.versions})
+    missing = [
+        name
+        for name, checksum in given.files
+        if not Path(name).is_file() or digest(Path(name).read_bytes()) != checksum
+    ]
+    if missing and not fault:
+        fault = f"not there as where the sweep was begun: {', '.join(missing)}"
     if fault:
         raise InputError([Fault((), fault)], fault)
     work, variation = pickle.loads(given.scene)
@@ -68,13 +73,3 @@ def differing_versions(
         f"{name} {needed} is needed and {installed.get(name) or 'none'} is there"
         for name, needed in differ
     )
-
-
-def _other_files(files: Iterable[tuple[str, str]]) -> str:
-    """Which files are not here as they were, in words; empty where all are."""
-    missing = [
-        name
-        for name, checksum in files
-        if not Path(name).is_file() or digest(Path(name).read_bytes()) != checksum
-    ]
-    return f"not there as where the sweep was begun: {', '.join(missing)}" if missing else ""

@@ -1,6 +1,7 @@
 """Candidates of a design: of every candidate the objective, whether it meets the constraints, its mass and cost."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -279,13 +280,11 @@ class Candidates:
             mass = plain(shaft_mass(self.variation.in_columns(values)))
             return np.asarray(mass + np.zeros(len(values)))
         except NotInColumns:
-            return np.array([self._mass_of_shafts(row) for row in values.tolist()])
-
-    def _mass_of_shafts(self, row: Sequence[float]) -> float:
-        try:
-            return float(shaft_mass(self.variation.study(row).train))
-        except InputError:
-            return np.nan
+            masses = np.full(len(values), np.nan)
+        for position, row in enumerate(values.tolist()):
+            with suppress(InputError):
+                masses[position] = shaft_mass(self.variation.study(row).train)
+        return masses
 
 
 def _of_case(name: str, why: str) -> str:

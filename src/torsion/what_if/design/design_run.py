@@ -55,7 +55,10 @@ def run(work: Work) -> None:
         nominal = candidates.nominal()
         seconds = (time.perf_counter() - begin) / len(cases)
         searched = len(candidates.searched) * len(samples)
-        evaluations = settings.evaluations or _default_evaluations(candidates)
+        combinations = math.prod(figure.places for figure in variation.figures)
+        trains = combinations * searched if combinations <= MOST_COMBINATIONS else 0
+        default = max(JUDGED, trains) if candidates.judged else LOOKED_AT
+        evaluations = settings.evaluations or default
         if candidates.judged:
             words = duration(evaluations * seconds / processors())
             work.progress(f"design, trains solved separately: at most {words}", 0.0)
@@ -65,7 +68,12 @@ def run(work: Work) -> None:
         step.method = method
         step.size = f"{len(candidates.tried)} choices of {len(variation.figures)} figures"
     with work.log.step("design, solved by itself", "the search only finds it") as step:
-        confirmations = list(_confirmations(candidates, best))
+        # The best are solved until one is as the search has it.
+        confirmations = list[Confirmation]()
+        for candidate in best[:TRIED]:
+            confirmations.append(_solved(candidates, candidate))
+            if confirmations[-1][0] != "disagrees":
+                break
         step.size = f"{len(confirmations)} files"
     work.put(design=_result(candidates, nominal, best, confirmations, method))
 
@@ -82,15 +90,6 @@ def _cases(work: Work, variation: Variation, sweep: Variation | None) -> Iterato
             chosen = variation.in_case(study)
         sampled = chosen if sweep is None else sweep.behind(chosen)
         yield name, Case(study, case_work, chosen, sampled)
-
-
-def _default_evaluations(candidates: Candidates) -> int:
-    """Return how many trains are solved at most if the file does not say."""
-    if not candidates.judged:
-        return LOOKED_AT
-    combinations = math.prod(figure.places for figure in candidates.variation.figures)
-    trains = combinations * len(candidates.searched) * len(candidates.samples)
-    return max(JUDGED, trains if combinations <= MOST_COMBINATIONS else 0)
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:
@@ -142,15 +141,6 @@ def _best(candidates: Candidates) -> list[Tried]:
         if len(best) == TEN:
             break
     return best
-
-
-def _confirmations(candidates: Candidates, best: Sequence[Tried]) -> Iterator[Confirmation]:
-    """Solve the best until one is as the search has it."""
-    for candidate in best[:TRIED]:
-        confirmation = _solved(candidates, candidate)
-        yield confirmation
-        if confirmation[0] != "disagrees":
-            return
 
 
 def _solved(candidates: Candidates, candidate: Tried) -> Confirmation:

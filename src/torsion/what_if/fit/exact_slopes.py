@@ -15,7 +15,6 @@ from torsion.assembly.system import System
 from torsion.columns import NotInColumns, picker
 from torsion.sources import source
 from torsion.study import Study, Variation
-from torsion.train import Train
 from torsion.what_if.fit.measurements import Curve
 from torsion.what_if.variants.train_rows import numbers_of_system
 
@@ -43,7 +42,11 @@ class ExactSlopes:
             inertia, elastic = numbers_of_system(system, train, count + 1, complex)
         except NotInColumns:
             return
-        pick = picker(_acting(train)) or (lambda _: ())
+
+        # What excites the train and what damps it to ground.
+        machines = tuple((part.machine, part.compressor, part.engine) for part in train.parts)
+        errors = tuple(mesh.error for mesh in train.constraints)
+        pick = picker((train.dampers, train.torques, errors, machines)) or (lambda _: ())
         nominal = pick(count)
         self.figures = np.array([k for k in range(count) if pick(k) == nominal], dtype=np.int64)
 
@@ -104,12 +107,6 @@ def _is_linear(study: Study, system: System) -> bool:
         or (has_joints and study.has_mean_torque)  # the static twist turns its phase
         or any(len(excitation.apart) > 1 for excitation in excitations(system))
     )
-
-
-def _acting(train: Train) -> tuple[object, ...]:
-    """Return what excites a train and what damps it to ground."""
-    machines = tuple((part.machine, part.compressor, part.engine) for part in train.parts)
-    return train.dampers, train.torques, tuple(mesh.error for mesh in train.constraints), machines
 
 
 def _compliance_slopes(system: System, slopes: FloatArray, w: FloatArray) -> ComplexArray:

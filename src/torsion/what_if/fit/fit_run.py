@@ -20,10 +20,10 @@ from torsion.what_if.fit.fit_results import (
     FittedMode,
     OtherFit,
 )
-from torsion.what_if.fit.fit_settings import FIT, FitSettings
+from torsion.what_if.fit.fit_settings import FIT, UNITS, FitSettings
 from torsion.what_if.fit.identified import directions, unidentified
-from torsion.what_if.fit.measurements import curves, unit
-from torsion.what_if.fit.pairing import highest_mode, paired
+from torsion.what_if.fit.measurements import curves
+from torsion.what_if.fit.pairing import paired
 from torsion.what_if.fit.predictions import Train, resolved_for
 
 NINETY_FIVE = 1.959963984540054  # deviations of a normal distribution
@@ -43,7 +43,9 @@ def run(work: Work) -> None:
     with work.log.step("fit to measurements", "the file names it") as step:
         measured = curves(work.study, settings.measured)
         modes = work.get(Modes)
-        count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
+        named = [measurement.mode or 0 for measurement in settings.measured]
+        frequencies = sum(measurement.frequency is not None for measurement in settings.measured)
+        count = max(0 if modes is None else modes.frequency.size, *named, frequencies)
         system = work.system if modes is None else modes.system
         train = Train(variation, resolved_for(system, measured), measured, count)
         problem = Problem(train, settings, work.progress)
@@ -224,7 +226,7 @@ def _curves(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator
             curve.at,
             curve.order,
             curve.quantity,
-            unit(curve),
+            UNITS[curve.quantity],
             curve.origin,
             curve.within,
             curve.deviation,

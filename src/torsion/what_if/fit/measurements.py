@@ -14,7 +14,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.study import Study
 from torsion.two_columns import Columns, pairs
-from torsion.what_if.fit.fit_settings import FIT, UNITS, Measured
+from torsion.what_if.fit.fit_settings import FIT, Measured
 
 if TYPE_CHECKING:
     from torsion.kernels.order_tracking import Tracked
@@ -173,7 +173,10 @@ def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "
         message = f"after {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
         raise InputError([Fault(signal_path, message, "a signal without gaps: cut it there")])
     _refuse_orders(measurement, shaft_orders, path)
-    highest = measurement.pulses or _samples(time, values[1])
+    highest: float | None = measurement.pulses  # samples of a revolution
+    if highest is None:
+        fastest = np.maximum(values[1, 1:], values[1, :-1])
+        highest = float((2.0 * np.pi / (steps * fastest)).min())
     if (shaft_orders >= highest / 2.0).any():
         worst = measurement.orders[int(np.argmax(shaft_orders))]
         needed = (
@@ -215,13 +218,3 @@ def _refuse_orders(measurement: Measured, shaft_orders: FloatArray, path: Path) 
     message = f"{words} {cycles * measurement.revolutions:.3g} cycles in a window of {measurement.revolutions} revolutions"
     hint = f"{needed:g} are needed: `revolutions: {math.ceil(needed / cycles)}`"
     raise InputError([Fault((*path, "orders"), message, hint)])
-
-
-def _samples(time: np.ndarray, speed: np.ndarray) -> float:
-    """Return the smallest number of samples in a revolution."""
-    return float((2.0 * np.pi / (np.diff(time) * np.maximum(speed[1:], speed[:-1]))).min())
-
-
-def unit(curve: Curve) -> str:
-    """Return the SI unit of the amplitudes of a curve."""
-    return UNITS[curve.quantity]

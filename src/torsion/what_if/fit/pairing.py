@@ -24,14 +24,6 @@ class Pairs:
     upper: FloatArray
 
 
-def highest_mode(measured: Sequence[Measured], computed: int) -> int:
-    """How many modes the measurements need, where `found` were computed."""
-    named = [measurement.mode for measurement in measured if measurement.mode is not None]
-    return max(
-        [computed, *named, sum(measurement.frequency is not None for measurement in measured)]
-    )
-
-
 def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) -> Pairs:
     """Each frequency with the mode that the file names, the others with those to which all together are nearest.
 
@@ -65,7 +57,12 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
         raise InputError(
             [Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")]
         )
-    distance = np.array([_distances(measured[index], nominal, lower, upper) for index in unnamed])
+    hertz = np.array([measured[index].frequency for index in unnamed], dtype=float)[:, None]
+    slack = np.exp([[OUTSIDE * measured[index].within] for index in unnamed]).reshape(-1, 1)
+
+    # Squared logarithms of ratios (frequencies, modes); a mode outside whose band one lies is behind all others.
+    is_inside = (lower / slack <= hertz) & (hertz <= upper * slack)
+    distance = np.square(np.log(hertz / nominal)) + np.where(is_inside, 0.0, BEHIND)
     for row, index in enumerate(unnamed):
         for paired_index, mode in numbers.items():
             above = (measured[index].frequency or 0.0) >= (measured[paired_index].frequency or 0.0)
@@ -106,17 +103,6 @@ def _rising(cost: FloatArray) -> list[int] | None:
             if total + row[k] < np.inf
         ]
     return min(states, default=(0.0, None))[1]
-
-
-def _distances(
-    measurement: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray
-) -> FloatArray:
-    """(modes,) squared logarithm of the ratio of each; every mode outside whose band it lies behind all others."""
-    hertz = measurement.frequency or 0.0
-    distance = np.square(np.log(hertz / nominal))
-    slack = np.exp(OUTSIDE * measurement.within)
-    inside = (lower / slack <= hertz) & (hertz <= upper * slack)
-    return np.asarray(np.where(inside, distance, distance + BEHIND))
 
 
 def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:

@@ -44,10 +44,8 @@ class Train:
             except NotInColumns:
                 study = self.variation.study(factors)
         except InputError as error:
-            message = "; ".join(fault.message for fault in error.faults)
-            raise SolveError(
-                f"the file with updated parameters is invalid: {message}", "a smaller deviation"
-            ) from None
+            message = f"the file with updated parameters is invalid: {error.message}"
+            raise SolveError(message, "a smaller deviation") from None
         if self.system.model == "lumped":
             return study, as_divided(self.system, study.train)
         return study, of_train(self.system, study.train)

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import FloatArray
 from torsion.findings import Work
 from torsion.processes import processors
 from torsion.study import Variation
@@ -15,7 +14,7 @@ from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.sweep.sweep_summary import summed
 from torsion.what_if.variants.chunks import Chunk, Pace, Part, chunks, duration, joined
 from torsion.what_if.variants.frequencies import frequencies
-from torsion.what_if.variants.one_by_one import Answers, solved
+from torsion.what_if.variants.one_by_one import solved
 
 JUDGED_AT_ONCE, FREQUENCIES_AT_ONCE = 16, 16384  # variants of a chunk that is kept
 MOST_CHUNKS = 4096  # of variants that are judged
@@ -31,7 +30,11 @@ def run(work: Work) -> None:
     points = _points(work, variation)
     with work.log.step("sweep", "the file names it") as step:
         nominal = np.empty(0) if modes is None else modes.frequency
-        all_chunks = chunks_of(work, variation)
+        count, length = points.count, FREQUENCIES_AT_ONCE
+        if settings.judges(work.study):
+            # Chunks follow from the file alone; where nobody keeps them one takes what fits the memory.
+            length = max(JUDGED_AT_ONCE, count // MOST_CHUNKS) if work.answered else count
+        all_chunks = chunks(count, length)
         if settings.judges(work.study):
             seconds = (
                 all_chunks[-1].end * sum(line.seconds for line in work.log.lines) / processors()
@@ -43,29 +46,16 @@ def run(work: Work) -> None:
     work.put(sweep=summed(variation, settings, points, values, nominal, answers))
 
 
-def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
-    """The chunks of a sweep, which follow from its file alone; where nobody keeps them one of what fits the memory."""
-    count = _points(work, variation).count
-    if not work.settings("sweep", SweepSettings).judges(work.study):
-        return chunks(count, FREQUENCIES_AT_ONCE)
-    in_turn = work.answered is None
-    return chunks(count, count if in_turn else max(JUDGED_AT_ONCE, count // MOST_CHUNKS))
-
-
 def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
     """The values of a chunk and what they answer; nothing is put into the work."""
     values = _points(work, variation).values(slice(chunk.begin, chunk.end))
-    return values, _answers(work, variation, values)
-
-
-def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
-    """Return frequencies, and verdicts if they are requested, of variants (variants, figures)."""
-    count = _modes(work)
+    modes = work.get(Modes)
+    count = 0 if modes is None else modes.frequency.size
     if not work.settings("sweep", SweepSettings).judges(work.study):
-        return frequencies(work, variation, values, count)
+        return values, frequencies(work, variation, values, count)
     answers = solved(work, variation, values, count, judged=True)
     answers.method = "every variant solved and judged separately"
-    return answers
+    return values, answers
 
 
 def in_turn(work: Work, variation: Variation, parts: Sequence[Chunk]) -> Iterator[Part]:
@@ -80,9 +70,3 @@ def _points(work: Work, variation: Variation) -> Points:
     return Points.from_settings(
         work.study, work.settings("sweep", SweepSettings), variation.figures
     )
-
-
-def _modes(work: Work) -> int:
-    """How many frequencies every variant has."""
-    modes = work.get(Modes)
-    return 0 if modes is None else modes.frequency.size

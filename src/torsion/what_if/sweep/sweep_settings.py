@@ -21,15 +21,13 @@ Method = Literal["sobol", "latin", "random", "grid"]
 Result = Literal["modes", "checks"]
 
 
-def _of_tolerances(value: Any) -> Any:
-    """Read `vary: tolerances`, the default, as no named figures."""
-    return {} if value == "tolerances" else value
-
-
 class SweepSettings(Declared):
     """What the file states of `sweep`: figures that vary, samples and results."""
 
-    vary: Annotated[dict[str, Law], BeforeValidator(_of_tolerances)] = given(
+    # The word `tolerances` is the default.
+    vary: Annotated[
+        dict[str, Law], BeforeValidator(lambda value: {} if value == "tolerances" else value)
+    ] = given(
         "figures by `component.key` and how they vary (default: uniformly within every tolerance of the file)",
         {},
     )

@@ -13,7 +13,7 @@ from torsion.what_if.sweep.sweep_points import Points
 from torsion.what_if.sweep.sweep_results import Sweep, SweptCheck, VariedFigure
 from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.variants.one_by_one import Answers, Key
-from torsion.what_if.variants.sampling import probability, quantiles
+from torsion.what_if.variants.sampling import probability
 
 LEAST_SPREAD = 1e-9  # of a share of a limit: below it nothing decides
 MOST_FAULTS = 10
@@ -50,7 +50,7 @@ def summed(
         any_check = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
     solved = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
     solved = solved if solved.size else np.full((len(nominal), 1), np.nan)
-    low, high = quantiles(solved, (0.025, 0.975)).T.reshape(2, -1)
+    low, high = np.quantile(solved, (0.025, 0.975), axis=1)
     return Sweep(
         tuple(map(_figure, variation.figures)),
         len(factor),

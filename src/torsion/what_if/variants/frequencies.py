@@ -9,11 +9,11 @@ from torsion.analyses.undamped_modes import chord_spans, modes, undamped_tree
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import as_divided, of_train
 from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
+from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
 from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.primitives import Bar
 from torsion.study import Variation
 from torsion.train import Train
 from torsion.what_if.variants.one_by_one import Answers, solved
@@ -70,7 +70,8 @@ def certified(
         raise NotInColumns("distributed shafts are solved variant by variant")
     hertz_found = np.full((count, variants), np.nan)
     refined = tuple(bar for bar in train.bars if is_refined(bar))
-    travel = np.array([_travel(bar) + np.zeros(variants) for bar in refined])
+    travels = [phase(bar, 1.0) for bar in refined]
+    travel = np.array([plain(turned) + np.zeros(variants) for turned in travels])
     multiples = np.array([excess(bar) for bar in refined], dtype=float).reshape(-1, 1)
     waiting = {tuple(base.segments[bar.name] for bar in refined): np.arange(variants)}
 
@@ -104,18 +105,12 @@ def certified(
     return hertz_found
 
 
-def _travel(bar: Bar) -> FloatArray:
-    """Return the phase (rad) along a shaft for 1 Hz, of each variant if the shaft varies."""
-    slowness = np.sqrt(plain(bar.density) / plain(bar.shear_modulus))
-    return np.asarray(2.0 * np.pi * plain(bar.length) * slowness)
-
-
 def _as_divided(
     system: System,
     train: Train,
     variants: int,
     count: int,
-    places: IntArray | slice = slice(None),
+    places: IntArray,
 ) -> FloatArray:
     """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
     tree, chords, node = undamped_tree(system), chord_spans(system), system.condensed.node

@@ -2,14 +2,13 @@
 
 import re
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from torsion import fields, units
 from torsion.fields import Declared, given, refuse, shown
 
-LAWS = ("uniform", "normal", "lognormal", "triangular")
 MOST_STEPS = 10_000_000
 Amount = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
 
@@ -55,6 +54,8 @@ def _amount(value: Any, key: str) -> tuple[Fraction, str]:
 class Choice(Declared):
     """Values of one figure in place of that of the file: a list, a range, or the rows of a catalogue."""
 
+    laws: ClassVar[tuple[str, ...]] = ()  # keys of laws about the value of the file
+
     values: tuple[Any, ...] | None = given(
         "alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]"
     )
@@ -70,15 +71,16 @@ class Choice(Declared):
 
     def refuse_clashes(self) -> None:
         """One way, and a range with both ends in one unit."""
-        ways = self._ways()
+        ends = [key for key, end in (("from", self.first), ("to", self.last)) if end is not None]
+        listed = (*self.laws, "values", "catalogue")
+        ways = [key for key in listed if getattr(self, key) is not None] + ends[:1]
         if len(ways) != 1:
-            message = (
-                f"{' and '.join(ways)} exclude each other"
-                if ways
-                else "nothing says how the figure varies"
-            )
+            message = f"{' and '.join(ways)} exclude each other"
+            known = ", ".join((*self.laws, "values", "from and to", "catalogue"))
             raise refuse(
-                message, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else ""
+                message if ways else "nothing says how the figure varies",
+                f"one of {known}",
+                key=ways[-1] if ways else "",
             )
         if self.values is not None and len(self.values) < 2:
             raise refuse("a list of values needs two at least", "give alternatives", "values")
@@ -126,21 +128,10 @@ class Choice(Declared):
                 hint = f"in {first[1] or 'the same unit'}, above 0 and at most the range"
                 raise refuse(f"`step` {shown(self.step)} does not divide the range", hint, "step")
 
-    def _ways(self) -> list[str]:
-        given_range = [
-            key for key, value in (("from", self.first), ("to", self.last)) if value is not None
-        ]
-        return [
-            key for key in ("values", "catalogue") if getattr(self, key) is not None
-        ] + given_range[:1]
-
-    def _known_ways(self) -> tuple[str, ...]:
-        return "values", "from and to", "catalogue"
-
     @property
     def is_relative(self) -> bool:
         """A law about the value of the file."""
-        return False
+        return any(getattr(self, law) is not None for law in self.laws)
 
     @property
     def unit(self) -> str:
@@ -179,6 +170,8 @@ class Choice(Declared):
 
 class Law(Choice):
     """How one figure varies: one of four laws relative to the value of the file, or values in place of it."""
+
+    laws: ClassVar = ("uniform", "normal", "lognormal", "triangular")
 
     uniform: Width | None = given("any value within this of the file's is as likely: +-15 %")
     normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
@@ -221,17 +214,6 @@ class Law(Choice):
                 "three deviations take the figure to 0", "`within: 90 %`, or lognormal", "normal"
             )
 
-    def _ways(self) -> list[str]:
-        return [law for law in LAWS if getattr(self, law) is not None] + super()._ways()
-
-    def _known_ways(self) -> tuple[str, ...]:
-        return *LAWS, *super()._known_ways()
-
-    @property
-    def is_relative(self) -> bool:
-        """A law about the value of the file."""
-        return any(getattr(self, law) is not None for law in LAWS)
-
     @property
     def corners(self) -> tuple[float, float, float]:
         """Of a triangular law: least, likeliest and greatest over the file's value."""
@@ -246,7 +228,7 @@ class Law(Choice):
         if self.triangular is not None and len(self.triangular) == 3:
             low, middle, high = (f"{100.0 * share:.6g} %" for share in self.triangular)
             return f"triangular {low} to {high}, likeliest {middle}"
-        name = next(law for law in LAWS if getattr(self, law) is not None)
+        name = next(law for law in self.laws if getattr(self, law) is not None)
         width = self.triangular[0] if self.triangular is not None else getattr(self, name)
         words = f"{name} {'±' if name in ('uniform', 'triangular') else ''}{100.0 * width:.6g} %"
         return words + ("" if self.within is None else f" within ±{100.0 * self.within:.6g} %")

@@ -123,7 +123,7 @@ def solved(
             return Answers.of_findings(findings, modes)
         except (InputError, SolveError) as error:
             answer = Answers.empty(modes, 1)
-            answer.faults[0] = reason(error)
+            answer.faults[0] = error.message
             return answer
 
     found_answers = shared_out(answer_of, range(len(rows)))
@@ -143,12 +143,3 @@ def analyses_of_variant(work: Work, *, judged: bool) -> tuple[str, ...]:
         if name in work.study.analyses or ANALYSES[name].wanted(work.study)
     ]
     return ("modes", *((*work.ruled, *wanted) if judged else ()))
-
-
-def reason(error: InputError | SolveError) -> str:
-    """Why a variant has no answer, in words."""
-    return (
-        "; ".join(fault.message for fault in error.faults)
-        if isinstance(error, InputError)
-        else error.message
-    )

@@ -93,8 +93,3 @@ def _wilson(count: int, size: int) -> tuple[float, float]:
     middle = (share + extra / 2.0) / (1.0 + extra)
     half = z / (1.0 + extra) * float(np.sqrt(share * (1.0 - share) / size + extra / size / 4.0))
     return (0.0 if count == 0 else middle - half), (1.0 if count == size else middle + half)
-
-
-def quantiles(values: FloatArray, levels: Sequence[float]) -> FloatArray:
-    """(quantities, len(at)) of the samples (quantities, count); nothing where a sample has no value."""
-    return np.quantile(values, levels, axis=1).T
