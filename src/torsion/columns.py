@@ -18,22 +18,16 @@ class NotInColumns(Exception):
     """The variants are not one train with other numbers; the file has to be read for each of them."""
 
 
-def _operation(apply: Callable[[Any, Any], Any], *, reflected: bool = False) -> Any:
+def _operation(
+    apply: Callable[[Any, Any], Any], *, reflected: bool = False, compares: bool = False
+) -> Any:
     def method(column: "Column", operand: object) -> Any:
         if not isinstance(operand, int | float | complex | Fraction | Column):
             return NotImplemented
         left, right = column.values, plain(operand)
+        if compares:  # the imaginary part is the step of a slope, no number of the file
+            return _common_answer(apply(np.real(left), np.real(right)))
         return Column(apply(right, left) if reflected else apply(left, right))
-
-    return method
-
-
-def _comparison(compare: Callable[[Any, Any], Any]) -> Any:
-    def method(column: "Column", operand: object) -> Any:
-        if not isinstance(operand, int | float | complex | Fraction | Column):
-            return NotImplemented
-        # The imaginary part is the step of a slope, no number of the file.
-        return _common_answer(compare(np.real(column.values), np.real(plain(operand))))
 
     return method
 
@@ -42,6 +36,9 @@ def _common_answer(answers: np.ndarray) -> bool:
     if answers.any() != answers.all():
         raise NotInColumns("the variants answer a question of the lowering differently")
     return bool(answers.all())
+
+
+_ARITHMETIC = operator.add, operator.sub, operator.mul, operator.truediv, operator.pow
 
 
 class Column:
@@ -69,15 +66,14 @@ class Column:
     def __abs__(self) -> "Column":
         return -self if self < 0.0 else self
 
-    __add__, __radd__ = _operation(operator.add), _operation(operator.add, reflected=True)
-    __sub__, __rsub__ = _operation(operator.sub), _operation(operator.sub, reflected=True)
-    __mul__, __rmul__ = _operation(operator.mul), _operation(operator.mul, reflected=True)
-    __truediv__ = _operation(operator.truediv)
-    __rtruediv__ = _operation(operator.truediv, reflected=True)
-    __pow__, __rpow__ = _operation(operator.pow), _operation(operator.pow, reflected=True)
-    __lt__, __le__ = _comparison(operator.lt), _comparison(operator.le)
-    __gt__, __ge__ = _comparison(operator.gt), _comparison(operator.ge)
-    __eq__, __ne__ = _comparison(operator.eq), _comparison(operator.ne)
+    __add__, __sub__, __mul__, __truediv__, __pow__ = map(_operation, _ARITHMETIC)
+    __radd__, __rsub__, __rmul__, __rtruediv__, __rpow__ = (
+        _operation(apply, reflected=True) for apply in _ARITHMETIC
+    )
+    __lt__, __le__, __gt__, __ge__, __eq__, __ne__ = (
+        _operation(getattr(operator, name), compares=True)
+        for name in ("lt", "le", "gt", "ge", "eq", "ne")
+    )
 
 
 def plain(value: Any) -> Any:
@@ -126,7 +122,12 @@ def picker(value: Any) -> Picker | None:
     if isinstance(value, tuple):
         places = {position: pick for position, item in enumerate(value) if (pick := picker(item))}
         make = getattr(type(value), "_make", tuple)
-        return (lambda variant: make(_replaced(value, places, variant))) if places else None
+
+        def replaced(variant: int) -> Any:
+            picked = _picked(places, variant)
+            return make(picked.get(position, item) for position, item in enumerate(value))
+
+        return replaced if places else None
     if isinstance(value, type):
         return None
     named = {name: pick for name in field_names(value) if (pick := picker(getattr(value, name)))}
@@ -135,13 +136,6 @@ def picker(value: Any) -> Picker | None:
 
 def _picked(pickers: Mapping[Any, Picker], variant: int) -> dict[Any, Any]:
     return {key: pick(variant) for key, pick in pickers.items()}
-
-
-def _replaced(values: tuple[Any, ...], pickers: Mapping[int, Picker], variant: int) -> list[Any]:
-    return [
-        pickers[position](variant) if position in pickers else value
-        for position, value in enumerate(values)
-    ]
 
 
 def joined(alternatives: list[Any], combine: Callable[[np.ndarray], np.ndarray]) -> Any:

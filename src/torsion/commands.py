@@ -246,8 +246,15 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
+    from torsion.units import UnitFault, to_si
 
-    goal = TOLERANCE if tolerance is None else _tolerance(tolerance)
+    goal = TOLERANCE if tolerance is None else tolerance
+    try:
+        goal = to_si(goal, "1") if isinstance(goal, str) else goal
+    except UnitFault as fault:
+        raise refusal(f"the tolerance: {fault.message} (write 0.1 % or 1e-3)") from None
+    if not 0.0 < goal < 1.0:
+        raise refusal(f"the tolerance {tolerance} is out of range: more than 0 and less than 100 %")
     scene = one_case(read(file), case)
     try:
         system, ruled = assembled(scene), needed(scene)
@@ -263,20 +270,6 @@ def study(
     except InputError as error:
         raise located(error, scene) from None
     return Findings(scene, {"system": system}, Plan((), (), {})), timings
-
-
-def _tolerance(given: str | float) -> float:
-    """Return a relative error above 0 and below 1; raises InputError."""
-    from torsion.units import UnitFault, to_si
-
-    message = f"the tolerance {given} is out of range: more than 0 and less than 100 %"
-    try:
-        value = to_si(given, "1") if isinstance(given, str) else given
-        if 0.0 < value < 1.0:
-            return value
-    except UnitFault as fault:
-        message = f"the tolerance: {fault.message} (write 0.1 % or 1e-3)"
-    raise refusal(message)
 
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":

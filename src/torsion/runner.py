@@ -81,7 +81,9 @@ def run(
         try:
             cases[name] = _solve_misfires(varied_case, only, part, answered)
         except (InputError, SolveError) as error:
-            cases[name] = _without_answer(case, error)
+            unanswered = _explain("", f"case '{name}'", case, error, is_named=True)
+            left_out = ((unanswered.what, unanswered.words),)
+            cases[name] = Findings(case, {}, Plan((), left_out, {}, (unanswered,)))
     return replace(findings, cases=cases)
 
 
@@ -170,14 +172,6 @@ def _share(progress: Progress, name: str, position: int, total: int) -> Progress
     return lambda what, share: progress(
         f"{name}{': ' if what else ''}{what}", (position + share) / total
     )
-
-
-def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
-    """Return the findings of a case that has none, whose plan says why."""
-    name = case.case.name if case.case is not None else ""
-    unanswered = _explain("", f"case '{name}'", case, error, is_named=True)
-    left_out = ((unanswered.what, unanswered.words),)
-    return Findings(case, {}, Plan((), left_out, {}, (unanswered,)))
 
 
 def _solve_one(
@@ -275,7 +269,12 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
 
     start = time.perf_counter()
     try:
-        analyses = rules.needed(above) | _beside_response(above)
+        # With them go those that change the response, where the rules of vibration read it.
+        analyses = rules.needed(above) | {
+            name
+            for name in ("engine", "coupling temperatures", "nonlinear peaks")
+            if name in above.analyses or ANALYSES[name].wanted(above)
+        }
         settings = {name: value for name, value in study.analyses.items() if name in analyses}
         above = replace(above, analyses=settings)
         if faults := study_faults(above):
@@ -283,7 +282,11 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
         further = _solve_one(above, analyses, progress).need(Checks).lines
     except (InputError, SolveError) as error:
         why = error.faults[0].message if isinstance(error, InputError) else error.message
-        rows = {(check.rule, check.where): _not_computed(check, end, why) for check in demanding}
+        what, rows = "Torsional stress amplitude above the computed speeds", dict[Any, Check]()
+        for check in demanding:
+            reason = f"demanded up to {end}: {why}"
+            row = unjudged(check.rule, "speeds", check.where, what, reason, check.standing)
+            rows[check.rule, check.where] = replace(row, basis=check.basis)
         further = tuple(rows.values())
 
     origin = f"above `operation.speeds`, computed up to {end} for the rule"
@@ -307,23 +310,6 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
     checks = sorted((*unchanged, *merged), key=lambda check: order.get(check.rule, -1))
     plan = replace(findings.plan, done=(*findings.plan.done, line))
     return replace(findings, plan=plan).having(checks=Checks(tuple(checks)))
-
-
-def _beside_response(study: Study) -> frozenset[str]:
-    """Return the analyses that change the response, among those that a rule of vibration reads."""
-    names = ("engine", "coupling temperatures", "nonlinear peaks")
-    return frozenset(
-        name for name in names if name in study.analyses or ANALYSES[name].wanted(study)
-    )
-
-
-def _not_computed(check: Check, end: str, why: str) -> Check:
-    """Return the row of the speeds that a rule demands and that have no answer."""
-    what = "Torsional stress amplitude above the computed speeds"
-    row = unjudged(
-        check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing
-    )
-    return replace(row, basis=check.basis)
 
 
 def _unanswered(

@@ -406,22 +406,14 @@ def mesh_faults(study: Study, what: str) -> list[Fault]:
 
 def bytes_of(memory: str | float) -> float:
     """Return the bytes of a number, or of text such as "4 GB"; raise InputError."""
-    match = (
-        re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory)
-        if isinstance(memory, str)
-        else None
-    )
-    if isinstance(memory, str) and match is None:
-        message = f"'{memory}' is not an amount of memory"
-        raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
-    value = (
-        float(memory)
-        if match is None
-        else float(match[1]) * 1000.0 ** " kMGT".index(match[2][:-1] or " ")
-    )
-    if not 0.0 < value < math.inf:
-        raise InputError(
-            [Fault((), f"{memory} is not an amount of memory")],
-            f"{memory} is not an amount of memory",
-        )
-    return value
+    value = memory
+    if isinstance(memory, str):
+        match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?)B\s*", memory)
+        if match is None:
+            message = f"'{memory}' is not an amount of memory"
+            raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
+        value = float(match[1]) * 1000.0 ** " kMGT".index(match[2] or " ")
+    if not 0.0 < float(value) < math.inf:
+        message = f"{memory} is not an amount of memory"
+        raise InputError([Fault((), message)], message)
+    return float(value)

@@ -24,6 +24,7 @@ from torsion.what_if.sweep import sweep_run
 from torsion.what_if.sweep.sweep_results import Sweep
 from torsion.what_if.variants import frequencies
 from torsion.what_if.variants.chunks import chunks
+from torsion.what_if.variants.one_by_one import Answers
 
 pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
 SCENE = """name: drive
@@ -290,7 +291,7 @@ def test_a_sweep_without_pyarrow_is_refused_with_how_to_install_it(
 def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> None:
     study = torsion.parse(PLAIN % VARY)
     (chunk,), variation = chunks(3, 3), study.variations["sweep"]
-    answers = sweep_run.Answers(
+    answers = Answers(
         np.array([[1.5, np.nan, 0.1 + 0.2]]), faults={1: "no answer, ü"}, method="by hand"
     )
     answers.checks["rule", "", "where", "what"] = (

@@ -50,6 +50,9 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
             along = area_along(bar, share.reshape(*share.shape, *[1] * begin.ndim))
             parts.append([np.tensordot(m4, weight, (1, 0)) / 2.0 for m4 in (1.0 / along, along)])
         means = np.concatenate(parts, axis=1)
+    # A value of a column is beside those of every segment.
+    variants = np.ndim(length + modulus + density + begin)
+    means = means.reshape(2, number, *[-1] * variants)
     half = density * (length / number) * means[1] / 2.0
     none = np.zeros_like(half[:1])
     lumps = np.concatenate([half, none]) + np.concatenate([none, half])

@@ -41,6 +41,12 @@ def export(
     if not all(math.isfinite(value) and value > 0 for value in (rpm, at) if value is not None):
         raise refusal("--rpm and --at are positive numbers")
 
+    try:
+        exact = None if order is None else Fraction(order)
+    except (ValueError, ZeroDivisionError):
+        message = f"--order {printable(order or '')} is not an order"
+        raise refusal(message, "--order 2, or --order 1/2") from None
+
     study = one_case(read(file), case)
     speed = study.operation.speed or 0.0 if rpm is None else rpm * math.pi / 30.0
     try:
@@ -50,7 +56,7 @@ def export(
                 raise InputError(
                     [Fault(("operation",), "the speed of the vibration is not known", "--rpm 1500")]
                 )
-            text = modelica(study, system, speed, None if order is None else _order(order))
+            text = modelica(study, system, speed, exact)
             out.write_text(text, encoding="utf-8")
         else:
             loss_at = None if at is None else 2.0 * math.pi * at
@@ -73,12 +79,3 @@ def export(
     except OSError as error:
         raise refusal(f"{printable(str(out))} cannot be written: {error.strerror}") from None
     return f"{'Modelica model' if form == '.mo' else 'State space'}: {printable(str(out))}"
-
-
-def _order(text: str) -> Fraction:
-    try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise refusal(
-            f"--order {printable(text)} is not an order", "--order 2, or --order 1/2"
-        ) from None
