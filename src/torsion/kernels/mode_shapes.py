@@ -141,7 +141,9 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
     with np.errstate(all="ignore"):
         sides = eliminate_undamped(tree, w)
-        start, column = _least_residual(tree, sides.whole), np.arange(len(w))
+        residual = np.abs(sides.whole) / tree.static.inertia_columns
+        residual[np.isnan(residual)] = np.inf  # without inertia
+        start, column = residual.argmin(axis=0), np.arange(len(w))
         angle, torque = spread(sides, start)
         passed = np.abs(torque * angle[tree.parent]).sum(axis=0)
         mass = (tree.inertia_columns * (angle * angle)).sum(axis=0)
@@ -153,16 +155,6 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
         shapes = Shapes(angle, torque, inner, outer, correction, passed)
         shapes.scale(1.0 / np.sqrt(mass))
     return shapes
-
-
-def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
-    """Station (m,) with inertia at which |Z| / J is least."""
-    residual = (
-        np.abs(total) / tree.static.inertia_columns
-    )  # infinite, or not a number, without inertia
-    residual[np.isnan(residual)] = np.inf
-    station: IntArray = residual.argmin(axis=0)
-    return station
 
 
 def end_torques(

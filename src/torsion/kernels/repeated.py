@@ -91,7 +91,12 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     """
     columns = np.concatenate(groups)
     parts = np.split(np.arange(len(columns)), np.cumsum([len(group) for group in groups])[:-1])
-    gap = np.concatenate([np.full(len(group), _relative_gap(frequency, group)) for group in groups])
+    gaps = list[float]()  # relative distance from each to the nearest other frequency, at most 1
+    for group in groups:
+        centre = float(frequency[group[0]])
+        nearest = np.abs(np.delete(frequency, group) - centre).min(initial=centre)
+        gaps += [min(1.0, float(nearest) / centre)] * len(group)
+    gap = np.array(gaps)
     group_frequency, root = frequency[columns], np.sqrt(tree.static.moving_inertia)[:, None]
     square = group_frequency * group_frequency
     inertia = _inertia(tree, square, square)
@@ -113,7 +118,11 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     # Parts of a train that do not touch have shapes of their own.
     for part in parts:
         shapes[:, part] = shapes[:, part] @ _separating(root * shapes[: tree.size, part])
-    return _with_ends(tree, square, shapes)
+    angle, torque, twist = np.split(shapes, (tree.size, 2 * tree.size))
+    if tree.shafts is not None:
+        torque[tree.shafts.node] = twist / tree.shafts.at(square)[0]
+    none = np.zeros(len(square))
+    return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
 
 
 def _response(tree: Tree, sides: SpanSides, square: FloatArray, load: FloatArray) -> FloatArray:
@@ -134,17 +143,13 @@ def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> 
             if load is None:
                 matrix = orthonormal(np.sqrt(tree.moving_inertia)[:, None] * angle)
             else:
-                matrix = _from_products(angle.T @ load[:, part])
+                products = angle.T @ load[:, part]
+                scale = 1.0 / np.sqrt(np.diag(products))
+                even = scale[:, None] * (0.5 * (products + products.T)) * scale
+                values, vectors = np.linalg.eigh(even)
+                root = np.sqrt(np.maximum(values, np.finfo(float).tiny))
+                matrix = scale[:, None] * (vectors / root)
             shapes[:, part] = shapes[:, part] @ matrix
-
-
-def _with_ends(tree: Tree, square: FloatArray, shapes: FloatArray) -> Shapes:
-    """Shapes at `square` (m,) from their angles, torques and twists of shafts."""
-    angle, torque, twist = np.split(shapes, (tree.size, 2 * tree.size))
-    none = np.zeros(len(square))
-    if tree.shafts is not None:
-        torque[tree.shafts.node] = twist / tree.shafts.at(square)[0]
-    return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
 
 
 def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
@@ -184,7 +189,11 @@ def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
 
 def _orthogonalise_with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     """The same pair by pair, for the inertia of the shafts is another for every pair."""
-    first, second = _close_pairs(frequency)
+    last = np.searchsorted(frequency, frequency * (1.0 + _CLOSE_OF_SHAFTS), side="right")
+    number = last - np.arange(len(frequency)) - 1
+    first = np.repeat(np.arange(len(frequency)), number)
+    begins = np.repeat(np.cumsum(number) - number, number)
+    second = first + 1 + np.arange(len(first)) - begins
     if tree.shafts is None or not len(first):
         return
     square = frequency * frequency
@@ -202,23 +211,6 @@ def _orthogonalise_with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes
         shapes.correct(slice(None), 0.5 * product)
 
 
-def _close_pairs(frequency: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs of modes nearer to each other than `_CLOSE_OF_SHAFTS`, relative."""
-    last = np.searchsorted(frequency, frequency * (1.0 + _CLOSE_OF_SHAFTS), side="right")
-    number = last - np.arange(len(frequency)) - 1
-    first = np.repeat(np.arange(len(frequency)), number)
-    begins = np.repeat(np.cumsum(number) - number, number)
-    return first, first + 1 + np.arange(len(first)) - begins
-
-
-def _relative_gap(frequency: FloatArray, group: IntArray) -> float:
-    """Relative distance from the group's frequency to the nearest other one, at most 1."""
-    centre = float(frequency[group[0]])
-    return min(
-        1.0, float(np.abs(np.delete(frequency, group) - centre).min(initial=centre)) / centre
-    )
-
-
 def orthonormal(weighted: FloatArray) -> FloatArray:
     """Matrix that makes the columns of `weighted` orthonormal."""
     scale = 1.0 / np.linalg.norm(weighted, axis=0)
@@ -226,17 +218,6 @@ def orthonormal(weighted: FloatArray) -> FloatArray:
         return np.asarray(scale[:, None])
     triangle = np.linalg.qr(weighted * scale, mode="r")
     matrix: FloatArray = scale[:, None] * np.linalg.solve(triangle, np.eye(len(scale)))
-    return matrix
-
-
-def _from_products(products: FloatArray) -> FloatArray:
-    """Matrix that makes shapes with these inner products orthonormal."""
-    scale = 1.0 / np.sqrt(np.diag(products))
-    even = scale[:, None] * (0.5 * (products + products.T)) * scale
-    values, vectors = np.linalg.eigh(even)
-    matrix: FloatArray = scale[:, None] * (
-        vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
-    )
     return matrix
 
 

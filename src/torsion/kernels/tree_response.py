@@ -11,7 +11,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.chords import Chords, around, chord_residual, chord_torques, columns, pairs
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate, forced, layout
+from torsion.kernels.elimination import EPS, Layout, eliminate, forced, layout
 from torsion.kernels.tree import Tree
 
 CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SINGULAR_LOSS allows of a smaller one
@@ -233,7 +233,14 @@ def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
     with np.errstate(all="ignore"):
         sides = eliminate(plan, given.own, given.compliance, guard=True)
         angle, torque = forced(sides, given.force, given.twist)
-        amplification, residual = amplification_of(given.own, sides), np.zeros(angle.shape[1])
+
+        # Growth of relative errors of the data: 1 + 2 sum |own receptance| over the free stations, twice the change of
+        # the determinant under relative changes of every inertia and damper to ground. In a mode the springs hold as
+        # much energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
+        amplification, residual = np.ones(angle.shape[1]), np.zeros(angle.shape[1])
+        for station in np.flatnonzero(~np.array(plan.prescribed)).tolist():
+            loss = given.own[station] * sides.divisor[station] * sides.meeting[station]
+            amplification += 2 * (np.abs(loss.real) + np.abs(loss.imag))
         of_chords = np.zeros((0, angle.shape[1]), dtype=np.complex128)
         if problem.chords is not None:
             chords = problem.chords.at(part)
@@ -256,23 +263,6 @@ def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
             outer[node] -= given.pi[2] * angle[node]
             torque[node] += given.pi[1] * angle[tree.shaft_parent]
     return angle, torque, outer, residual, amplification, of_chords
-
-
-def amplification_of(station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:
-    """Return the growth (columns,) of relative errors of the data: 1 + 2 sum |own receptance| over the free stations.
-
-    Twice the relative change of the determinant of the dynamic stiffness under relative changes of every inertia and
-    damper to ground. In a mode the springs hold as much energy as the inertias, hence twice; |z| is taken as
-    |real| + |imaginary|.
-    """
-    plan, total = sides.plan, np.zeros(station_stiffness.shape[1])
-    for station in range(plan.size):
-        if not plan.prescribed[station]:
-            loss = station_stiffness[station] * sides.divisor[station]
-            loss *= sides.meeting[station]
-            total += np.abs(loss.real)
-            total += np.abs(loss.imag)
-    return 1 + 2 * total
 
 
 def equilibrium_residual(

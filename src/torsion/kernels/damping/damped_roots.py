@@ -133,7 +133,11 @@ def polish_together(
 
     mirrored: the conjugates are roots as well and are kept away from. Raises SolveError if some do not settle.
     """
-    root = _separate(start)
+    # No two starts are equal, none is zero: equal ones are moved by some 1e-7 of themselves.
+    root = np.array(start, dtype=np.complex128)
+    root[root == 0] = 1e-3 * np.abs(root[root != 0]).min() if root.any() else 1.0
+    copies = np.tril(np.abs(root[:, None] - root) <= 1e-9 * np.abs(root), -1).sum(axis=1)
+    root *= 1 + 1e-7 * copies * np.exp(0.7j * copies)
     active = np.ones(len(root), dtype=bool)
     step = np.full(len(root), np.inf, dtype=np.complex128)
     for _ in range(SWEEPS):
@@ -144,7 +148,16 @@ def polish_together(
         active[moving] = ~(np.abs(step[moving]) <= CONVERGED * np.abs(root[moving]))
         if not active.any():
             return root
-    _check_doubles(root, step, active)
+
+    # What has not settled must be a double root (a coupling damped just critically).
+    for number in np.flatnonzero(active):
+        gap = np.abs(np.delete(root, number) - root[number]).min(initial=np.inf)
+        near = DOUBLE * abs(root[number])
+        if not (abs(step[number]) <= near and gap <= near):
+            raise SolveError(
+                f"damped modes: no convergence in {SWEEPS} sweeps near {root[number]:.6g} rad/s; "
+                "try undamped frequencies as start, or check the damping for misplaced powers of ten"
+            )
     return root
 
 
@@ -163,26 +176,3 @@ def _steps(
     step[np.isinf(slope)] = 0
     step[~np.isfinite(step)] = 0.01 * np.abs(roots[~np.isfinite(step)])
     return step
-
-
-def _separate(start: ComplexArray) -> ComplexArray:
-    """Starts of which no two are equal, none is zero: equal ones are moved by some 1e-7 of themselves."""
-    root = np.array(start, dtype=np.complex128)
-    root[root == 0] = 1e-3 * np.abs(root[root != 0]).min() if root.any() else 1.0
-    is_equal = np.abs(root[:, None] - root) <= 1e-9 * np.abs(root)
-    copies = np.tril(is_equal, -1).sum(axis=1)
-    root *= 1 + 1e-7 * copies * np.exp(0.7j * copies)
-    return root
-
-
-def _check_doubles(root: ComplexArray, step: ComplexArray, active: np.ndarray) -> None:
-    """What has not settled must be a double root (a coupling damped just critically)."""
-    for number in np.flatnonzero(active):
-        gap = np.abs(np.delete(root, number) - root[number]).min(initial=np.inf)
-        if not (
-            abs(step[number]) <= DOUBLE * abs(root[number]) and gap <= DOUBLE * abs(root[number])
-        ):
-            raise SolveError(
-                f"damped modes: no convergence in {SWEEPS} sweeps near {root[number]:.6g} rad/s; "
-                "try undamped frequencies as start, or check the damping for misplaced powers of ten"
-            )

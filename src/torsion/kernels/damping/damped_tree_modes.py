@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.damping.damped_roots import (
     DampedTree,
@@ -70,10 +70,30 @@ def damped_modes(
     train = DampedTree(tree, ground, across, loss, laws or {})
     zeros, number = number_of_roots(train)
     if start is None:
-        upper, real = _all_roots(train, zeros, number)
+        root = polish_together(train, rough_roots(train, number), zeros, lossy=0.0)
     else:
-        upper, real = _roots_from(train, zeros, np.asarray(start, dtype=np.float64))
-    return _with_shapes(train, upper, np.sort(real)[::-1])
+        rising = 1j * np.asarray(start, dtype=np.complex128)
+        if rising.ndim != 1 or not (rising.imag > 0).all():
+            raise ValueError("start must be a list of circular frequencies above 0")
+        root = polish_together(train, rising, zeros, lossy=0.0, mirrored=True)
+    real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
+    upper = (root.imag > 0) & ~real
+    oscillating = int(np.count_nonzero(upper))
+    if start is not None:
+        lossy = np.where(root.imag > 0, root, root.conj())[~real]
+        oscillating = len(lossy)
+    elif 2 * oscillating + np.count_nonzero(real) == len(root):
+        lossy = root[np.argsort(~upper, kind="stable")]
+    else:
+        raise SolveError(
+            "damped modes: roots without a conjugate; try undamped frequencies as start"
+        )
+
+    # To the full loss factors by continuation from none.
+    stages = int(np.ceil(train.loss_factor.max(initial=0.0) / LOSS_STAGE))
+    for stage in range(1, stages + 1):
+        lossy = polish_together(train, lossy, zeros, lossy=stage / stages)
+    return _with_shapes(train, lossy[:oscillating], np.sort(root[real].real)[::-1])
 
 
 def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = False) -> FloatArray:
@@ -90,39 +110,6 @@ def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = Fals
             f"damping of shape {result.shape}; expected ({tree.size},) finite values, none negative"
         )
     return result
-
-
-def _all_roots(train: DampedTree, zeros: int, number: int) -> tuple[ComplexArray, FloatArray]:
-    rough = rough_roots(train, number)
-    root = polish_together(train, rough, zeros, lossy=0.0)
-    real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
-    upper = (root.imag > 0) & ~real
-    if 2 * np.count_nonzero(upper) + np.count_nonzero(real) != len(root):
-        raise SolveError(
-            "damped modes: roots without a conjugate; try undamped frequencies as start"
-        )
-    lossy = _with_loss(train, root[np.argsort(~upper, kind="stable")], zeros)
-    return lossy[: np.count_nonzero(upper)], root[real].real
-
-
-def _roots_from(
-    train: DampedTree, zeros: int, start: FloatArray
-) -> tuple[ComplexArray, FloatArray]:
-    if start.ndim != 1 or not (start > 0).all():
-        raise ValueError("start must be a list of circular frequencies above 0")
-    rising: ComplexArray = (1j * start).astype(np.complex128)
-    root = polish_together(train, rising, zeros, lossy=0.0, mirrored=True)
-    real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
-    upper = np.where(root.imag > 0, root, root.conj())[~real]
-    return _with_loss(train, upper, zeros), root[real].real
-
-
-def _with_loss(train: DampedTree, root: ComplexArray, zeros: int) -> ComplexArray:
-    """Roots at the full loss factors, by continuation from none."""
-    stages = int(np.ceil(train.loss_factor.max(initial=0.0) / LOSS_STAGE))
-    for stage in range(1, stages + 1):
-        root = polish_together(train, root, zeros, lossy=stage / stages)
-    return root
 
 
 def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> DampedTreeModes:
@@ -155,11 +142,23 @@ def _polished(
     np.fill_diagonal(distance, np.inf)
     gap = distance.min(axis=1, initial=np.inf)
     repeated = gap <= REPEATED * np.abs(root)
+    inertia = np.where(train.tree.held, 0.0, train.tree.inertia)[:, None]
     for _ in range(NEWTON_STEPS):
+        # The station of least |Z|/J, where the mode is best seen, is turned by 1.
         seen = both_sides(train, root)
-        pushed = most_active(train.tree, seen.whole)
+        ease = inertia / np.abs(seen.whole)
+        ease[np.isnan(ease) & (inertia > 0)] = 0
+        pushed = np.argmax(np.nan_to_num(ease, nan=0.0, posinf=np.inf), axis=0)
         angle, torque = spread(seen, pushed)
-        step = newton_step(train, seen, root, pushed, angle, torque)
+
+        # The slope is x' (dT/dl) x, in N m s/rad.
+        wound = np.array(seen.compliance) * torque
+        at_stations = train.ground[:, None] + 2 * root * train.tree.inertia[:, None]
+        slope = (at_stations * angle * angle).sum(axis=0)
+        slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
+        for station, law in train.laws.items():
+            slope += law.at_root(root)[1] * wound[station] ** 2
+        step = -seen.whole[pushed, np.arange(len(root))] / slope
         size = np.abs(step)
         root = np.where(
             (size <= NEWTON_REACH * np.abs(root)) & (repeated | (size <= 0.1 * gap)),
@@ -188,49 +187,6 @@ def both_sides(train: DampedTree, root: ComplexArray) -> SpanSides:
     for station, law in train.laws.items():
         hc[station] = 1 / law.at_root(root)[0]
     return eliminate(train.plan, station_stiffness, hc, guard=True)
-
-
-def most_active(tree: Tree, total: ComplexArray) -> IntArray:
-    """The station of least |Z|/J at each root, (roots,): where the mode is best seen."""
-    inertia = np.where(tree.held, 0.0, tree.inertia)[:, None]
-    with np.errstate(all="ignore"):
-        ease = inertia / np.abs(total)
-    ease[np.isnan(ease) & (inertia > 0)] = 0
-    best: IntArray = np.argmax(np.nan_to_num(ease, nan=0.0, posinf=np.inf), axis=0)
-    return best
-
-
-def newton_step(
-    train: DampedTree,
-    seen: SpanSides,
-    root: ComplexArray,
-    pushed: IntArray,
-    shape: ComplexArray,
-    torque: ComplexArray,
-) -> ComplexArray:
-    """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
-    step: ComplexArray = -seen.whole[pushed, np.arange(len(root))] / slope_at(
-        train, seen, root, shape, torque
-    )
-    return step
-
-
-def slope_at(
-    train: DampedTree,
-    seen: SpanSides,
-    root: ComplexArray,
-    shape: ComplexArray,
-    torque: ComplexArray,
-) -> ComplexArray:
-    """x' (dT/dl) x at each root (roots,), N m s/rad."""
-    wound = np.array(seen.compliance) * torque
-    slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(
-        axis=0
-    )
-    slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
-    for station, law in train.laws.items():
-        slope += law.at_root(root)[1] * wound[station] ** 2
-    return np.asarray(slope)
 
 
 def independent_shapes(

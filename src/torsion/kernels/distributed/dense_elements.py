@@ -35,15 +35,18 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
 
     `lower` and `upper` are the frequencies themselves and `certified` is False. Raises ValueError for other shafts.
     """
-    shafts = _shafts_of(tree)
+    shafts = tree.shafts
+    if shafts is None:
+        raise ValueError("the dense way is for a tree with distributed shafts")
     (element,) = shafts.laws if len(shafts.laws) == 1 else (None,)
     if not isinstance(element, CondensedElements):
         raise ValueError(
             "the dense way is for finite elements of one degree; expected one law of elements"
         )
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
+    count = min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
     mass = _rows_of_inertia(tree, shafts, coordinates, local)
-    y = np.linalg.svd(mass, full_matrices=False)[2][: _number(tree, element, count)].T
+    y = np.linalg.svd(mass, full_matrices=False)[2][:count].T
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
     order = np.argsort(square, kind="stable")
@@ -77,17 +80,6 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
         certified=False,
         shafts=ShaftModes(outer, kinetic, elastic / square, of_shafts),
     )
-
-
-def _shafts_of(tree: Tree) -> Shafts:
-    if tree.shafts is None:
-        raise ValueError("the dense way is for a tree with distributed shafts")
-    return tree.shafts
-
-
-def _number(tree: Tree, element: CondensedElements, count: int) -> int:
-    """As many of the wanted modes as there are."""
-    return min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
 
 
 def _local_inertia(element: CondensedElements) -> FloatArray:

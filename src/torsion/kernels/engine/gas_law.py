@@ -46,7 +46,9 @@ class GasLaw:
         """
         if state == "cut out":
             return np.zeros(len(speed), dtype=np.complex128)
-        where = self._where(load, speed)
+        where = speed if self.over == "speed" else load
+        if where is None:
+            where = np.full(len(speed), self.at[-1] if self.stated is None else self.stated)
         motored = None if self.motored is None else self._along(self.motored, number, where)
         if state == "motored":
             if motored is None:
@@ -57,13 +59,6 @@ class GasLaw:
             return torque
         none = 0.0 if motored is None else motored
         return np.asarray(none + share * (torque - none))
-
-    def _where(self, load: FloatArray | None, speed: FloatArray) -> FloatArray:
-        if self.over == "speed":
-            return speed
-        if load is not None:
-            return load
-        return np.full(len(speed), self.at[-1] if self.stated is None else self.stated)
 
     def _along(self, values: ComplexArray, number: int, where: FloatArray) -> ComplexArray:
         """(places,) one harmonic of values (points or 1, harmonics), straight between the points."""

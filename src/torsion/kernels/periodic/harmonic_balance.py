@@ -177,12 +177,20 @@ def _solve(
     entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
 ) -> FloatArray:
     """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
     total, loads = force.shape
-    size = float(np.abs(entries[2]).max())
-    scaled = (entries[0], entries[1], entries[2] / size)
-    right = np.append(right / size, np.zeros(loads))
+    row, column, blocks = entries
+    size = float(np.abs(blocks).max())
+    values, row, column = scattered(row, column, blocks / size)
+    rows, load = np.nonzero(force)
+    values = np.concatenate([values, force[rows, load], np.ones(loads)])
+    row = np.concatenate([row, rows, total + np.arange(loads)])
+    column = np.concatenate([column, total + load, held_means])
+    matrix = sparse.csc_matrix((values, (row, column)), shape=(total + loads, total + loads))
     try:
-        solution = _sparse(scaled, force, held_means, right)
+        solution = np.asarray(splu(matrix).solve(np.append(right / size, np.zeros(loads))))
     except (np.linalg.LinAlgError, RuntimeError):
         solution = np.full(total + loads, np.nan)
     solution[total:] *= size
@@ -191,22 +199,6 @@ def _solve(
             "the harmonic balance is singular; the train is in resonance without damping"
         )
     return solution
-
-
-def _sparse(
-    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
-) -> FloatArray:
-    from scipy import sparse
-    from scipy.sparse.linalg import splu
-
-    total, loads = force.shape
-    values, row, column = scattered(*entries)
-    rows, load = np.nonzero(force)
-    values = np.concatenate([values, force[rows, load], np.ones(loads)])
-    row = np.concatenate([row, rows, total + np.arange(loads)])
-    column = np.concatenate([column, total + load, held_means])
-    matrix = sparse.csc_matrix((values, (row, column)), shape=(total + loads, total + loads))
-    return np.asarray(splu(matrix).solve(right))
 
 
 def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:
