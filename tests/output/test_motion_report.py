@@ -10,6 +10,7 @@ from rich.console import Console
 
 import torsion
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.stability.first_order_compared import FirstOrderCompared, exact_half_range
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.stability.stability_map import StabilityMap
 from torsion.analyses.stability.stability_over_speed import Stability
@@ -21,7 +22,7 @@ from torsion.output.chapters import critical_speeds as critical
 from torsion.output.chapters import exact_response as periodic
 from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
-from torsion.output.chapters.exact_response import compared, exact_half_range, first_order_judged
+from torsion.output.chapters.exact_response import first_order_judged
 from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
@@ -110,15 +111,16 @@ analyses: {response: {method: harmonic-balance}}
 def test_what_two_joints_cancel_to_rounding_is_told_as_nothing_and_without_percentages() -> None:
     """The massless body between two like joints alone turns unevenly; the rest turns evenly to the last digit."""
     found = torsion.run(torsion.parse(CANCELLED, "w.yaml"))
-    together = {row.element.name: row for row in compared(found) if row.order is None}
-    assert together.pop("a").exact[0] > 10.0
-    assert {name: row.first[0] for name, row in together.items()} == {
+    compared = found.need(FirstOrderCompared).each
+    together = {row.component: row for row in compared if row.order is None}
+    assert together.pop("a").exact > 10.0
+    assert {name: row.first for name, row in together.items()} == {
         "first": 0.0,
         "b": 0.0,
         "last": 0.0,
     }
-    assert all(row.exact[0] == 0.0 and np.isnan(row.excess) for row in together.values())
-    assert {row.element.name for row in compared(found) if row.order is not None} == {"a"}
+    assert all(row.exact == 0.0 and np.isnan(row.excess) for row in together.values())
+    assert {row.component for row in compared if row.order is not None} == {"a"}
     stream = io.StringIO()
     show(document(found), None, Console(file=stream, width=200, color_system=None))
     text = stream.getvalue()
@@ -148,23 +150,24 @@ def test_half_range_of_all_orders_is_that_of_the_motion_in_time(unstable: Findin
     wave = np.exp(1j * np.outer([float(order) for order in found.orders], turned))
     value = (found.torque[:, :, 0] @ wave).real
     half = (value.max(axis=1) - value.min(axis=1)) / 2.0
-    np.testing.assert_allclose(exact_half_range(unstable, (0,)), half, rtol=1e-6)
+    np.testing.assert_allclose(exact_half_range(found, (0,)), half, rtol=1e-6)
 
 
 def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_point(
     unstable: Findings,
 ) -> None:
     worst = max(
-        (row for row in compared(unstable) if row.order is None), key=lambda row: row.excess
+        (row for row in unstable.need(FirstOrderCompared).each if row.order is None),
+        key=lambda row: row.excess,
     )
     text = first_order_judged(unstable)
-    assert worst.element.name in text
+    assert worst.component in text
     assert "first-order" in text
     stated = [
         b for b in closing.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text
     ]
     assert [one.kind for one in stated] == ["note"]
-    assert first_order_judged(unstable.having(periodic=None)) == ""
+    assert first_order_judged(unstable.having(first_order_compared=None)) == ""
 
 
 def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures(
@@ -396,7 +399,7 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(
     (row,) = (
         row for row in table(verdict.chapter(nothing), "Checks, each").rows if "stability" in row[8]
     )
-    assert row[2:5] == ("no solution", "0", "1/s")
+    assert row[2:5] == ("no finite value", "0", "1/s")
     printed = " ".join(shown(nothing).split())
     assert "no solution" in printed
     assert f"no periodic motion was found at any of the {stable.speed.size} speeds tried" in printed

@@ -236,7 +236,12 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.stability.requested_motion",
         "run_periodic",
         needs=("response",),
-        results={"periodic": "torsion.analyses.stability.periodic_orbits:PeriodicResponse"},
+        results={
+            "periodic": "torsion.analyses.stability.periodic_orbits:PeriodicResponse",
+            "first_order_compared": (
+                "torsion.analyses.stability.first_order_compared:FirstOrderCompared"
+            ),
+        },
         wanted=lambda study: (
             study.has_joints or study.setting("analyses", "response", "method") is not None
         ),

@@ -26,11 +26,11 @@ from torsion.output.numbers import (
     order,
     scale,
 )
-from torsion.output.records import is_record, values_of_records
+from torsion.output.records import values_of_records
 from torsion.output.selection import NO_VALUE
 
 HEAD = re.compile(
-    r"(?:(?P<name>[\w@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
+    r"(?:(?P<name>[\w.@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
     r"(?::(?P<digits>\d*)(?P<form>[gdopsu?+]*))?"
 )
 FORMS = {
@@ -43,10 +43,11 @@ FORMS = {
     "u": "in words where there is no reliable value",
     "?": "no column where no row has a value",
 }
-EMPTY = {None, ""}
+EMPTY, INFINITE = {None, ""}, "no finite value"
 SHOWN = {  # unit of a column: the unit of its values, and the factor between them
     "rpm": ("rad/s", 30.0 / math.pi),
     "deg": ("rad", 180.0 / math.pi),
+    "deg/min": ("rad**2/s", (180.0 / math.pi) * (30.0 / math.pi)),
     "%": ("", 100.0),
     "N/mm²": ("Pa", 1e-6),
     "bar": ("Pa", 1e-5),
@@ -202,7 +203,7 @@ def table(
     """Return a table of values in SI units under the titles of `head`, at `most` so many of its rows.
 
     Where the titles name quantities, a row is a result that declares them or a place of its arrays (`along`), or a
-    tuple of results, one in the other, and then of the values of the columns that name none.
+    tuple of results, and then of the values of the columns that name none.
 
     >>> table("< Mode | Frequency [Hz] | Damping [%]:2", [("first", 12.5, 0.01), ("second", None, 1)]).rows
     (('first', '12.500', '1.0'), ('second', '–', '1'))
@@ -210,7 +211,7 @@ def table(
     columns, records = head(titles) if isinstance(titles, str) else titles, list(rows)
     if most is not None and len(records) > most:
         caption, records = f"{caption}; the first {most} of {len(records)}", records[:most]
-    if records and is_record(records[0]):
+    if records and any(column.name for column in columns):
         # A phase has a unit of its own.
         named = [(column.name, "" if "p" in column.form else column.unit) for column in columns]
         units, records = values_of_records(named, records, SHOWN)
@@ -296,8 +297,8 @@ def _cell(value: Any, form: str) -> Value:
         value = cmath.phase(value) if value else None
     elif isinstance(value, complex):
         value = abs(value)
-    if value is None and "u" in form:
-        return NO_VALUE
+    if "u" in form and (value is None or value == math.inf):
+        return NO_VALUE if value is None else INFINITE
     if isinstance(value, float):
         return value if math.isfinite(value) else None if math.isnan(value) else number(value)
     if isinstance(value, Fraction) and "o" in form:

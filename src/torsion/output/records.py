@@ -23,7 +23,9 @@ class Place:
         if name not in declared and name == self.axis:
             return self.index + 1
         values, axes = getattr(self.result, name), declared[name].axes
-        return np.take(values, self.index, axes.index(self.axis)) if self.axis in axes else values
+        if values is None or self.axis not in axes:
+            return values
+        return np.take(values, self.index, axes.index(self.axis))
 
 
 def along(result: Any, axis: str, indices: Iterable[int] | None = None) -> list[Place]:
@@ -41,10 +43,17 @@ def declared_of(part: Any) -> dict[str, Quantity]:
     return {quantity.name: quantity for quantity in quantities(type(part))}
 
 
-def is_record(row: Any) -> bool:
-    """Return whether a row of a table begins with a result."""
-    first = row[0] if isinstance(row, tuple) and row else row
-    return isinstance(first, Place) or is_declared(first)
+def is_record(part: Any) -> bool:
+    """Return whether a part of a row is a result, or a place of one."""
+    return isinstance(part, Place) or is_declared(part)
+
+
+def _item(values: Any, number: str) -> Any:
+    """Return a value of an array by its number from 1, or of a mapping by its key; None where there is none."""
+    if isinstance(values, Mapping):
+        return values[number]
+    place = int(number) - 1
+    return None if values is None or len(values) <= place else values[place]
 
 
 def values_of_records(
@@ -54,33 +63,35 @@ def values_of_records(
 ) -> tuple[list[str], list[Any]]:
     """Return the units in which columns (name of a quantity, unit) show the records, and the values of every row.
 
-    `name@2` is the second value of an array. `shown` has the unit of the values that a unit of a column can show.
-    Raises ValueError where a quantity is not declared, or declared in a unit that the column cannot show.
+    `name@2` is the second value of an array, `2.name` a quantity of the second record of a row, which may be None.
+    `shown` has the unit of the values that a unit of a column can show. Raises ValueError where a quantity is not
+    declared, or declared in a unit that the column cannot show.
     """
-    parts = [row if isinstance(row, tuple) else (row,) for row in rows]
-    records = [part for part in parts[0] if is_record(part)]
-    level_of = {name: k for k, record in enumerate(records) for name in declared_of(record)}
+    parts = list(zip(*(row if isinstance(row, tuple) else (row,) for row in rows), strict=True))
     count = sum(not name for name, _ in columns)
-    position = len(records)
-    if any(len(row) != position + count for row in parts):
+    first = [next((part for part in column if part is not None), None) for column in parts]
+    records, others = first[: len(parts) - count], iter(parts[len(parts) - count :])
+    if not records or sum(map(is_record, first)) != len(records):
         raise ValueError(f"a row has not {count} values beside its records")
-    units, values = list[str](), list[list[Any]]()
+    level_of = {name: k for k, record in enumerate(records) for name in declared_of(record)}
+    units, values = list[str](), list[Sequence[Any]]()
     for path, title in columns:
         if not path:
             units.append(title)
-            values.append([row[position] for row in parts])
-            position += 1
+            values.append(next(others))
             continue
-        name, _, number = path.partition("@")
-        if name not in level_of:
+        *level_words, quantity = path.split(".")
+        name, _, number = quantity.partition("@")
+        level = int(level_words[0]) - 1 if level_words else level_of.get(name, -1)
+        declared = declared_of(records[level])
+        if name not in declared:
             raise ValueError(f"{type(records[-1]).__name__} declares no '{name}'")
-        level = level_of[name]
-        unit = declared_of(records[level])[name].unit
+        unit = declared[name].unit
         unit = "" if unit == "1" else unit
         units.append(title or unit_words(unit))
         can_show = unit if unit_words(unit) == units[-1].lstrip("~") else None
         if shown.get(units[-1], (can_show,))[0] != unit:
             raise ValueError(f"'{name}' is declared in {unit}, not in what {units[-1]} shows")
-        held = [getattr(row[level], name) for row in parts]
-        values.append([value[int(number) - 1] for value in held] if number else held)
+        held = [getattr(part, name, None) for part in parts[level]]
+        values.append([_item(value, number) for value in held] if number else held)
     return units, list(zip(*values, strict=True))

@@ -40,18 +40,20 @@ def rated(findings: Findings) -> float | None:
     return None if point is None else point.speed
 
 
+def speed_range(findings: Findings) -> str:
+    """Return the range of speeds of the operation; empty where none is given."""
+    speeds = findings.study.operation.speeds
+    return "" if speeds is None else f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
+
+
 def operation_words(findings: Findings) -> str:
     """Return the range of speeds and the rated point; empty where neither is given."""
-    operation, words = findings.study.operation, []
-    if operation.speeds is not None:
-        words.append(
-            f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm"
-        )
-    if operation.rated is not None:
-        power = operation.rated.power
-        rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
-        words.append(f"rated {given_rpm(operation.rated.speed)} rpm{rating}")
-    return f"{', '.join(words)} (speed of {reference(findings)})" if words else ""
+    point, words = findings.study.operation.rated, [speed_range(findings)]
+    if point is not None:
+        rating = f" with {point.power / 1e3:.5g} kW" if point.power is not None else ""
+        words.append(f"rated {given_rpm(point.speed)} rpm{rating}")
+    stated = ", ".join(filter(None, words))
+    return f"{stated} (speed of {reference(findings)})" if stated else ""
 
 
 def rated_rpm(findings: Findings) -> float | None:
@@ -163,11 +165,6 @@ def orders_together(findings: Findings) -> str:
     """Return in words of which harmonic components the synthesis is made."""
     some = findings.get(Response) is not None and findings.need(Response).left_out
     return "the orders requested" if some else "all orders"
-
-
-def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
-    """Return the values of some spans with 0 for what is `nothing` (spans,) in each of them."""
-    return np.where(values < nothing.min(initial=np.inf), 0.0, values)
 
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:

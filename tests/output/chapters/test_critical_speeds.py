@@ -77,10 +77,11 @@ def test_order_by_mode_and_those_in_the_range(found: Findings) -> None:
         "Mode 1",
         "Mode 2",
     ]
+    assert made_matrix.caption.endswith("; the speed range is 47.7465 to 143.239 rpm")
     assert made_matrix.rows == (
         ("0.5", "0.5 × x, far", "572.96", "–"),
-        ("3", "3 × x, far", "124.14 *", "190.99"),
-        ("4.5", "4.5 × x, far", "–", "120.32 *"),
+        ("3", "3 × x, far", "124.14", "190.99"),
+        ("4.5", "4.5 × x, far", "–", "120.32"),
     )
     assert inside.rows == (
         ("120.32", "4.5", "2", "37.400", "5.00", "4.5 × x, far"),

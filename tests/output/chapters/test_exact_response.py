@@ -12,17 +12,15 @@ from tests.output.drawn import bands, levels, marks, unit
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Line
+from torsion.analyses.stability.first_order_compared import (
+    compare_first_order,
+    exact_half_range,
+)
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.exact_response import (
-    MODEL,
-    chapter,
-    compared,
-    exact_half_range,
-    first_order_judged,
-)
+from torsion.output.chapters.exact_response import MODEL, chapter, first_order_judged
 from torsion.output.selection import elements
 
 RPM = 30.0 / math.pi
@@ -121,9 +119,13 @@ def answered(
     )
     half = laid(train, HALF, 4)
     made = Synthesis(half, half, half, half, Fraction(6))
-    return train.having(
-        response=both, synthesis=made, periodic=exact(train, laid(train, torque, 3, 4), **changed)
-    )
+    periodic = exact(train, laid(train, torque, 3, 4), **changed)
+    return with_comparison(train.having(response=both, synthesis=made, periodic=periodic))
+
+
+def with_comparison(found: Findings) -> Findings:
+    """Compared as they stand."""
+    return found.having(first_order_compared=compare_first_order(found))
 
 
 def table(blocks: list[Block], words: str) -> Table:
@@ -148,11 +150,6 @@ def test_blocks_of_the_chapter_in_their_order(train: Findings) -> None:
     assert [type(block) for block in blocks] == [Heading, Paragraph, Table, *[Figure] * 3]
     assert list(chapter(train)) == []
     assert list(chapter(answered(train).having(response=None))) == []
-    assert (
-        compared(answered(train).having(response=None))
-        == compared(answered(train).having(periodic=None))
-        == ()
-    )
     none = answered(train, torque={})
     assert [type(block) for block in chapter(none)] == [Heading, Paragraph]
 
@@ -293,7 +290,7 @@ def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(
     assert "all" not in {row[1] for row in rows}
     assert {row[2] for row in rows if row[:2] == ("tube", "2")} == {"10.000"}
     nothing = {name: np.array(sizes) * 0.0 for name, sizes in FIRST.items()}
-    rows = compared(answered(train, first=nothing))
+    rows = compare_first_order(answered(train, first=nothing)).each
     assert {math.isnan(row.excess) for row in rows if row.order == 2} == {True}
 
 
@@ -302,13 +299,13 @@ def test_rounding_is_nothing_and_never_that_of_a_speed_without_a_motion(train: F
     status = np.array([Found.NONE, Found.OK, Found.OK], dtype=np.uint8)
     rows = [
         row
-        for row in compared(answered(train, torque=tiny, status=status))
-        if row.element.name == "last"
+        for row in compare_first_order(answered(train, torque=tiny, status=status)).each
+        if row.component == "last"
     ]
-    assert [(row.order, row.exact) for row in rows] == [
-        (None, (0.0, 1)),
-        (ORDERS[0], (0.0, 1)),
-        (ORDERS[2], (0.0, 1)),
+    assert [(row.order, row.exact, row.exact_speed) for row in rows] == [
+        (None, 0.0, SPEED[1]),
+        (ORDERS[0], 0.0, SPEED[1]),
+        (ORDERS[2], 0.0, SPEED[1]),
     ]
 
 
@@ -323,12 +320,18 @@ def test_half_range_of_two_orders_has_its_closed_form(train: Findings, unknown: 
     flat = found.need(PeriodicResponse)
     found = found.having(periodic=replace(flat, torque=np.abs(flat.torque)))
     tube = next(one for one in elements(train.system) if one.name == "tube")
-    np.testing.assert_allclose(exact_half_range(found, list(tube.spans)), wanted, rtol=1e-9)
-    np.testing.assert_allclose(exact_half_range(found, [0]), 3.0 * wanted, rtol=1e-9)
+    np.testing.assert_allclose(
+        exact_half_range(found.need(PeriodicResponse), list(tube.spans)), wanted, rtol=1e-9
+    )
+    np.testing.assert_allclose(
+        exact_half_range(found.need(PeriodicResponse), [0]), 3.0 * wanted, rtol=1e-9
+    )
     long = (Fraction(1), Fraction(1_000_001, 1_000_000), Fraction(3), Fraction(4))
     found = found.having(periodic=replace(flat, torque=np.abs(flat.torque), orders=long))
     np.testing.assert_allclose(
-        exact_half_range(found, list(tube.spans)), wanted * 3.0 / 2.25, rtol=1e-9
+        exact_half_range(found.need(PeriodicResponse), list(tube.spans)),
+        wanted * 3.0 / 2.25,
+        rtol=1e-9,
     )
 
 

@@ -1,10 +1,11 @@
 """What is found of universal joints: each joint, each line of them, its optimum."""
 
+import math
 from fractions import Fraction
 from typing import Literal
 
 from torsion.arrays import FloatArray
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 
 
 @reported
@@ -32,6 +33,10 @@ class CoupleFound:
     bearing: float | None = result(
         "N", (), "largest bearing reaction; null without a distance of bearings", default=None
     )
+
+    @derived("N*m", (), "magnitude of the mean couple")
+    def mean_size(self) -> float:
+        return math.hypot(*self.mean)
 
 
 @reported
@@ -84,6 +89,30 @@ class JointFound:
         default=0.0,
     )
 
+    @derived("rad", (), "the same as `yoke_rad`, within half a revolution")
+    def driving_yoke(self) -> float:
+        return math.remainder(self.yoke, math.tau)
+
+    @derived("", (), "order of its excitation per revolution of the reference, exact; or null")
+    def reference_order(self) -> Fraction | None:
+        return self.order * self.ratio if self.order else None
+
+    @derived("rad/s", (), "maximum speed of its driven shaft; null without a speed")
+    def fastest(self) -> float | None:
+        return None if self.speed is None else float(self.speed * self.speed_ratio.max())
+
+    @derived("rad/s", (), "minimum speed of its driven shaft; null without a speed")
+    def slowest(self) -> float | None:
+        return None if self.speed is None else float(self.speed * self.speed_ratio.min())
+
+    @derived("rad/s**2", (), "maximum acceleration of its driven shaft; null without a speed")
+    def greatest_acceleration(self) -> float | None:
+        return None if self.speed is None else self.speed**2 * self.steepest
+
+    @derived("rad**2/s", (), "mean speed times joint angle; null without a speed")
+    def speed_angle(self) -> float | None:
+        return None if self.speed is None else self.speed * self.angle
+
 
 @reported
 class Extreme:
@@ -118,13 +147,16 @@ class OptimumFound:
     """What the best choice gains."""
 
     variable: Literal["phase", "angle", "plane"] = result("", (), "phase, angle or plane")
-    names: tuple[str, ...] = result("", (), "the joints that were free")
-    before: tuple[float, ...] = result("rad", (), "of every free joint in the file")
-    best: tuple[float, ...] = result("rad", (), "of every free joint")
+    names: tuple[str, ...] = result("", ("joint",), "the joints that were free")
+    before: tuple[float, ...] = result("rad", ("joint",), "of every free joint in the file")
+    best: tuple[float, ...] = result("rad", ("joint",), "of every free joint")
     index_before: float = result("1", (), "index as the file says")
     index_best: float = result("1", (), "index of the best choice")
     sensitivity: tuple[float, ...] = result(
-        "1", (), "index if that joint is 1 degree off, the worse sense", key="index_1_deg_off"
+        "1",
+        ("joint",),
+        "index if that joint is 1 degree off, the worse sense",
+        key="index_1_deg_off",
     )
     over: FloatArray = result("rad", ("value",), "of the first free joint over its range")
     index_over: FloatArray = result("1", ("value",), "index there, the other joints as they are")

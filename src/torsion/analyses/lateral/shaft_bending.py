@@ -68,10 +68,10 @@ class Holding:
 
 @reported
 class InPlanes:
-    """Values of both planes of bending."""
+    """Frequencies in both planes of bending."""
 
-    y: FloatArray = result("", ("mode",), "along the normal of the joint's plane")
-    z: FloatArray = result("", ("mode",), "in the plane, square to the shaft")
+    y: FloatArray = result("Hz", ("mode",), "along the normal of the joint's plane", key="y")
+    z: FloatArray = result("Hz", ("mode",), "in the plane, square to the shaft", key="z")
 
 
 @reported

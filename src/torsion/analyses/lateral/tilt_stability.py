@@ -80,7 +80,7 @@ class Tilting:
     joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
     frequency: dict[str, float] = result(
-        "", (), "of the tilt at rest", key="frequency_Hz"
+        "Hz", (), "of the tilt at rest", key="frequency_Hz"
     )  # of y and of z
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     growth: FloatArray = result(
@@ -97,6 +97,12 @@ class Tilting:
     def polar_inertia(self) -> float:
         """Polar inertia of the rigid shaft, kg m2."""
         return self.shaft.polar * self.shaft.inertia
+
+    @derived("1/s", (), "[y, z] decay rate of the tilt at rest")
+    def decay_rate(self) -> tuple[float, float]:
+        """Half the damping over the inertia, of y and of z."""
+        z, y = self.shaft.decay
+        return y / 2.0, z / 2.0
 
     @property
     def is_damped(self) -> bool:

@@ -26,7 +26,7 @@ from torsion.errors import InputError
 from torsion.fields import Declared, given, required
 from torsion.findings import Work
 from torsion.kernels.bracketed_search import find_root
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 from torsion.sources import source
 from torsion.study import Study
 
@@ -66,6 +66,9 @@ class CouplingReach:
     softest: FloatArray = result("Hz", ("mode",), "natural frequencies without it")
     stiffest: FloatArray = result(
         "Hz", ("mode",), "natural frequencies with it rigid; null if the mode disappears"
+    )
+    change: FloatArray = result(
+        "1", ("mode",), "(stiff - soft) / natural frequency with the nominal parameters"
     )
 
 
@@ -127,6 +130,14 @@ class Tolerances:
     aims: tuple[AimedStiffness, ...] = result(
         "", (), "stiffnesses that give the target frequencies"
     )
+
+    @derived("1", ("mode",), "lower bound / natural frequency - 1")
+    def down(self) -> FloatArray:
+        return self.lower / self.frequency - 1.0
+
+    @derived("1", ("mode",), "upper bound / natural frequency - 1")
+    def up(self) -> FloatArray:
+        return self.upper / self.frequency - 1.0
 
 
 class _Varied:
@@ -268,16 +279,12 @@ def tolerances(
         band_end(lambda t: 1.0 - t, *spans, end=1)[1],
         band_end(lambda t: 1.0 + t, *spans, end=-1)[2],
     )
-    reaches = [
-        CouplingReach(
-            name,
-            width[name],
-            band_end(lambda t: 1.0 - t, name)[0],
-            band_end(lambda t: 1.0 + t, name)[0],
-            *(varied.solved(((span, factor),))[0] for factor in (0.0, math.inf)),
-        )
-        for name, span in spans.items()
-    ]
+    reaches = []
+    for name, span in spans.items():
+        soft, stiff = band_end(lambda t: 1.0 - t, name)[0], band_end(lambda t: 1.0 + t, name)[0]
+        without, rigid = (varied.solved(((span, factor),))[0] for factor in (0.0, math.inf))
+        change = (stiff - soft) / modes.frequency
+        reaches.append(CouplingReach(name, width[name], soft, stiff, without, rigid, change))
     aimed = []
     for aim in aims:
         for name, span in spans.items():

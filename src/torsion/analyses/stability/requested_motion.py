@@ -171,6 +171,7 @@ def _reasons(work: Work) -> tuple[str, str]:
 
 
 def _solve_periodic(work: Work, reason: str) -> None:
+    from torsion.analyses.stability.first_order_compared import compare_first_order
     from torsion.analyses.stability.periodic_orbits import Found
     from torsion.analyses.stability.periodic_speeds import periodic_over_speed
 
@@ -200,6 +201,7 @@ def _solve_periodic(work: Work, reason: str) -> None:
             f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
         )
     work.put(periodic=response)
+    work.put(first_order_compared=compare_first_order(work))
 
 
 def exciting_joints(system: System) -> list[JointRecord]:

@@ -118,16 +118,11 @@ def _barred(cases: Cases) -> Iterator[Table]:
 
 def _frequencies(cases: Cases) -> Iterator[Table]:
     """Yield natural frequencies, one row a case; nothing where no case has any."""
-    frequencies = {
-        name: case.need(Modes).frequency.tolist()[:MOST_MODES]
-        for name, case in cases.items()
-        if case.get(Modes) is not None
-    }
-    if count := max(map(len, frequencies.values()), default=0):
-        titles = "< Case" + "".join(f" | Mode {k} [Hz]:7" for k in range(1, count + 1))
-        rows = [
-            (name, *values, *[None] * (count - len(values))) for name, values in frequencies.items()
-        ]
+    rows = [(modes, name) for name, case in cases.items() if (modes := case.get(Modes))]
+    count = max((len(modes.frequency) for modes, _ in rows), default=0)
+    shown = range(1, min(count, MOST_MODES) + 1)
+    if count:
+        titles = "< Case" + "".join(f" | frequency@{k}: Mode {k} [Hz]:7" for k in shown)
         yield table(titles, rows, "Natural frequencies of the cases")
 
 

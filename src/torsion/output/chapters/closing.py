@@ -10,8 +10,8 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
-from torsion.output.numbers import given_rpm, number, order, rpm
-from torsion.output.reported_values import reference
+from torsion.output.numbers import number, order, rpm
+from torsion.output.reported_values import reference, speed_range
 from torsion.rules.verdict_line import Checks
 
 
@@ -38,12 +38,8 @@ def conclusion(findings: Findings) -> Iterator[Block]:
 
 def _measurements(findings: Findings, response: Response) -> Iterator[str]:
     """Yield what to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 is largest."""
-    speeds = findings.study.operation.speeds
-    ends = (
-        "over the speed range"
-        if speeds is None
-        else f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
-    )
+    stated = speed_range(findings)
+    ends = f"from {stated}" if stated else "over the speed range"
     orders = ", ".join(
         order(line.order) for line in response.lines[:MOST_LISTED] if line.order is not None
     )

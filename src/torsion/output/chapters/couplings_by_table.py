@@ -129,9 +129,10 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
         yield table(
             "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | coupling: < Component -> | "
             "stiffness: k own [N m/rad]:7 -> k | loss_factor: Loss factor η -> η | "
-            "share: Share of the elastic energy [%]:4 -> share, % | Modal loss factor of the train -> modal η",
+            "share: Share of the elastic energy [%]:4 -> share, % | "
+            "modal_loss_factor: Modal loss factor of the train -> modal η",
             [
-                (mode, result.modal_loss_factor[mode.mode - 1])
+                (along(result, "mode", [mode.mode - 1])[0], mode)
                 for mode in sorted(result.at_modes, key=lambda mode: mode.mode)
             ],
             "Couplings and dampers with tables: values at the modes",
@@ -145,22 +146,17 @@ def frequencies(findings: Findings) -> Iterator[Block]:
     yield Heading("Frequencies over the speed")
     yield Paragraph(OVER_SPEED if couplings else OF_PENDULUMS)
     chosen = np.linspace(0, len(result.speed) - 1, MOST_SPEEDS).round().astype(int)
-    titles = ["speed: Speed [rpm] -> rpm"]
+    titles = ["1.speed: Speed [rpm] -> rpm"]
     titles += [
-        f"Mean torque of {coupling.coupling} [~N m] | k of {coupling.coupling} [N m/rad]:7"
-        for coupling in couplings
+        f"{k}.torque: Mean torque of {coupling.coupling} [~N m] | "
+        f"{k}.stiffness: k of {coupling.coupling} [N m/rad]:7"
+        for k, coupling in enumerate(couplings, 2)
     ]
     shown = range(1, min(len(result.frequency), MOST_MODES) + 1)
     titles += [f"frequency@{mode}: Mode {mode} [Hz]:7" for mode in shown]
-    values = [[coupling.torque, coupling.stiffness] for coupling in couplings]
-    yield table(
-        " | ".join(titles),
-        [
-            (place, *(array[place.index] for pair in values for array in pair))
-            for place in along(result, "speed", np.unique(chosen).tolist())
-        ],
-        "Natural frequencies over the speed",
-    )
+    at_speeds = np.unique(chosen).tolist()
+    places = zip(*(along(part, "speed", at_speeds) for part in (result, *couplings)), strict=True)
+    yield table(" | ".join(titles), places, "Natural frequencies over the speed")
 
 
 def temperatures(findings: Findings) -> Iterator[Block]:

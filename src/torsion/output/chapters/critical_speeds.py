@@ -13,8 +13,14 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import frequencies_over_speed
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, counted, given_rpm, number, order, rpm
-from torsion.output.reported_values import barred_rpm, rated_rpm, reference, tolerated_rpm
+from torsion.output.numbers import RPM, counted, number, order, rpm
+from torsion.output.reported_values import (
+    barred_rpm,
+    rated_rpm,
+    reference,
+    speed_range,
+    tolerated_rpm,
+)
 from torsion.what_if.sweep.sweep_results import Sweep
 
 MOST_IN_SUMMARY = 3  # on the terminal without `-v`
@@ -32,7 +38,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Critical speeds")
     yield Paragraph(
         f"A critical speed is a speed of {reference(findings)} at which an order excites a mode. The speed range "
-        f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm has {len(inside)} of "
+        f"{speed_range(findings)} has {len(inside)} of "
         f"{counted(len(crossings), 'critical speed')}."
     )
     if inside:
@@ -89,19 +95,21 @@ def matrix(findings: Findings) -> Iterator[Table]:
     result = findings.get(CriticalSpeeds)
     if result is None or not result.crossings or findings.study.operation.speeds is None:
         return
-    modes = sorted({crossing.mode for crossing in result.crossings})
-    cells, names = {}, {}
-    for crossing in result.crossings:
-        names[crossing.order] = crossing.line.named(reference(findings))
-        mark = " *" if crossing.is_inside else ""
-        cells[crossing.order, crossing.mode] = rpm(crossing.speed) + mark
+    by_place = {(crossing.order, crossing.mode): crossing for crossing in result.crossings}
+    lines = {crossing.order: crossing.line for crossing in result.crossings}
+    modes = sorted({mode for _, mode in by_place})
+    titles = (f" | {k}.speed: Mode {mode} [rpm]" for k, mode in enumerate(modes, 1))
     yield table(
-        "Order:o | < Excited by" + "".join(f" | Mode {mode} [rpm]" for mode in modes),
+        f"Order:o | < Excited by{''.join(titles)}",
         [
-            (value, names[value], *(cells.get((value, mode), NONE) for mode in modes))
-            for value in sorted(names)
+            (
+                *(by_place.get((value, mode)) for mode in modes),
+                value,
+                line.named(reference(findings)),
+            )
+            for value, line in sorted(lines.items())
         ],
-        "Critical speeds, order by mode (* in the speed range)",
+        f"Critical speeds, order by mode; the speed range is {speed_range(findings)}",
     )
 
 

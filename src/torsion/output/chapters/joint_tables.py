@@ -10,12 +10,8 @@ from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound,
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table, table
-from torsion.output.numbers import (
-    RPM,
-    degrees,
-    given,
-    number,
-)
+from torsion.output.numbers import RPM, degrees, given, number
+from torsion.output.records import along
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
 LINES = "Joints of a shaft line together"  # on the terminal
@@ -28,17 +24,11 @@ def geometry(joints: Joints) -> Table:
     return table(
         "name: < Joint -> | kind: < Kind -> | angle: Angle β [deg]:g -> angle | "
         "plane: Plane against the previous joint [deg]:g -> plane | phase: Phase of the yokes [deg]:g -> phase | "
-        "Driving yoke from the plane at angle zero [deg]:gs | Order, reference:o? -> order | "
+        "driving_yoke: Driving yoke from the plane at angle zero [deg]:gs | "
+        "reference_order: Order, reference:o? -> order | "
         "amplitude: Transmission error [deg]:s -> error, deg | amplitude: Phase of the error [deg]:gp | "
         "unevenness: Speed fluctuation [%]:s",
-        [
-            (
-                joint,
-                math.remainder(joint.yoke, math.tau),
-                joint.order * joint.ratio if joint.order else None,
-            )
-            for joint in joints.joints
-        ],
+        joints.joints,
         "Single joints: angles, transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
         short="Universal joints, angles in deg",
     )
@@ -48,20 +38,23 @@ def lines(joints: Joints) -> Table:
     """Return the joints of each shaft line as one."""
     rows = []
     for line in joints.lines:
-        varies = line.index > STILL
-        ends = [
-            value
-            for end in (line.greatest, line.least)
-            for value in (end.speed_ratio, end.at if varies else None)
-        ]
-        phase = line.phase if varies else None
-        angle = line.resultant if line.resultant**2 > STILL else 0.0
-        shown = line if line.classical**2 > STILL else replace(line, classical=0.0)
-        rows.append((shown, names(joints, line), angle, phase, *ends, still(line.index)))
+        # A resultant angle is the root of what cancels.
+        resultant, classical = (
+            angle if angle**2 > STILL else 0.0 for angle in (line.resultant, line.classical)
+        )
+        shown, ends = (
+            replace(line, resultant=resultant, classical=classical),
+            (line.greatest, line.least),
+        )
+        if line.index <= STILL:
+            shown = replace(shown, phase=math.nan, index=0.0)
+            ends = replace(line.greatest, at=math.nan), replace(line.least, at=math.nan)
+        rows.append((shown, *ends, names(joints, line)))
     return table(
-        "< Joints -> | Resultant angle [deg] -> resultant, deg | "
-        "classical: Small-angle sum [deg]:s -> small-angle | Phase [deg]:g | Maximum speed ratio:7 -> maximum | "
-        "at [deg]:gs | Minimum:7 -> | at [deg]:gs | Degree of non-uniformity [%] -> non-uniformity, %",
+        "< Joints -> | resultant: Resultant angle [deg] -> resultant, deg | "
+        "classical: Small-angle sum [deg]:s -> small-angle | phase: Phase [deg]:g | "
+        "2.speed_ratio: Maximum speed ratio:7 -> maximum | 2.at: at [deg]:gs | 3.speed_ratio: Minimum:7 -> | "
+        "3.at: at [deg]:gs | index: Degree of non-uniformity [%] -> non-uniformity, %",
         rows,
         "Joints of one shaft line as one cross joint, rigid between them; angles of the first shaft",
         short=LINES,
@@ -71,20 +64,15 @@ def lines(joints: Joints) -> Table:
 def at_speed(joints: Joints) -> Iterator[Table]:
     """Yield the speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
     rows = [
-        (
-            joint,
-            joint.speed * joint.speed_ratio.max(),
-            joint.speed * joint.speed_ratio.min(),
-            joint.speed**2 * still(joint.steepest),
-            joint.speed * RPM * math.degrees(joint.angle),
-        )
+        replace(joint, steepest=still(joint.steepest))
         for joint in joints.joints
         if joint.speed is not None
     ]
     if rows:
         yield table(
-            "name: < Joint -> | speed: Mean speed [rpm]:6g -> rpm | Maximum downstream [rpm]:6 | Minimum [rpm]:6 | "
-            "Maximum acceleration downstream [rad/s²] -> rad/s² | Speed × angle [deg/min]",
+            "name: < Joint -> | speed: Mean speed [rpm]:6g -> rpm | fastest: Maximum downstream [rpm]:6 | "
+            "slowest: Minimum [rpm]:6 | greatest_acceleration: Maximum acceleration downstream [rad/s²] -> rad/s² | "
+            "speed_angle: Speed × angle [deg/min]",
             rows,
             "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
             short="Speed and acceleration downstream of each joint",
@@ -93,23 +81,16 @@ def at_speed(joints: Joints) -> Iterator[Table]:
 
 def couples(joints: Joints) -> Table:
     """Return the secondary couples of the joints whose torque is known."""
-    rows = [
-        (
-            joint,
-            couple,
-            math.hypot(*couple.mean),
-            couple.order or None,
-            *map(abs, couple.amplitude),
-            joint.force or None,
-        )
-        for joint in joints.joints
-        for couple in joint.couples
-    ]
     return table(
-        "name: < Joint -> | shaft: < Shaft -> on the shaft | torque: Torque [~N m] | Mean [~N m] -> mean | "
-        "Order -> | Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
-        "largest: Maximum [~N m] -> maximum | bearing: Bearings [N]:? -> bearing, N | Force across [N]:?",
-        rows,
+        "name: < Joint -> | shaft: < Shaft -> on the shaft | torque: Torque [~N m] | mean_size: Mean [~N m] -> mean | "
+        "order: Order -> | amplitude@1: Amplitude, normal [~N m] -> normal | "
+        "amplitude@2: Amplitude, in plane [~N m] -> in plane | largest: Maximum [~N m] -> maximum | "
+        "bearing: Bearings [N]:? -> bearing, N | force: Force across [N]:?",
+        [
+            (replace(joint, force=joint.force or math.nan), couple)
+            for joint in joints.joints
+            for couple in joint.couples
+        ],
         "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
         "peak; bearing and transverse forces are maxima over the revolution",
         short="Secondary couples, ~",
@@ -121,16 +102,16 @@ def optimum(joints: Joints, line: LineFound) -> Iterator[Block]:
     best_choice = line.optimum
     if best_choice is not None:
         title = f"Optimum {best_choice.variable} of {names(joints, line)}"
+        shown = replace(
+            best_choice,
+            best=tuple(map(still, best_choice.best)),
+            sensitivity=tuple(map(still, best_choice.sensitivity)),
+        )
         yield table(
-            f"< Joint -> | {best_choice.variable.capitalize()} now [deg]:g -> now | Optimum [deg]:g -> optimum | "
-            f"Non-uniformity with an error of {ASSEMBLY} [%] -> with {ASSEMBLY} error, %",
-            zip(
-                best_choice.names,
-                best_choice.before,
-                map(still, best_choice.best),
-                map(still, best_choice.sensitivity),
-                strict=True,
-            ),
+            f"names: < Joint -> | before: {best_choice.variable.capitalize()} now [deg]:g -> now | "
+            "best: Optimum [deg]:g -> optimum | "
+            f"sensitivity: Non-uniformity with an error of {ASSEMBLY} [%] -> with {ASSEMBLY} error, %",
+            along(shown, "joint"),
             title,
             short=f"{title}, deg",
         )

@@ -6,6 +6,7 @@ from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.numbers import counted, given, number, order, rpm
+from torsion.output.records import along
 from torsion.rules.verdict_line import WORDS
 
 MOST_MODES = 40  # of which a table is printed
@@ -44,7 +45,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         short="Maximum errors against the exact model",
         rows_in_summary=4,
     )
-    yield _modes(comparison, comparison.exact)
+    yield _modes(comparison)
     if comparison.speed is None:
         yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
         return
@@ -88,18 +89,17 @@ def _worst(model: ModelCompared, comparison: Compared) -> str:
     return f"{model.model}: {percent} % at {speed} rpm, {what}, largest in {torques.component}"
 
 
-def _modes(comparison: Compared, exact: ModelCompared) -> Table:
+def _modes(comparison: Compared) -> Table:
     """Return frequencies of all models, with errors for every model but the exact one."""
-    titles = "Mode -> | exact [Hz]:9 -> exact, Hz"
-    columns = [exact.frequency]
-    for model in comparison.models:
-        name = model.model
-        titles += f" | {name} [Hz]:9 | {name} error [%]:3 -> {name} error, % | 1 − MAC:2"
-        columns += [model.frequency, model.frequency_error, model.shape_error]
-    values = zip(*(column.tolist() for column in columns), strict=True)
+    titles = "mode: Mode -> | 1.frequency: exact [Hz]:9 -> exact, Hz"
+    for k, model in enumerate(comparison.models, 2):
+        titles += (
+            f" | {k}.frequency: {model.model} [Hz]:9 | {k}.frequency_error: {model.model} error [%]:3 -> "
+            f"{model.model} error, % | {k}.shape_error: 1 − MAC:2"
+        )
     return table(
         titles,
-        [(mode, *row) for mode, row in enumerate(values, start=1)],
+        zip(*(along(model, "mode") for model in comparison.all_models), strict=True),
         "Natural frequencies of the models; MAC: modal assurance criterion of the shapes, weighted by inertia",
         most=MOST_MODES,
         short="Natural frequencies of the models",

@@ -10,7 +10,7 @@ from torsion.output.figures.figure import Axis, Cells, Figure, Panel
 from torsion.output.figures.ranges import amplitudes, span
 from torsion.output.figures.ranges import orders as ordered_lines
 from torsion.output.numbers import RPM, counted, given, number, scale
-from torsion.output.records import along
+from torsion.output.records import Place, along
 
 DECADES = 3.0  # below the largest amplitude that shades show
 TORQUE = "torque amplitude"
@@ -35,23 +35,18 @@ def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
         f"revolutions (Hann); order resolution 1/{TURNS}. With half as many samples no amplitude changes by more than "
         f"{number(tracking.aliased, 2)} of the maximum.{left}"
     )
+    windows = along(tracking, "window")
     rows = [
-        (
-            place,
-            tracking.order[k],
-            tracking.speed[window],
-            tracking.time[window],
-            torque.torque[window, k],
-        )
+        (order, torque_at, windows[k], Place(torque_at, "window", k))
         for torque in tracking.each
-        for k, (place, window) in enumerate(
-            zip(along(torque, "order"), torque.window.tolist(), strict=True)
+        for order, torque_at, k in zip(
+            along(tracking, "order"), along(torque, "order"), torque.window.tolist(), strict=True
         )
     ]
     if rows:
         titles = (
-            f"element: < Component | Order of {reference}:g | largest: Maximum amplitude [~N m] | at [rpm] | at [s] | "
-            "Phase [deg]:3pg"
+            f"element: < Component | 1.order: Order of {reference}:g | largest: Maximum amplitude [~N m] | "
+            "speed: at [rpm] | time: at [s] | torque: Phase [deg]:3pg"
         )
         text = "Orders: maximum amplitude and phase against the angle of the reference"
         yield table(titles, rows, text)

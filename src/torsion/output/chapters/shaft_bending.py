@@ -63,12 +63,12 @@ def _supports(shafts: Shafts) -> Table:
     """Length, what supports it, and the lowest frequency of both planes without rotation."""
     return table(
         "name: < Shaft | length: Length [m] | ratio: Speed / reference | < Supports | "
-        "Lowest frequency at rest, y [Hz]:6 | z [Hz]:6",
+        "y@1: Lowest frequency at rest, y [Hz]:6 | z@1: z [Hz]:6",
         [
             (
                 shaft,
+                shaft.at_rest,
                 ", ".join(f"{held.name} at {number(held.at, 4)} m" for held in shaft.point),
-                *(next(iter(plane), None) for plane in (shaft.at_rest.y, shaft.at_rest.z)),
             )
             for shaft in shafts
         ],

@@ -262,16 +262,9 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
     yield Paragraph(TILT)
     yield table(
         "< Shaft | joint: < Driven by | transverse_inertia: Transverse inertia | polar_inertia: Polar inertia | "
-        "Frequency of the tilt, y [Hz] | z [Hz] | Decay rate, y [1/s] | z [1/s]",
-        [
-            (
-                tilting,
-                name,
-                *tilting.frequency.values(),
-                *(rate / 2.0 for rate in tilting.shaft.decay[::-1]),
-            )
-            for name, tilting in stated
-        ],
+        "frequency@y: Frequency of the tilt, y [Hz] | frequency@z: z [Hz] | decay_rate@1: Decay rate, y [1/s] | "
+        "decay_rate@2: z [1/s]",
+        [(tilting, name) for name, tilting in stated],
         "Rigid shafts that tilt about the centre of their joint; at rest, without torque",
     )
     for check in findings.need(Checks).lines:

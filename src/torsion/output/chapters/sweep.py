@@ -128,11 +128,13 @@ def _variants(sweep: Sweep, grid: Grid) -> Table:
         ranked = np.lexsort((np.nan_to_num(grid.greatest), grid.fails, lost)).tolist()
         shown = [*ranked[:ENDS], *ranked[-ENDS:]]
         caption = f"The {ENDS} variants with the lowest and the {ENDS} with the highest utilisation"
-    modes = len(grid.frequency[:MOST_MODES])
-    titles = [f"Mode {mode} [Hz]:7 -> mode {mode}, Hz" for mode in range(1, modes + 1)]
-    titles += ["Maximum utilisation [%]:4? -> maximum, %", "< Check:?", "< Verdict -> verdict"]
+    modes = range(1, len(grid.frequency[:MOST_MODES]) + 1)
+    titles = [f"frequency@{mode}: Mode {mode} [Hz]:7 -> mode {mode}, Hz" for mode in modes]
+    if sweep.checks:
+        titles += ["greatest: Maximum utilisation [%]:4? -> maximum, %", "< Check:?"]
+    titles += ["< Verdict -> verdict"]
     rows = []
-    for variant in shown:
+    for variant, place in zip(shown, along(grid, "variant", shown), strict=True):
         decisive = int(grid.decisive[variant])
         check = sweep.checks[decisive] if decisive >= 0 else None
         verdict = "fails" if grid.fails[variant] else "passes"
@@ -140,15 +142,8 @@ def _variants(sweep: Sweep, grid: Grid) -> Table:
             verdict = f"not solved: {why[variant]}"
         elif not sweep.checks:
             verdict = "solved"
-        rows.append(
-            (
-                *grid.words(variant),
-                *grid.frequency[:modes, variant].tolist(),
-                float(grid.greatest[variant]) if sweep.checks else None,
-                check and f"{check.clause}: {check.where}",
-                verdict,
-            )
-        )
+        decisive_words = [check and f"{check.clause}: {check.where}"] if sweep.checks else []
+        rows.append((place, *grid.words(variant), *decisive_words, verdict))
     columns = (
         *(Column(axis.name, align="left", short=axis.name) for axis in grid.axes),
         *head(" | ".join(titles)),

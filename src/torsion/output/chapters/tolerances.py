@@ -8,9 +8,8 @@ from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import given_rpm
 from torsion.output.records import along
-from torsion.output.reported_values import reference
+from torsion.output.reported_values import reference, speed_range
 
 MOST_ROWS = 60
 MOST_FIGURES = 6  # of a mode
@@ -41,11 +40,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(WHAT)
         yield table(
             "mode: Mode -> | frequency: Frequency:7 -> Hz | lower: Minimum:7 -> minimum | "
-            "upper: Maximum:7 -> maximum | Down [%]:3 | Up [%]:3",
-            [
-                (place, place.lower / place.frequency - 1.0, place.upper / place.frequency - 1.0)
-                for place in along(tolerances, "mode")
-            ],
+            "upper: Maximum:7 -> maximum | down: Down [%]:3 | up: Up [%]:3",
+            along(tolerances, "mode"),
             "Natural frequencies within the tolerances",
             short="Frequencies within the tolerances",
         )
@@ -90,18 +86,20 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
     speeds, critical = findings.study.operation.speeds, findings.get(CriticalSpeeds)
     if speeds is None or critical is None or not tolerances.critical_lower.size:
         return
-    bands = tolerances.critical_lower.tolist(), tolerances.critical_upper.tolist()
     rows = [
-        (crossing, low, high, crossing.line.named(reference(findings)))
-        for crossing, low, high in zip(critical.crossings, *bands, strict=True)
-        if low <= speeds.last and high >= speeds.first
+        (place, crossing, crossing.line.named(reference(findings)))
+        for place, crossing in zip(
+            along(tolerances, "critical speed"), critical.crossings, strict=True
+        )
+        if place.critical_lower <= speeds.last and place.critical_upper >= speeds.first
     ]
-    within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
+    within = speed_range(findings)
     if not rows:
         yield Paragraph(f"Within the tolerances the speed range {within} has no critical speed.")
         return
     yield table(
-        "Minimum [rpm] | speed: Critical speed [rpm] | Maximum [rpm] | order: Order:o | mode: Mode | < Excited by | "
+        "critical_lower: Minimum [rpm] | speed: Critical speed [rpm] | critical_upper: Maximum [rpm] | "
+        "order: Order:o | mode: Mode | < Excited by | "
         "is_inside: < Nominally in the range",
         rows,
         f"Critical speeds that can lie in the speed range {within} within the tolerances",
@@ -112,13 +110,13 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
 def _single_couplings(tolerances: Tolerances) -> Table:
     """Return what each coupling alone does, mode by mode, the largest effect first."""
     rows = []
-    for mode, frequency in enumerate(tolerances.frequency.tolist()):
+    for mode in range(tolerances.frequency.size):
         places = [along(coupling, "mode", [mode])[0] for coupling in tolerances.couplings]
         places.sort(key=lambda place: (place.lower - place.upper, place.softest - place.stiffest))
-        rows += [(place, (place.upper - place.lower) / frequency) for place in places]
+        rows += places
     return table(
         "mode: Mode | coupling: < Coupling | tolerance: Tolerance [%]:3 | lower: Soft:7 | upper: Stiff:7 | "
-        "Change [%]:3 | softest: Without it:7 | stiffest: Rigid:7",
+        "change: Change [%]:3 | softest: Without it:7 | stiffest: Rigid:7",
         rows[:MOST_ROWS],
         "Effect of each coupling on each mode",
     )

@@ -1,0 +1,109 @@
+"""The largest torques of a train with joints by both methods: the first-order and the exact periodic response."""
+
+import math
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import rounding
+from torsion.analyses.response.synthesis import common_cycle, extremes
+from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
+from torsion.arrays import FloatArray
+from torsion.assembly.elements import Element, elements
+from torsion.findings import Results
+from torsion.kernels.tree_response import Status
+from torsion.results import derived, reported, result
+
+SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
+
+
+@reported
+class ComparedTorque:
+    """The largest torque of an element over the speed by both methods, of one order or of all together."""
+
+    component: str = result("", "name of the element")
+    order: Fraction | None = result("", "of the reference, exact; null: half range of all orders")
+    first: float | None = result("N*m", "of the first order; null without a reliable value")
+    first_speed: float | None = result("rad/s", "reference speed of that")
+    exact: float = result("N*m", "of the exact periodic response")
+    exact_speed: float = result("rad/s", "reference speed of that")
+    is_coarse: bool = result("", "the periodic motion there lacks harmonics")
+    is_unstable: bool = result("", "the train does not settle in the periodic motion there")
+
+    @derived("1", "(exact - first order) / first order; null where that is missing or 0")
+    def excess(self) -> float:
+        return self.exact / self.first - 1.0 if self.first else math.nan
+
+
+@reported
+class FirstOrderCompared:
+    """Every element that carries torque, each in the orders that matter."""
+
+    each: tuple[ComparedTorque, ...] = result("", "largest torques by both methods", key="")
+
+
+def compare_first_order(evidence: Results) -> FirstOrderCompared:
+    """Return all orders together (where no torque has a fixed frequency), then each, of every element with torque."""
+    nothing = rounding(evidence)
+    return FirstOrderCompared(
+        tuple(
+            row
+            for element in elements(evidence.system)
+            for row in _compare(evidence, element, nothing[list(element.spans)].min())
+        )
+    )
+
+
+def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[ComparedTorque]:
+    """nothing: N m, below which a torque is rounding and reported as 0."""
+    response, periodic = evidence.need(Response), evidence.need(PeriodicResponse)
+    orders, is_known = [line.order for line in response.lines], response.status == Status.OK
+    exact = element.largest(np.abs(periodic.torque))
+    first = np.where(is_known, element.largest(np.abs(response.torque)), np.nan)
+    if (top := np.nanmax(exact, initial=0.0)) == 0.0:
+        return
+
+    def row(order: Fraction | None, first: FloatArray | None, exact: FloatArray) -> ComparedTorque:
+        largest = speed = None
+        if first is not None:
+            place = int(np.argmax(values := np.where(first < nothing, 0.0, first)))
+            if np.isfinite(values[place]):  # of a value that is not known the largest is none
+                largest, speed = float(values[place]), float(response.speed[place])
+        # Of the speeds with a periodic motion.
+        place = int(np.nanargmax(values := np.where(exact < nothing, 0.0, exact)))
+        return ComparedTorque(
+            element.name,
+            order,
+            largest,
+            speed,
+            float(values[place]),
+            float(periodic.speed[place]),
+            bool(periodic.status[place] != Found.OK),
+            bool(periodic.is_unstable[place]),
+        )
+
+    if None not in orders:
+        total = element.largest(evidence.need(Synthesis).half_range)
+        total = np.where(is_known.all(axis=1) & np.isfinite(total), total, np.nan)
+        yield row(None, total, exact_half_range(periodic, element.spans))
+    for k, order in enumerate(periodic.orders):
+        compared = row(
+            order, first[:, orders.index(order)] if order in orders else None, exact[:, k]
+        )
+        if max(compared.first or 0.0, compared.exact) >= SMALLEST * top:
+            yield compared
+
+
+def exact_half_range(periodic: PeriodicResponse, spans: Sequence[int]) -> FloatArray:
+    """Return (speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
+    turns, harmonics = common_cycle(list(periodic.orders))
+    torque = periodic.torque[:, :, list(spans)].swapaxes(1, 2)
+    if turns == 0:
+        return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
+    is_known = periodic.status != Found.NONE
+    half, shape = np.full(len(periodic.speed), np.nan), (is_known.sum(), len(spans))
+    upper, lower = extremes(torque[is_known].reshape(math.prod(shape), len(harmonics)), harmonics)
+    half[is_known] = ((upper - lower) / 2.0).reshape(shape).max(axis=1)
+    return half
