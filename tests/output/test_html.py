@@ -20,7 +20,7 @@ from torsion.output import check_words
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
 from torsion.output.html import anchor, css_text, has_long_word, html
-from torsion.output.numbers import number, symbols
+from torsion.output.numbers import given, number, symbols
 from torsion.output.page_files import SCRIPTS
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import WORDS, Checks
@@ -175,14 +175,15 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
             check.what,
             check.where,
             check_words.value(check),
-            check_words.limit(check),
+            "≥" if check.at_least else "",
+            given(check.limit),
             WORDS[check.verdict],
             f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
         )
         for check in lines
         if check.utilisation is None or check.utilisation >= 0.1
     ]
-    assert sorted((*row[:4], row[9][2:], row[8]) for row in rows) == sorted(wanted)
+    assert sorted((*row[:5], row[10][2:], row[9]) for row in rows) == sorted(wanted)
 
 
 def test_the_largest_torque_in_the_table_is_that_of_the_synthesis(train: Findings) -> None:

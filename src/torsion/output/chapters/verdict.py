@@ -52,14 +52,13 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     yield from heading
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
     yield table(
-        "what: < Check -> | where: < Component -> | Value -> | Limit -> | < Unit -> | "
+        "what: < Check -> | where: < Component -> | value: Value:u -> | < ≥:? -> | limit: Limit:g -> | < Unit -> | "
         "utilisation: Utilisation [%]:4 -> util., % | speed: Speed [rpm] | < Order | < Rule, clause and basis | "
         "< Verdict ->",
         [
             (
                 check,
-                check_words.value(check),
-                check_words.limit(check),
+                "≥" if check.at_least else "",
                 check_words.unit(check),
                 contributing(findings, check.order),
                 f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
