@@ -203,13 +203,6 @@ def test_rounding_is_a_share_of_the_largest_torque_at_one_speed(
     assert rounding(bare).tolist() == [0.0]
 
 
-def test_what_is_less_than_rounding_in_every_span_is_nothing() -> None:
-    values = np.array([3.0, 1.0, math.nan, 0.5, 2.0])
-    np.testing.assert_array_equal(
-        reported.without(values, np.array([4.0, 1.0])), [3.0, 1.0, math.nan, 0.0, 2.0]
-    )
-
-
 def test_unstable_ranges_in_rpm(silent: Findings) -> None:
     assert reported.unstable_rpm(silent) == ()
     ranges = tuple(

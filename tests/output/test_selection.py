@@ -13,7 +13,6 @@ from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
 from torsion.output.reported_values import barred
 from torsion.output.selection import (
-    NO_VALUE,
     Selection,
     damps,
     elements,
@@ -21,7 +20,6 @@ from torsion.output.selection import (
     largest,
     strongest,
     torques,
-    worst,
 )
 from torsion.results import Quantity, reported, result
 from torsion.rules.verdict_line import BarredRange, Check, Checks
@@ -53,12 +51,6 @@ def test_the_largest_is_unknown_where_one_value_is() -> None:
     assert largest(np.empty(0)) is None
     assert highest(np.array([1.0, math.nan, 7.0])) == 7.0
     assert highest(np.array([-3.0])) == 0.0
-
-
-def test_the_worst_value_stands_with_its_speed() -> None:
-    speed = np.array([10.0, 20.0])
-    assert worst(np.array([2000.0, 3000.0]), speed) == (3000.0, 20.0)
-    assert worst(np.array([2000.0, math.nan]), speed) == (NO_VALUE, None)
 
 
 def test_torques_have_the_unit_of_the_largest() -> None:

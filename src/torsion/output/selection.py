@@ -100,12 +100,6 @@ def highest(values: FloatArray) -> float:
     return float(np.nanmax(np.append(values, 0.0)))
 
 
-def worst(values: FloatArray, speed: FloatArray) -> tuple[float | str, float | None]:
-    """Return the largest of values (speeds,) and its speed, rad/s; words where it is not known."""
-    peak = largest(values)
-    return (NO_VALUE, None) if peak is None else (float(values[peak]), float(speed[peak]))
-
-
 def torques(curves: Iterable[FloatArray]) -> Scale:
     """Return the unit that suits the largest torque of some curves."""
     return scale("N m", [highest(values) for values in curves])

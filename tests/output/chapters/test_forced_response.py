@@ -462,7 +462,7 @@ SWEEP = FrequencyResponse(
 
 
 def test_over_frequency_the_largest_torque_and_angle_with_their_curves(train: Findings) -> None:
-    found = with_modes(train.having(sweep=SWEEP), 1.5, 2.5)
+    found = with_modes(train.having(sweep=replace(SWEEP, system=train.system)), 1.5, 2.5)
     blocks = list(over_frequency(found))
     assert [type(block) for block in blocks] == [Heading, Paragraph, Table, Figure, Figure]
     assert table(blocks, "torque").rows == (
@@ -486,7 +486,7 @@ def test_over_frequency_the_largest_torque_and_angle_with_their_curves(train: Fi
         "Torque amplitude over the frequency",
         "Angular amplitude over the frequency",
     ]
-    bare = list(over_frequency(train.having(sweep=SWEEP, modes=None)))
+    bare = list(over_frequency(train.having(sweep=replace(SWEEP, system=train.system), modes=None)))
     assert levels(figures(bare)[0]) == {}
     assert list(over_frequency(train)) == []
 
@@ -498,7 +498,9 @@ def test_over_frequency_an_undamped_resonance_has_no_value_and_is_named_once(
     status = np.array([Status.OK, Status.SINGULAR, Status.NEAR_SINGULAR, Status.OK], dtype=np.uint8)
     hertz = np.array([1.0, 2.345671, 2.345672, 4.0])
     blocks = list(
-        over_frequency(train.having(sweep=replace(SWEEP, status=status, frequency=hertz)))
+        over_frequency(
+            train.having(sweep=replace(SWEEP, status=status, frequency=hertz, system=train.system))
+        )
     )
     assert texts(blocks)[1].startswith("At 2.3457 Hz the response has no reliable finite value")
     assert table(blocks, "torque").rows[0] == ("soft", "no reliable value", "–")
@@ -514,12 +516,15 @@ def test_over_frequency_ten_curves_are_drawn_and_a_single_body_has_no_torque() -
         torsion.parse(f"name: long\ntrain: [disc: {{name: d0, inertia: 1}}{chain}]\n")
     )
     sweep = replace(
-        SWEEP, torque=np.ones((4, 12)), angle=np.outer(np.ones(4), np.arange(1.0, 14.0))
+        SWEEP,
+        torque=np.ones((4, 12)),
+        angle=np.outer(np.ones(4), np.arange(1.0, 14.0)),
+        system=made.system,
     )
     drawn = figures(list(over_frequency(made.having(sweep=sweep))))[1].lines
     assert list(drawn) == [f"d{k}" for k in range(3, 13)]
     alone = torsion.run(torsion.parse("name: one\ntrain: [disc: {name: d0, inertia: 1}]\n"))
-    sweep = replace(SWEEP, torque=np.ones((4, 0)), angle=np.ones((4, 1)))
+    sweep = replace(SWEEP, torque=np.ones((4, 0)), angle=np.ones((4, 1)), system=alone.system)
     assert [type(block) for block in over_frequency(alone.having(sweep=sweep))] == [
         Heading,
         Paragraph,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from torsion.analyses.motion.element_peaks import ElementPeak, element_peaks
 from torsion.analyses.motion.event_driven_curves import Switching
 from torsion.analyses.motion.milling_ice import IceTorque
 from torsion.analyses.motion.order_tracking import OrderTracking
@@ -186,6 +187,10 @@ class TransientMotion:
             else 0.0
         )
         return np.asarray(self.unresolved + between + (0.0 if scatter is None else scatter))
+
+    @derived("", (), "peaks of every elastic element")
+    def elements(self) -> tuple[ElementPeak, ...]:
+        return () if self.system is None else element_peaks(self, self.system)
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line, Sources
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.tree_response import Status
@@ -291,6 +292,15 @@ class Synthesis:
 
 
 @reported
+class FrequencyPeak:
+    """The largest torque of one element over the frequency."""
+
+    component: str = result("", "name of the element")
+    torque: float | None = result("N*m", "amplitude; null where one is not reliable")
+    frequency: float | None = result("Hz", "where it stands")
+
+
+@reported
 class FrequencyResponse:
     """Complex amplitudes under the torques that act at every frequency, at one operating point."""
 
@@ -329,6 +339,22 @@ class FrequencyResponse:
     def points(self) -> FloatArray:
         """The speeds or frequencies (points,) at which it was computed."""
         return self.frequency
+
+    @derived("", "largest torque of every elastic element")
+    def peaks(self) -> tuple[FrequencyPeak, ...]:
+        """Return the peaks, without a value where any amplitude is not reliable, which may be the largest."""
+        known = bool(self.frequency.size) and bool((self.status == Status.OK).all())
+        peaks = []
+        for element in elements(self.system):
+            size = element.largest(np.abs(self.torque))
+            place = int(np.argmax(size)) if known else None
+            found = (
+                (None, None)
+                if place is None
+                else (float(size[place]), float(self.frequency[place]))
+            )
+            peaks.append(FrequencyPeak(element.name, *found))
+        return tuple(peaks)
 
     @derived("", ("frequency",), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:

@@ -5,6 +5,8 @@ The rule of the makers of couplings judges the same heat. Each value is the larg
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -121,6 +123,17 @@ class StationLoad:
 
 
 @reported
+class JointLoad:
+    """Torque in one joint, of the order that it excites."""
+
+    joint: str = result("", "its name")
+    order: Fraction = result("", "per revolution of the reference, exact")
+    torque: float | None = result("N*m", "largest amplitude; null if unreliable")
+    speed: float | None = result("rad/s", "reference speed of that")
+    model_error: float | None = result("1", "estimated relative error of the joint model there")
+
+
+@reported
 class ComponentLoads:
     """Loads of the components under the response."""
 
@@ -132,6 +145,7 @@ class ComponentLoads:
     couplings: tuple[CouplingLoad, ...] = result(
         "", "couplings with damping or limits of their maker"
     )
+    joints: tuple[JointLoad, ...] = result("", "joints that excite", default=())
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -273,7 +287,15 @@ def component_loads(evidence: Results) -> ComponentLoads:
         for stress in [stress_of(bar, system, total.half_range)]
     ]
     stations = tuple(_station_loads(evidence))
-    return ComponentLoads(elements, peaks, tuple(shafts), stations, tuple(meshes), tuple(couplings))
+    return ComponentLoads(
+        elements,
+        peaks,
+        tuple(shafts),
+        stations,
+        tuple(meshes),
+        tuple(couplings),
+        tuple(_joint_loads(evidence)),
+    )
 
 
 def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Peak, ...]]:
@@ -359,6 +381,29 @@ def _station_loads(evidence: Results) -> Iterator[StationLoad]:
         rate = 2.0 * math.pi * angle * float(response.frequency[speed, line])
         name = response.lines[line].named(evidence.study.reference)
         yield StationLoad(station.name, angle, name, float(response.speed[speed]), rate)
+
+
+def _joint_loads(evidence: Results) -> Iterator[JointLoad]:
+    """Yield the largest torque of every joint at its own order, where the response has this order."""
+    response, system = evidence.need(Response), evidence.system
+    line_of = {line.order: k for k, line in enumerate(response.lines)}
+    for span in (span for span in system.spans if span.error and span.error[0][1]):
+        spans = [k for k, other in enumerate(system.spans) if other.part == span.part]
+        order = span.error[0][0] * system.stations[span.driving].ratio
+        if (line := line_of.get(order)) is None:
+            continue
+        size = np.abs(response.torque[:, line, spans]).max(axis=1)
+        load = JointLoad(system.train.parts[span.part].name, order, None, None, None)
+        if (response.status[:, line] == Status.OK).all():
+            speed = int(np.argmax(size))
+            error = float(response.joint_error[speed, line])
+            load = replace(
+                load,
+                torque=float(size[speed]),
+                speed=float(response.speed[speed]),
+                model_error=error,
+            )
+        yield load
 
 
 def _mesh_load(

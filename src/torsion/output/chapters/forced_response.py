@@ -11,7 +11,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
@@ -33,7 +33,6 @@ from torsion.output.selection import (
     Element,
     elements,
     highest,
-    largest,
     strongest,
     torques,
 )
@@ -222,7 +221,8 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     if torque:
         unit = torques(torque.values())
         curves = {name: values * unit.factor for name, values in torque.items()}
-        yield _maxima(sweep, torque)
+        titles = "component: < Component | torque: Amplitude [~N m]:u | frequency: Frequency [Hz]"
+        yield table(titles, sweep.peaks, "Maximum torque amplitude")
         yield _curves_over_frequency(
             findings, "sweep-torque", "torque amplitude", curves, unit.unit
         )
@@ -232,17 +232,6 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     }
     curves = {name: values * DEGREES.factor for name, values in angle.items()}
     yield _curves_over_frequency(findings, "sweep-angle", "angular amplitude", curves, DEGREES.unit)
-
-
-def _maxima(sweep: FrequencyResponse, torque: dict[str, FloatArray]) -> Table:
-    """Return the largest torque of every element, and its frequency."""
-    rows = []
-    for name, values in torque.items():
-        peak = largest(values)
-        at_peak = (None, None) if peak is None else (values[peak], sweep.frequency[peak])
-        rows.append((name, *at_peak))
-    titles = "< Component | Amplitude [~N m]:u | Frequency [Hz]"
-    return table(titles, rows, "Maximum torque amplitude")
 
 
 def _curves_over_frequency(

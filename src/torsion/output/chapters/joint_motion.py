@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.joints.joint_results import Joints, LineFound
-from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import closing, joint_tables
@@ -14,8 +14,7 @@ from torsion.output.chapters.joint_tables import names
 from torsion.output.figures.figure import Axis, Figure
 from torsion.output.figures.joint_curves import joint_turn
 from torsion.output.numbers import scale
-from torsion.output.reported_values import amplitude, joint_model
-from torsion.output.selection import largest, worst
+from torsion.output.reported_values import joint_model
 from torsion.rules.verdict_line import Checks
 
 RAD = 180.0 / np.pi
@@ -87,22 +86,14 @@ def summary(findings: Findings) -> Iterator[Block]:
 
 def _response(findings: Findings, joints: Joints) -> Iterator[Block]:
     """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
-    response = findings.get(Response)
-    exciting = [joint for joint in joints.joints if joint.order and joint.amplitude]
-    if response is None or not response.lines or not exciting:
+    loads = findings.get(ComponentLoads)
+    if loads is None or not any(joint.order and joint.amplitude for joint in joints.joints):
         return
-    rows = []
-    for joint in exciting:
-        spans = [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
-        size, order = amplitude(findings, spans), joint.order * joint.ratio
-        for column in (k for k, line in enumerate(response.lines) if line.order == order):
-            row = largest(size[:, column])
-            error = None if row is None else response.joint_error[row, column]
-            rows.append((joint.name, order, *worst(size[:, column], response.speed), error))
     yield Heading("Excitation of the train", 2)
     yield table(
-        "< Joint | Order:o | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]:2",
-        rows,
+        "joint: < Joint | order: Order:o | torque: Maximum torque in the joint [N m]:u | speed: Speed [rpm] | "
+        "model_error: Estimated model error [%]:2",
+        loads.joints,
         "Response of the train to the order of each joint",
     )
     yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())

@@ -1,7 +1,7 @@
 """Chapter: transient responses."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -11,14 +11,12 @@ from torsion.analyses.motion.milling_ice import Ice
 from torsion.analyses.motion.short_circuit import ShortCircuit
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.motion.transient_settings import TransientSettings, cases
-from torsion.analyses.response.component_loads import NOTHING
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.figures.figure import Axis
 from torsion.output.numbers import RPM, counted, number, rpm, scale, symbols
-from torsion.output.records import along
 from torsion.output.selection import Element, elements, highest
 from torsion.results import listed
 from torsion.rules.verdict_line import Checks
@@ -59,7 +57,6 @@ def _first(names: Iterable[str]) -> str:
 def _section(
     findings: Findings, motion: TransientMotion, settings: TransientSettings
 ) -> Iterator[Block]:
-    drawn = elements(findings.system)
     yield Paragraph(_introduction(motion, settings))
     yield Paragraph(ActingTorques(motion.acting, motion.not_acting).words, brief=True)
     yield from _faults(motion, settings)
@@ -71,11 +68,11 @@ def _section(
         titles = "< Component | < Event | Start [s] | < Settings"
         yield table(titles, events, "Events; torques at the speed of the component")
     yield from _ice(motion, settings)
-    yield _peak_table(motion, drawn)
+    yield _peak_table(motion)
     if motion.switching is not None:
         yield from _switching(motion.switching)
     yield from _following(motion)
-    yield from _loads(motion, drawn, settings)
+    yield from _loads(motion, settings)
     if motion.unresolved.any():
         text = (
             "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
@@ -203,42 +200,19 @@ def _following(motion: TransientMotion) -> Iterator[Block]:
         yield table("what: < Torque | time: At", motion.changes, title, most=MOST_PASSAGES)
 
 
-def _peak_table(motion: TransientMotion, drawn: Sequence[Element]) -> Table:
+def _peak_table(motion: TransientMotion) -> Table:
     """Return the greatest and least torque of every element, each with its time, against the torques before and rated."""
-    # What is rounding beside the largest torque of the train is printed as 0.
-    least, rows = NOTHING * highest(motion.peak), []
-    for element in drawn:
-        spans, first = list(element.spans), element.spans[0]
-        high, low = spans[motion.greatest[spans].argmax()], spans[motion.least[spans].argmin()]
-        most = max(abs(float(motion.greatest[high])), abs(float(motion.least[low])))
-        rated = 0.0 if motion.rated is None else float(motion.rated[first])
-        row = (
-            along(motion, "span", [high])[0],
-            element.name,
-            zeroed(motion.greatest[high], least),
-            zeroed(motion.least[low], least),
-            motion.least_at[low],
-            zeroed(motion.before[first], least),
-            *(most / abs(mean) if mean else None for mean in (float(motion.before[first]), rated)),
-            int(motion.reversals[spans].max()),
-            float(element.largest(motion.unresolved)),
-        )
-        rows.append(row)
     title = f"Transient: {motion.name}" if motion.name else "Transient response"
     return table(
-        "< Component -> | Maximum torque [~N m] -> maximum, ~ | greatest_at: Time [s] -> at, s | "
-        "Minimum torque [~N m] -> minimum, ~ | Time [s] | Initial [~N m] | Peak / initial:3 -> times | "
-        "Peak / rated:3? | Reversals -> | Not sampled [~N m]:s",
-        rows,
+        "component: < Component -> | greatest: Maximum torque [~N m] -> maximum, ~ | greatest_at: Time [s] -> at, s | "
+        "least: Minimum torque [~N m] -> minimum, ~ | least_at: Time [s] | before: Initial [~N m] | "
+        "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
+        "unresolved: Not sampled [~N m]:s",
+        motion.elements,
         "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
         short=title,
         rows_in_summary=3,
     )
-
-
-def zeroed(torque: float, least: float) -> float:
-    """Return a torque, or 0 where it is less than the least (N m) that is no rounding."""
-    return float(torque) if abs(torque) >= least else 0.0
 
 
 def _switching(switching: Switching) -> Iterator[Block]:
@@ -269,9 +243,7 @@ def _switching(switching: Switching) -> Iterator[Block]:
         yield Paragraph(text, "note")
 
 
-def _loads(
-    motion: TransientMotion, drawn: Sequence[Element], settings: TransientSettings
-) -> Iterator[Block]:
+def _loads(motion: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
     """Stresses of the shafts and damage, where there are any."""
     line = settings.fatigue
     if motion.damage is not None and line is not None:
@@ -283,14 +255,13 @@ def _loads(
             f"amplitude {number(line.amplitude)} N m for {number(line.cycles)} cycles, slope {number(line.slope)}; "
             f"{mean}. A damage sum of 1 is the fatigue life."
         )
-    loads = [values for values in (motion.stress, motion.damage) if values is not None]
-    rows = [
-        (element.name, *(float(element.largest(values)) for values in loads)) for element in drawn
-    ]
-    if rows := [row for row in rows if np.isfinite(np.array(row[1:], float)).any()]:
-        stress = " | Maximum shear stress [N/mm²]:?" if motion.stress is not None else ""
-        damage = " | Damage per event:3?" if motion.damage is not None else ""
-        yield table(f"< Component{stress}{damage}", rows, "Maximum nominal stress and damage")
+    loaded = [peak for peak in motion.elements if (peak.stress, peak.damage) != (None, None)]
+    if loaded:
+        yield table(
+            "component: < Component | stress: Maximum shear stress [N/mm²]:? | damage: Damage per event:3?",
+            loaded,
+            "Maximum nominal stress and damage",
+        )
 
 
 def _figures(
