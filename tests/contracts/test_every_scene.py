@@ -10,7 +10,6 @@ from tests.contracts.test_frozen_digits import (
     every_figure_is_an_element_with_all_its_lines_and_a_name_of_its_own,
 )
 from tests.contracts.test_tables_are_results import (
-    every_column_is_a_declared_quantity_or_listed,
     every_number_of_a_table_is_a_declared_result,
 )
 from tests.for_all import for_all
@@ -26,7 +25,6 @@ LAWS = (
     digits_are_the_frozen_ones,
     every_figure_is_an_element_with_all_its_lines_and_a_name_of_its_own,
     every_number_of_a_table_is_a_declared_result,
-    every_column_is_a_declared_quantity_or_listed,
     *test_tables_recomputed.LAWS,
 )
 
