@@ -33,16 +33,6 @@ HEAD = re.compile(
     r"(?:(?P<name>[\w.@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
     r"(?::(?P<digits>\d*)(?P<form>[gdopsu?+]*))?"
 )
-FORMS = {
-    "g": "a parameter of the input, without the zeros that nobody wrote",
-    "+": "with its sign",
-    "d": "as many digits as keep different values apart",
-    "o": "an order",
-    "p": "the phase of a complex number; without it the amplitude",
-    "s": "0 where it may be rounding of the largest of the column",
-    "u": "in words where there is no reliable value",
-    "?": "no column where no row has a value",
-}
 EMPTY, INFINITE = {None, ""}, "no finite value"
 SHOWN = {  # unit of a column: the unit of its values, and the factor between them
     "rpm": ("rad/s", 30.0 / math.pi),
@@ -101,7 +91,7 @@ class Column:
     short: str = ""  # its title on the terminal; '' where it is left out there
     is_files: bool = False  # its cells name files beside the report, to which they lead on a page
     digits: int = DIGITS  # significant ones of a number
-    form: str = ""  # letters of FORMS
+    form: str = ""  # letters that `head` explains
     factor: float = 1.0  # from a value in SI units to the unit
     name: str = ""  # of the declared quantity that stands in it
 
@@ -179,9 +169,12 @@ def head(titles: str) -> tuple[Column, ...]:
     """Return the columns of a table: 'mode: Mode | < Shaft -> | Critical speed [rpm]:6 -> rpm'.
 
     'mode:' names the quantity of a record, '<' marks words, which stand to the left, and ':6' are digits, behind them
-    letters of FORMS. A value in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the
-    largest prefix that leaves no such column of the table below 1. Behind '->' is the title on the terminal, by itself
-    the same in small letters, with '~' for that unit, as in `short`.
+    letters: g for an input value (no zeros that nobody wrote), + for a sign, d for as many digits as keep values apart,
+    o for an order, p for the phase of a complex number (without it the amplitude), s for 0 if rounding may be the value
+    beside the largest of the column, u for words if no value is reliable, ? for no column if no row has a value. A value
+    in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the largest prefix that leaves no
+    such column of the table below 1. After '->' is the title on the terminal, by itself the same in small letters, with
+    '~' for that unit, as in `short`.
 
     >>> head("< Shaft | Critical speed [rpm]:6 -> rpm")[1].text(math.pi)
     '30.0000'

@@ -1,4 +1,4 @@
-"""What a motion over time means for every elastic element: its greatest and least torque, stress and damage."""
+"""What a motion over time means for every elastic element: its maximum and minimum torque, stress and damage."""
 
 from typing import TYPE_CHECKING
 
@@ -19,10 +19,10 @@ class ElementPeak:
     """Torques of one element, including the mean; 0 for what is rounding beside the largest torque of the train."""
 
     component: str = result("", "name of the element")
-    greatest: float = result("N*m", "greatest torque")
-    greatest_at: float = result("s", "when")
-    least: float = result("N*m", "least torque")
-    least_at: float = result("s", "when")
+    maximum: float = result("N*m", "maximum torque")
+    maximum_at: float = result("s", "when")
+    minimum: float = result("N*m", "minimum torque")
+    minimum_at: float = result("s", "when")
     before: float = result("N*m", "mean torque before the events")
     rated: float = result("N*m", "mean torque at the rated point; 0 if it is not known")
     reversals: int = result("", "sign changes of the torque")
@@ -39,7 +39,7 @@ class ElementPeak:
         return self._share(self.rated)
 
     def _share(self, mean: float) -> float | None:
-        return max(abs(self.greatest), abs(self.least)) / abs(mean) if mean else None
+        return max(abs(self.maximum), abs(self.minimum)) / abs(mean) if mean else None
 
 
 def element_peaks(motion: "TransientMotion", system: System) -> tuple[ElementPeak, ...]:

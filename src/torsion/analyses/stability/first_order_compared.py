@@ -24,7 +24,7 @@ class ComparedTorque:
     """The largest torque of an element over the speed by both methods, of one order or of all together."""
 
     component: str = result("", "name of the element")
-    order: Fraction | None = result("", "of the reference, exact; null: half range of all orders")
+    order: Fraction | None = result("", "of the reference, exact; null: the total of all orders")
     first: float | None = result("N*m", "of the first order; null without a reliable value")
     first_speed: float | None = result("rad/s", "reference speed of that")
     exact: float = result("N*m", "of the exact periodic response")

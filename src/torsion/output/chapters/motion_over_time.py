@@ -204,8 +204,8 @@ def _peak_table(motion: TransientMotion) -> Table:
     """Return the greatest and least torque of every element, each with its time, against the torques before and rated."""
     title = f"Transient: {motion.name}" if motion.name else "Transient response"
     return table(
-        "component: < Component -> | greatest: Maximum torque [~N m] -> maximum, ~ | greatest_at: Time [s] -> at, s | "
-        "least: Minimum torque [~N m] -> minimum, ~ | least_at: Time [s] | before: Initial [~N m] | "
+        "component: < Component -> | maximum: Maximum torque [~N m] -> maximum, ~ | maximum_at: Time [s] -> at, s | "
+        "minimum: Minimum torque [~N m] -> minimum, ~ | minimum_at: Time [s] | before: Initial [~N m] | "
         "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
         "unresolved: Not sampled [~N m]:s",
         motion.elements,
