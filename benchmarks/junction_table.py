@@ -9,7 +9,15 @@ import numpy as np
 from torsion.assembly.junction.axisymmetric import Solved, solved
 from torsion.assembly.junction.profile import Corner, junction
 from torsion.kernels import junction_table
-from torsion.kernels.junction_table import FILE, HIGHEST, LOWEST, SIZES, JunctionTable, table_places
+from torsion.kernels.junction_table import (
+    FILE,
+    HIGHEST,
+    LOWEST,
+    SIZES,
+    JunctionTable,
+    _nodes,
+    _smooth,
+)
 
 FINE = 2e-6  # gap of the bounds of every value
 BETWEEN = 300  # places between those of the table at which it is compared with the elements
@@ -21,9 +29,19 @@ def of_step(bore: float, height: float, share: float, fine: float = FINE) -> Sol
     return solved(junction((1.0, bore), (1.0 + 2.0 * height, bore), corner), fine)
 
 
+def places() -> list[np.ndarray]:
+    """Of bore, height and radius: where the table has values."""
+    low, high = _smooth(LOWEST), _smooth(HIGHEST)
+    bore, height, fillet = (
+        a + (b - a) * (1.0 + _nodes(size)) / 2.0
+        for a, b, size in zip(low, high, SIZES, strict=True)
+    )
+    return [bore, np.exp(height), fillet**1.5]
+
+
 def computed() -> JunctionTable:
     """The table, with its error at places between its own."""
-    steps = [of_step(*map(float, sizes)) for sizes in product(*table_places())]
+    steps = [of_step(*map(float, sizes)) for sizes in product(*places())]
     table = JunctionTable(np.array([step.excess_length for step in steps]).reshape(SIZES), 0.0)
     return replace(
         table, error=float(max(errors_between(table, BETWEEN)) + max(step.error for step in steps))

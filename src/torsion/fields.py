@@ -210,8 +210,14 @@ class Quantity:
         what, meant = _READING.get()
         if not (meant or self.range.holds(number)):
             lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
-            guess = self._slip(number, size)
-            hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
+            guess, usual = "", self.range
+
+            # What is written with the first unit that makes it usual, as a question; else what it may be.
+            if likely := usual.likely(number / size, self.unit):
+                guess = f"{_with_unit(number / size, likely)}? "
+            elif other := usual.below if usual.size(number) < usual.low else usual.above:
+                guess = f"{other}? "
+            hint = f"{guess}usual: {self.usual_words(unit, size)}{lifts}"
             raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             hint = f"in SI from {SMALLEST:g} to {LARGEST:g}, or 0"
@@ -235,13 +241,6 @@ class Quantity:
             ("at most", self.at_most, operator.le),
         )
         return [(words, limit, holds) for words, limit, holds in limits if limit is not None]
-
-    def _slip(self, number: float, size: float) -> str:
-        """The number as it is written with the first unit that makes it usual, as a question; else what it may be."""
-        if unit := self.range.likely(number / size, self.unit):
-            return f"{_with_unit(number / size, unit)}?"
-        quantity = self.range.other_quantity(number)
-        return f"{quantity}?" if quantity else ""
 
     def usual_words(self, unit: str = "", size: float = 1.0) -> str:
         """The usual range in words, in a unit of that size."""

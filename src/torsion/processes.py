@@ -44,16 +44,20 @@ def shared_out(
     """
     global _task  # noqa: PLW0603 - the copies find the task there
     workers = min(most or processors(), len(items))
-    if len(items) < fewest or workers < 2 or not _may_copy():
+
+    # A copy is whole where no other thread is at work; the libraries of macOS do not stand a fork.
+    may_copy = (
+        _task is None
+        and sys.platform == "linux"
+        and threading.active_count() == 1
+        and not multiprocessing.current_process().daemon
+    )
+    if len(items) < fewest or workers < 2 or not may_copy:
         yield from map(function, items)
         return
 
     length = max(1, min(len(items) // (workers * CHUNKS), LONGEST_CHUNK))
-    pool = ProcessPoolExecutor(
-        workers,
-        multiprocessing.get_context("fork"),
-        _begin,
-    )
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin)
     _task = function, items
     try:
         with warnings.catch_warnings():
@@ -74,19 +78,6 @@ def shared_out(
 def processors() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-
-
-def _may_copy() -> bool:
-    """Whether a copy of this process is whole: no other thread is at work, and it is no such copy itself.
-
-    Not on macOS, whose system libraries do not stand a fork.
-    """
-    return (
-        _task is None
-        and sys.platform == "linux"
-        and threading.active_count() == 1
-        and not multiprocessing.current_process().daemon
-    )
 
 
 def _begin() -> None:

@@ -88,18 +88,13 @@ ZhuWang; Zhu, Wang; -; combination resonance of a misaligned shaft driven by a u
 """  # key; authors; year; work; use, with (M) where edition or digits are not confirmed
 
 
-def read_records(table: str) -> dict[str, Source]:
-    """Return the records of a table by key."""
-    rows = (line.split("; ") for line in table.splitlines())
-    return {
-        key: Source(
-            key, authors, year.strip("-"), work, use.removesuffix(" (M)"), not use.endswith(" (M)")
-        )
-        for key, authors, year, work, use in rows
-    }
-
-
-SOURCES = read_records(RECORDS)
+_ROWS = (line.split("; ") for line in RECORDS.splitlines())
+SOURCES = {
+    key: Source(
+        key, authors, year.strip("-"), work, use.removesuffix(" (M)"), not use.endswith(" (M)")
+    )
+    for key, authors, year, work, use in _ROWS
+}
 _USED: ContextVar[Citations | None] = ContextVar("sources used", default=None)
 
 

@@ -129,15 +129,15 @@ class UnitFault(ValueError):
 
 def to_si(text: str, unit: str) -> float:
     """The quantity `text` as a number in the SI unit `unit`, correctly rounded; raises UnitFault."""
-    amount, written = _parts(text)
+    number, written = amount(text)
     if not written:
         if needs_unit(unit):
             example = _KINDS[unit][1].split()[1]
             hint = f"write '{text.strip()} {example}' or '{text.strip()} {unit}'"
             raise UnitFault(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
-        return _rounded(amount, text)
+        return _rounded(number, text)
     scale = 1 if written == unit else _COMMON.get(unit, {}).get(written)
-    return _rounded(amount * scale if scale else _converted(amount, written, unit, text), text)
+    return _rounded(number * scale if scale else _converted(number, written, unit, text), text)
 
 
 def written(text: str, unit: str) -> tuple[str, float]:
@@ -145,18 +145,9 @@ def written(text: str, unit: str) -> tuple[str, float]:
 
     Raises UnitFault.
     """
-    spelled = _parts(text)[1]
+    spelled = amount(text)[1]
     size = _COMMON.get(unit, {}).get(spelled)
     return (unit, 1.0) if size is None else (spelled, float(size))
-
-
-def amount(text: str) -> tuple[Fraction, str]:
-    """The number in front of a quantity, exact, and what stands behind it; raises UnitFault.
-
-    >>> amount("1.5 kN*m")
-    (Fraction(3, 2), 'kN*m')
-    """
-    return _parts(text)
 
 
 def needs_unit(unit: str) -> bool:
@@ -182,8 +173,12 @@ def _quoted(text: str) -> str:
     return f"'{printable(text.strip(), 40)}'"
 
 
-def _parts(text: str) -> tuple[Fraction, str]:
-    """The number in front and the unit behind it in one spelling (empty if there is none)."""
+def amount(text: str) -> tuple[Fraction, str]:
+    """The number in front, exact, and the unit behind it in one spelling (empty if there is none); raises UnitFault.
+
+    >>> amount("1.5 kN*m")
+    (Fraction(3, 2), 'kN*m')
+    """
     spelled = text.strip()[: _LONGEST + 1].translate(_SIGNS)
     spelled = _RAISED.sub(lambda raised: "**" + raised[0].translate(_SUPERSCRIPTS), spelled)
     number = _NUMBER.match(spelled)
@@ -223,12 +218,12 @@ def _refuse_slips(spelled: str, text: str) -> None:
         raise UnitFault(f"{_quoted(text)} looks like a date", hint)
 
 
-def _rounded(amount: Fraction, text: str) -> float:
+def _rounded(number: Fraction, text: str) -> float:
     try:
-        value = float(amount)
+        value = float(number)
     except OverflowError:
         raise UnitFault(f"{_quoted(text)} is too large for a number") from None
-    if amount and not value:
+    if number and not value:
         raise UnitFault(f"{_quoted(text)} is too small for a number other than 0")
     return value
 
@@ -262,7 +257,7 @@ def _container(written: str) -> "UnitsContainer":
     )
 
 
-def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction:
+def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
     container, expected, dimension = (
@@ -284,7 +279,7 @@ def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction
             _remedy(text, container, unit),
         )
     try:
-        return Fraction(_registry().convert(amount, container, expected))
+        return Fraction(_registry().convert(number, container, expected))
     except PintError:
         raise UnitFault(
             f"{_quoted(text)} mixes a temperature scale with other units", "write K"

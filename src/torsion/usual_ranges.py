@@ -29,19 +29,15 @@ class UsualRange:
 
     def holds(self, number: float) -> bool:
         """Return whether a number (SI) is usual."""
-        return number == 0 or self.low <= self._size(number) <= self.high
+        return number == 0 or self.low <= self.size(number) <= self.high
 
     def likely(self, number: float, unit: str) -> str:
-        """What a number may have been meant for: the first unit of `slip` that makes it usual, or another quantity."""
+        """The first unit of `slip` that makes a number usual; empty where none does."""
         for meant in self.slip:
             value = number * units.to_si(f"1 {meant}", unit)
             if value and self.holds(value):
                 return meant
         return ""
-
-    def other_quantity(self, number: float) -> str:
-        """The quantity that a number (SI) beyond an end may have been meant for; empty where none is known."""
-        return self.below if self._size(number) < self.low else self.above
 
     @property
     def ends(self) -> list[float | None]:
@@ -55,7 +51,7 @@ class UsualRange:
             return f"at most {high:.5g}"
         return f"at least {low:.5g}" if math.isinf(high) else f"{low:.5g} to {high:.5g}"
 
-    def _size(self, number: float) -> float:
+    def size(self, number: float) -> float:
         return abs(number) if self.low > 0.0 else number
 
 

@@ -54,16 +54,6 @@ def junction_table() -> JunctionTable:
     return JunctionTable(np.array(text[1:], dtype=float).reshape(SIZES), float(text[0]))
 
 
-def table_places() -> list[FloatArray]:
-    """Of bore, height and radius: where the table has values."""
-    low, high = _smooth(LOWEST), _smooth(HIGHEST)
-    bore, height, fillet = (
-        a + (b - a) * (1.0 + _nodes(size)) / 2.0
-        for a, b, size in zip(low, high, SIZES, strict=True)
-    )
-    return [bore, np.exp(height), fillet**1.5]
-
-
 def _smooth(sizes: tuple[float, float, float]) -> tuple[float, float, float]:
     bore, height, fillet = sizes
     return bore, math.log(height), fillet ** (2.0 / 3.0)

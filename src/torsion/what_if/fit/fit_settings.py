@@ -1,7 +1,6 @@
 """What the file says of a fit: which figures may move, how far, and what was measured."""
 
 from collections.abc import Mapping
-from fractions import Fraction
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -136,11 +135,6 @@ class Measured(Declared):
         """In SI of its quantity; raises what `refuse` makes where it is none."""
         return fields.Quantity(UNITS[self.quantity or "angle"], above=0).read(row.amplitude)
 
-    @property
-    def own_orders(self) -> tuple[Fraction, ...]:
-        """The orders of a torsiogram or a signal."""
-        return (self.order,) if self.order is not None else self.orders
-
 
 class FitSettings(Declared):
     """What the file states of `fit`: parameters that vary, and measurements."""
@@ -180,11 +174,6 @@ class FitSettings(Declared):
                 )
                 hint = "modes are numbered as their frequencies rise: exchange the numbers"
                 raise refuse(message, hint, ("measured", position, "mode"))
-
-    @property
-    def together(self) -> tuple[tuple[str, ...], ...]:
-        """Names of parameters that vary as one: none in a fit."""
-        return ()
 
     @property
     def varied(self) -> tuple[str, Mapping[str, Choice]]:
