@@ -282,11 +282,10 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
 
 def _train(build: Lowering, unit: Fraction) -> Train:
     """The train with its speeds counted from one that is `unit` of the first."""
-    kinds = Inertia, Spring, Bar, Constraint, Damper, Torque
-    primitives: list[Any] = [
-        tuple(primitive for primitive in build.primitives if isinstance(primitive, kind))
-        for kind in kinds
-    ]
+
+    def select(kind: type) -> tuple:  # type: ignore[type-arg]
+        return tuple(p for p in build.primitives if isinstance(p, kind))
+
     referred = [
         None if part.referred_to is None else part.referred_to / unit for part in build.parts
     ]
@@ -296,7 +295,12 @@ def _train(build: Lowering, unit: Fraction) -> Train:
             for p, to in zip(build.parts, referred, strict=True)
         ),
         tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
-        *primitives,
+        select(Inertia),
+        select(Spring),
+        select(Bar),
+        select(Constraint),
+        select(Damper),
+        select(Torque),
         build.materials,
     )
 

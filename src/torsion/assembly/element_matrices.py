@@ -31,9 +31,19 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
     Integrals of int G I u' v' dx and int rho I u v dx over each piece, exact to rounding. A cell of the mesh has the
     length 1, so that nothing of its place along the shaft enters.
     """
-    stiffness, inertia = zip(
-        *(_of_shaft(first, degree) for first in pieces if first.position == 0), strict=True
-    )
+    stiffness, inertia = list[FloatArray](), list[FloatArray]()
+    for first in (piece for piece in pieces if piece.position == 0):
+        if is_uniform(first.bar):
+            stiff, heavy = (np.repeat(unit, first.number, axis=0) for unit in _of_unit(degree))
+            by_stiffness, by_inertia = _factors(first)
+        else:
+            basis = _basis(first.number, degree)
+            across = first.polar_area_moment(basis.default_parameters()["x"][0])
+            stiff, heavy = _integrals(basis, across)
+            by_stiffness = first.bar.shear_modulus / first.length
+            by_inertia = first.bar.density * first.length
+        stiffness.append(stiff * by_stiffness)
+        inertia.append(heavy * by_inertia)
     return np.concatenate(stiffness), np.concatenate(inertia)
 
 
@@ -53,19 +63,6 @@ def element_law(pieces: tuple[Piece, ...], degree: int, ratio2: FloatArray) -> C
         scale = ratio2[end:, None, None]
         parts.append(condensed_elements(stiffness * scale, inertia * scale))
     return CondensedElements.joined(parts)
-
-
-def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Matrices of all pieces of a shaft, from its first one on."""
-    bar = first.bar
-    if is_uniform(bar):
-        stiffness, two = (
-            unit * factor for unit, factor in zip(_of_unit(degree), _factors(first), strict=True)
-        )
-        return np.repeat(stiffness, first.number, axis=0), np.repeat(two, first.number, axis=0)
-    basis = _basis(first.number, degree)
-    stiff, heavy = _integrals(basis, first.polar_area_moment(basis.default_parameters()["x"][0]))
-    return stiff * (bar.shear_modulus / first.length), heavy * (bar.density * first.length)
 
 
 def _factors(piece: Piece) -> tuple[float, float]:
@@ -96,12 +93,9 @@ def _basis(cells: int, degree: int) -> Any:
 
 def _integrals(basis: Any, section: FloatArray) -> tuple[FloatArray, FloatArray]:
     """int section u' v' dx and int section u v dx of every element, (elements, degree + 1, degree + 1)."""
-    stiff = skfem.BilinearForm(lambda u, v, w: w.section * u.grad[0] * v.grad[0]).elemental(
-        basis, section=section
+    forms = (
+        skfem.BilinearForm(lambda u, v, w: w.section * u.grad[0] * v.grad[0]),
+        skfem.BilinearForm(lambda u, v, w: w.section * u * v),
     )
-    heavy = skfem.BilinearForm(lambda u, v, w: w.section * u * v).elemental(basis, section=section)
-    return _symmetric(stiff.tolocal()), _symmetric(heavy.tolocal())
-
-
-def _symmetric(local: FloatArray) -> FloatArray:
-    return np.asarray((local + local.transpose(0, 2, 1)) / 2.0)
+    stiff, heavy = (form.elemental(basis, section=section).tolocal() for form in forms)
+    return (stiff + stiff.transpose(0, 2, 1)) / 2.0, (heavy + heavy.transpose(0, 2, 1)) / 2.0

@@ -40,15 +40,16 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
     begin = area_along(bar, 0.0)
     if is_uniform(bar):
-        means = np.repeat(np.array([1.0 / begin, begin])[:, None], number, axis=1)
+        means = np.repeat(np.array([begin, begin])[:, None], number, axis=1)
     else:
-        # Means of 1 / I_p in 1/m4, and of I_p in m4, over each piece, block by block.
+        # Harmonic and arithmetic mean of I_p, m4, over each piece, block by block.
         (x, weight), block, parts = GAUSS, max(1, BLOCK // begin.size), []
         for first in range(0, number, block):
             piece = np.arange(first, min(first + block, number))[:, None]
             share = (piece + (x + 1.0) / 2.0) / number
             along = area_along(bar, share.reshape(*share.shape, *[1] * begin.ndim))
-            parts.append([np.tensordot(m4, weight, (1, 0)) / 2.0 for m4 in (1.0 / along, along)])
+            harmonic, mean = (np.tensordot(part, weight, (1, 0)) for part in (1.0 / along, along))
+            parts.append([2.0 / harmonic, mean / 2.0])
         means = np.concatenate(parts, axis=1)
     # A value of a column is beside those of every segment.
     variants = np.ndim(length + modulus + density + begin)
@@ -56,4 +57,4 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     half = density * (length / number) * means[1] / 2.0
     none = np.zeros_like(half[:1])
     lumps = np.concatenate([half, none]) + np.concatenate([none, half])
-    return length / number * means[0] / modulus, lumps
+    return length / number / (modulus * means[0]), lumps

@@ -7,7 +7,6 @@ from typing import Any
 
 from torsion.exchange.comparison import (
     CaseComparison,
-    CheckChange,
     Comparison,
     InputChange,
 )
@@ -78,7 +77,20 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
             "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
             "| Utilisation A [%]:4 -> % A | Utilisation B [%]:4 -> % B"
         )
-        yield _table(titles, map(_check_row, case.checks), "Checks that differ")
+        differing = (
+            (
+                change.what,
+                change.component,
+                change.rule,
+                "not present" if before is None else WORDS[before],
+                "not present" if after is None else WORDS[after],
+                change.utilisation_before,
+                change.utilisation_after,
+            )
+            for change in case.checks
+            for before, after in [(change.verdict_before, change.verdict_after)]
+        )
+        yield _table(titles, differing, "Checks that differ")
 
 
 def _table(titles: str, rows: Iterable[tuple[Any, ...]], caption: str) -> Block:
@@ -98,12 +110,3 @@ def _value(value: Any) -> Any:
     if isinstance(value, list):
         return ", ".join(number(x) if isinstance(x, int | float) else str(x) for x in value) or NONE
     return float(value) if isinstance(value, int | float) else value
-
-
-def _check_row(change: CheckChange) -> tuple[Any, ...]:
-    verdicts = (
-        "not present" if verdict is None else WORDS[verdict]
-        for verdict in (change.verdict_before, change.verdict_after)
-    )
-    shares = change.utilisation_before, change.utilisation_after
-    return change.what, change.component, change.rule, *verdicts, *shares

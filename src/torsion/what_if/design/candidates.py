@@ -109,7 +109,7 @@ class Candidates:
     @cached_property
     def searched(self) -> dict[str, Case]:
         """The cases of which the worst counts: a frequency is that of the nominal case, constraints are of all."""
-        has_all = self.judged or self.settings.keeps_modes
+        has_all = self.judged or any(condition.subject.mode for condition in self.settings.kept)
         return {name: case for name, case in self.cases.items() if not name or has_all}
 
     def scores(self, values: FloatArray) -> FloatArray:

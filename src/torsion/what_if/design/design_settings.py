@@ -122,11 +122,6 @@ class DesignSettings(Declared):
         return subject, _read(value, subject, ("aim", words))
 
     @property
-    def keeps_modes(self) -> bool:
-        """A condition is on the frequency of a mode."""
-        return any(condition.subject.mode for condition in self.kept)
-
-    @property
     def kept(self) -> tuple[Kept, ...]:
         """Every condition that a candidate has to meet, with its ends in SI."""
         return tuple(

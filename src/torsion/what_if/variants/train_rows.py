@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.analyses.undamped_modes import chord_spans
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
-from torsion.primitives import Bar
 from torsion.train import Train
 
 Numbers = NDArray[Any]  # float, or complex with the step of a slope
@@ -32,7 +31,10 @@ def numbers_of_system(
         for row, name in enumerate(("flexibility", "viscous", "loss_factor")):
             elastic[row, span] = plain(getattr(element, name, 0.0))
     for bar in train.bars:
-        spans = bar_spans(system, bar)
+        is_piece = (system.span_part == bar.part) & (system.flexibility > 0.0)
+        spans = np.flatnonzero(is_piece)
+        if len(spans) != system.segments.get(bar.name):
+            raise NotInColumns(f"the system has not the pieces of {bar.name}")
         flexibility, lumps = bar_segments(bar, len(spans))
         elastic[0, spans] = flexibility.reshape(len(spans), -1)
         elastic[2, spans] = plain(bar.loss_factor)
@@ -56,11 +58,3 @@ def rows_on_tree(
     moving[condensed.node] = inertia * system.speed_ratio[:, None] ** 2
     moving[condensed.tree.held] = 0.0
     return on_tree, moving, flexibility[chord_spans(system)]
-
-
-def bar_spans(system: System, bar: Bar) -> IntArray:
-    """Return the spans of a shaft in pieces; raises NotInColumns if the system has others."""
-    spans = np.flatnonzero((system.span_part == bar.part) & (system.flexibility > 0.0))
-    if len(spans) != system.segments.get(bar.name):
-        raise NotInColumns(f"the system has not the pieces of {bar.name}")
-    return spans
