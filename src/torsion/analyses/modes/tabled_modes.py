@@ -54,10 +54,11 @@ def tabled_modes(
             columns.append((first, mode))
         else:
 
-            def excess(w: float, mode: int = mode) -> float:
-                return math.log(w / (TAU * float(modes_at(w).frequency[mode])))
+            def excess(log_w: float, mode: int = mode) -> float:
+                return log_w - math.log(TAU * float(modes_at(math.exp(log_w)).frequency[mode]))
 
-            w = float(find_root(excess, low, high))
+            # Over ln w it is nearly straight, and interpolation is there in a few steps.
+            w = math.exp(find_root(excess, math.log(low), math.log(high)))
             columns.append((_enclosed(tables, modes_at(w), mode, w), mode))
 
     def combined(name: str) -> FloatArray:
