@@ -1,6 +1,6 @@
 """What a motion over time means for every elastic element: its maximum and minimum torque, stress and damage."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from torsion.assembly.elements import Element, elements
 from torsion.assembly.system import System
 from torsion.results import derived, reported, result
 
-if TYPE_CHECKING:
-    from torsion.analyses.motion.transient_motion import TransientMotion
+TransientMotion = Any  # analyses.motion.transient_motion, whose module imports this one
 
 
 @reported
@@ -42,13 +41,13 @@ class ElementPeak:
         return max(abs(self.maximum), abs(self.minimum)) / abs(mean) if mean else None
 
 
-def element_peaks(motion: "TransientMotion", system: System) -> tuple[ElementPeak, ...]:
+def element_peaks(motion: TransientMotion, system: System) -> tuple[ElementPeak, ...]:
     """Return the peaks of all elements in the order of the train."""
     nothing = NOTHING * motion.peak.max(initial=0.0)
     return tuple(_peak(motion, element, nothing) for element in elements(system))
 
 
-def _peak(motion: "TransientMotion", element: Element, nothing: float) -> ElementPeak:
+def _peak(motion: TransientMotion, element: Element, nothing: float) -> ElementPeak:
     spans, first = list(element.spans), element.spans[0]
     high, low = spans[motion.greatest[spans].argmax()], spans[motion.least[spans].argmin()]
 
