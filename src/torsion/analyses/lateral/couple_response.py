@@ -33,25 +33,25 @@ ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one w
 class Largest:
     """Largest reliable amplitudes of an order along the shaft and over the speed; null at an undamped resonance."""
 
-    order: int = result("", (), "per revolution of the shaft")
-    displacement: float | None = result("m", (), "displacement in any direction")
-    at: float | None = result("m", (), "its place along the shaft")
-    speed: float | None = result("rad/s", (), "its reference speed")
-    moment: float | None = result("N*m", (), "bending moment in any direction")
-    moment_at: float | None = result("m", (), "its place along the shaft")
-    moment_speed: float | None = result("rad/s", (), "its reference speed")
-    unreliable: int = result("", (), "speeds without a reliable value")
+    order: int = result("", "per revolution of the shaft")
+    displacement: float | None = result("m", "displacement in any direction")
+    at: float | None = result("m", "its place along the shaft")
+    speed: float | None = result("rad/s", "its reference speed")
+    moment: float | None = result("N*m", "bending moment in any direction")
+    moment_at: float | None = result("m", "its place along the shaft")
+    moment_speed: float | None = result("rad/s", "its reference speed")
+    unreliable: int = result("", "speeds without a reliable value")
 
 
 @reported
 class PointForce:
     """Largest reliable force of an order on a joint or support; null at an undamped resonance."""
 
-    name: str = result("", (), "joint or support")
-    at: float = result("m", (), "its place along the shaft")
-    order: int = result("", (), "per revolution of the shaft")
-    force: float | None = result("N", (), "largest amplitude in any direction")
-    speed: float | None = result("rad/s", (), "its reference speed")
+    name: str = result("", "joint or support")
+    at: float = result("m", "its place along the shaft")
+    order: int = result("", "per revolution of the shaft")
+    force: float | None = result("N", "largest amplitude in any direction")
+    speed: float | None = result("rad/s", "its reference speed")
 
 
 @reported
@@ -61,7 +61,7 @@ class Answer:
     Order 0 stands still and is real. Amplitudes are half ranges.
     """
 
-    order: int = result("", (), "per revolution of the shaft; 0 stands still")
+    order: int = result("", "per revolution of the shaft; 0 stands still")
     speed: FloatArray = result(
         "rad/s", ("speed",), "reference speeds, more of them around resonances"
     )

@@ -33,14 +33,14 @@ def is_unstable(decrement: FloatArray) -> BoolArray:
 class WhirlMode:
     """One mode over the speed range."""
 
-    number: int = result("", (), "by frequency at the highest speed, from 1")
-    first: float = result("Hz", (), "frequency at the lowest speed")
-    last: float = result("Hz", (), "frequency at the highest speed")
-    direction: float = result("1", (), "1 forward, -1 backward whirl at the highest speed")
-    decrement: float = result("1", (), "least logarithmic decrement; 0 for rounding")
-    speed: float = result("rad/s", (), "reference speed of that")
+    number: int = result("", "by frequency at the highest speed, from 1")
+    first: float = result("Hz", "frequency at the lowest speed")
+    last: float = result("Hz", "frequency at the highest speed")
+    direction: float = result("1", "1 forward, -1 backward whirl at the highest speed")
+    decrement: float = result("1", "least logarithmic decrement; 0 for rounding")
+    speed: float = result("rad/s", "reference speed of that")
     grows_from: float | None = result(
-        "rad/s", (), "lowest reference speed at which it is unstable; null if it is not"
+        "rad/s", "lowest reference speed at which it is unstable; null if it is not"
     )
 
 
@@ -59,7 +59,7 @@ class Whirl:
         "1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse"
     )
 
-    @derived("", (), "every oscillating mode over the speed range")
+    @derived("", "every oscillating mode over the speed range")
     def modes(self) -> tuple[WhirlMode, ...]:
         """Modes by their frequency at the highest speed, what does not oscillate there last."""
         modes = []
@@ -87,18 +87,15 @@ class Whirl:
 class Critical:
     """A speed at which a frequency of the shaft is `order` times its speed; damping is left out of the speed."""
 
-    order: int = result(
-        "", (), "per revolution of the shaft: 1 unbalance, others couples of joints"
-    )
-    mode: int = result("", (), "counted from 1 by speed")
+    order: int = result("", "per revolution of the shaft: 1 unbalance, others couples of joints")
+    mode: int = result("", "counted from 1 by speed")
     speed: float = result(
-        "rad/s", (), "reference speed"
+        "rad/s", "reference speed"
     )  # `criticals` itself returns that of the shaft
-    frequency: float = result("Hz", (), "order times the speed of the shaft")
-    direction: float = result("1", (), "1 forward, -1 backward whirl, between them an ellipse")
+    frequency: float = result("Hz", "order times the speed of the shaft")
+    direction: float = result("1", "1 forward, -1 backward whirl, between them an ellipse")
     damping_ratio: float = result(
         "1",
-        (),
         "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound",
     )
 

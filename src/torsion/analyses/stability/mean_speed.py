@@ -33,22 +33,21 @@ class MeanSpeedDrift:
     """Speeds at which the mean speed runs away from its value, and the slope of a drive that holds it."""
 
     first: float = result(
-        "rad/s", (), "lowest speed that drifts faster than 1e-3 1/s", key="from_rad_per_s"
+        "rad/s", "lowest speed that drifts faster than 1e-3 1/s", key="from_rad_per_s"
     )
-    last: float = result("rad/s", (), "highest one", key="to_rad_per_s")
-    growth: float = result("1/s", (), "fastest drift")
-    at: float = result("rad/s", (), "where")
+    last: float = result("rad/s", "highest one", key="to_rad_per_s")
+    growth: float = result("1/s", "fastest drift")
+    at: float = result("rad/s", "where")
     slope: float = result(
-        "N*m*s/rad", (), "slope missing at the machine, at its own speed; null if not found"
+        "N*m*s/rad", "slope missing at the machine, at its own speed; null if not found"
     )
-    machine: str = result("", (), "the machine that drives, at which the slope is missing")
+    machine: str = result("", "the machine that drives, at which the slope is missing")
     given: float = result(
         "N*m*s/rad",
-        (),
         "slopes and damping of the file that act on the mean speed, at that machine",
     )
     slip: float = result(
-        "N*m*s/rad", (), "slope at 1 % slip of that machine; null without a rated speed"
+        "N*m*s/rad", "slope at 1 % slip of that machine; null without a rated speed"
     )
 
 

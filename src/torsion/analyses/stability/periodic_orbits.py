@@ -101,7 +101,7 @@ class PeriodicResponse:
     )
     status: np.ndarray  # (speeds,) uint8: Found
     why: tuple[str, ...] = result(
-        "", (), "of every speed: why the periodic motion was not found, or empty"
+        "", "of every speed: why the periodic motion was not found, or empty"
     )
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = result(
@@ -109,7 +109,6 @@ class PeriodicResponse:
     )
     others: "PeriodicResponse | None" = result(
         "",
-        (),
         "further motions at the highest peaks, in the same orders; null for none",
         default=None,
     )

@@ -32,17 +32,15 @@ CHECKED = 9  # points at which the unreduced train is computed too
 class StabilityMap:
     """Growth rates; NaN where no periodic motion was found."""
 
-    over: Over = result("", (), "angle, damping or torque")
+    over: Over = result("", "angle, damping or torque")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     value: FloatArray = result("", ("value",), "joint angles in rad, or factors")
     growth: FloatArray = result("1/s", ("speed", "value"), "null if no periodic motion was found")
-    modes: int = result("", (), "elastic modes kept")
-    of_modes: int = result("", (), "of so many")
-    error: float = result("1/s", (), "largest difference to the whole train at the points checked")
-    checked: int = result("", (), "points checked")
-    elsewhere: int = result(
-        "", (), "points checked at which the whole train settled in another motion"
-    )
+    modes: int = result("", "elastic modes kept")
+    of_modes: int = result("", "of so many")
+    error: float = result("1/s", "largest difference to the whole train at the points checked")
+    checked: int = result("", "points checked")
+    elsewhere: int = result("", "points checked at which the whole train settled in another motion")
 
 
 def vary_scene(mechanism: Scene, over: Over, value: float) -> Scene:

@@ -64,17 +64,16 @@ class Stability:
     amplitude_growth: FloatArray = result(
         "1", ("speed",), "growth over a revolution of the reference", key="factor_per_turn"
     )
-    ranges: tuple[UnstableRange, ...] = result("", (), "unstable ranges of speed")
+    ranges: tuple[UnstableRange, ...] = result("", "unstable ranges of speed")
     modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
-    method: str = result("", (), "monodromy or hill")
-    check: float = result("1/s", (), "largest difference to the other method; null if too large")
+    method: str = result("", "monodromy or hill")
+    check: float = result("1/s", "largest difference to the other method; null if too large")
     unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
     loses: bool = result(
-        "", (), "the train is damped; without damping the best growth is 0", key="something_damps"
+        "", "the train is damped; without damping the best growth is 0", key="something_damps"
     )
     kept: int | None = result(
         "",
-        (),
         "elastic modes that the train is reduced to; null for all",
         key="modes_kept",
         default=None,
@@ -86,7 +85,7 @@ class Stability:
         default=None,
     )
     drifts: tuple[MeanSpeedDrift, ...] = result(
-        "", (), "where the mean speed drifts, at most one", default=()
+        "", "where the mean speed drifts, at most one", default=()
     )
     doubtful: FloatArray | None = result(
         "rad/s",
@@ -96,7 +95,6 @@ class Stability:
     )
     left_out: float = result(
         "1/s",
-        (),
         "largest change of the growth rate with twice as many, where that was tried",
         key="reduction_error_per_s",
         default=0.0,
