@@ -84,7 +84,8 @@ def _crossing(
     line: Line, order: Fraction, mode: int, speed: float, hertz: float, operation: Operation
 ) -> CriticalSpeed:
     """Return a crossing, with its distance from the rated speed, else from the nearest end of the range."""
-    speeds, margin = operation.speeds, None
+    speeds = operation.speeds
+    margin = None
     inside = speeds is not None and speeds.first <= speed <= speeds.last
     near = None if operation.rated is None else operation.rated.speed
     if near is None and speeds is not None:
@@ -96,7 +97,9 @@ def _crossing(
 
 def run(work: Work) -> None:
     """Put the critical speeds where orders excite and modes were computed."""
-    modes, components, operation = work.get(Modes), lines(work.system), work.study.operation
+    modes = work.get(Modes)
+    components = lines(work.system)
+    operation = work.study.operation
     crossings: tuple[CriticalSpeed, ...] = ()
     if modes is None or not any(line.order is not None for line in components):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")

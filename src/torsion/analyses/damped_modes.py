@@ -68,12 +68,15 @@ def damped(
     ground = np.zeros(condensed.tree.size)
     own_damping = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground[condensed.node] = own_damping * system.speed_ratio**2
-    start, laws = None, _laws(system)
+    start = None
+    laws = _laws(system)
     has_power_law = any(law.exponent is not None for law in laws.values())
     if has_power_law or condensed.tree.size > LARGEST_FOR_ALL:
         start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
-    viscous, loss = condensed.viscous.copy(), condensed.loss_factor.copy()
-    viscous[list(laws)], loss[list(laws)] = 0.0, 0.0
+    viscous = condensed.viscous.copy()
+    loss = condensed.loss_factor.copy()
+    viscous[list(laws)] = 0.0
+    loss[list(laws)] = 0.0
     roots = damped_modes(
         condensed.tree,
         ground_damping=ground,
@@ -83,7 +86,8 @@ def damped(
         laws=laws,
     )
     lowest = np.argsort(roots.eigenvalue.imag, kind="stable")[:count]
-    eigenvalue, torque = roots.eigenvalue[lowest], roots.torque[:, lowest]
+    eigenvalue = roots.eigenvalue[lowest]
+    torque = roots.torque[:, lowest]
     return DampedModes(
         eigenvalue.imag / (2.0 * math.pi),
         -eigenvalue.real / np.abs(eigenvalue),
@@ -108,9 +112,11 @@ def _laws(system: System) -> "dict[int, SpringLaw]":
 
 def _by_mode(modes: Modes, speed: float) -> DampedModes:
     """Return modes with the damping ratios that the file gives them."""
-    ratio, w = modes.system.modal_ratios(len(modes.frequency)), 2.0 * math.pi * modes.frequency
+    ratio = modes.system.modal_ratios(len(modes.frequency))
+    w = 2.0 * math.pi * modes.frequency
     root = w * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
-    shape, torque = modes.shape.astype(complex), modes.torque.astype(complex)
+    shape = modes.shape.astype(complex)
+    torque = modes.torque.astype(complex)
     return DampedModes(root.imag / (2.0 * math.pi), ratio, root, shape, torque, np.empty(0), speed)
 
 
@@ -139,7 +145,9 @@ def _why_not(study: Study, system: System, *, is_refused: bool) -> str:
 
 def run(work: Work) -> None:
     """Put the damped modes at the operating speed, where modes are requested and something damps."""
-    study, system, speed = work.study, work.system, work.study.operation.speed
+    study = work.study
+    system = work.system
+    speed = work.study.operation.speed
     settings = modes_settings(study, work.ruled)
     if settings is None:
         return

@@ -135,7 +135,9 @@ def run_assembly(work: Work) -> None:
 
 def run_modes(work: Work) -> None:
     """Put the modes, where they are requested, and the train divided finely enough for them."""
-    study, system, settings = work.study, work.system, modes_settings(work.study, work.ruled)
+    study = work.study
+    system = work.system
+    settings = modes_settings(work.study, work.ruled)
     if not has_inertia(system):
         work.log.without("natural frequencies", "no component has an inertia")
         return

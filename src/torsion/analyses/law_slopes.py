@@ -78,7 +78,8 @@ def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[flo
 
     Raises InputError where neither its own speed nor that of the operation is rated.
     """
-    machine, ratio = part.machine, abs(float(part.ratio))
+    machine = part.machine
+    ratio = abs(float(part.ratio))
     rated_speed = None if operation.rated is None else operation.rated.speed * ratio
     speed = (None if machine is None else machine.speed) or rated_speed
     if speed is None:
@@ -93,12 +94,11 @@ def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[flo
 
 def drive_faults(study: Study) -> list[Fault]:
     """Return why a law of drive contradicts the speeds and the balance of power of the file."""
-    faults, operation = list[Fault](), study.operation
+    faults = list[Fault]()
+    operation = study.operation
     if not study.has_mean_torque:
-        message, hint = (
-            "the law of a drive needs the mean torque",
-            "give the rated power, or the power of the loads",
-        )
+        message = "the law of a drive needs the mean torque"
+        hint = "give the rated power, or the power of the loads"
         return [
             Fault((*part.path, "drive"), message, hint)
             for part, law in driven_by_law(study.train)
@@ -169,10 +169,12 @@ def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
 
     The slope is in N m s/rad at own speed.
     """
-    operation, lacking = study.operation, mean_speed_slopes(study)
+    operation = study.operation
+    lacking = mean_speed_slopes(study)
     if not study.has_mean_torque or operation.speed is None:
         return []
-    balance, speed = power_balance(study.train, operation), np.array([operation.speed])
+    balance = power_balance(study.train, operation)
+    speed = np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
     slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(
         balance, ratio, speed

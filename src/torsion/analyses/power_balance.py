@@ -87,7 +87,8 @@ def power_balance(train: Train, operation: Operation) -> Balance:
 
 def rated_power(study: Study) -> float | None:
     """Return the rated power (W), else that of all loads at the rated speed; None where neither is known."""
-    operation, rated = study.operation, study.operation.rated
+    operation = study.operation
+    rated = study.operation.rated
     if rated is None:
         return None
     if rated.power is not None or operation.load.table or not study.has_mean_torque:
@@ -137,7 +138,8 @@ def _loads(
     taken = float(sum(load.torque_at(speed)[0] for load in stated)) * rated.speed
     if free and taken < rated.power:
         _refuse_unlike(train, operation, free)
-        torque, law = (rated.power - taken) / rated.speed, law_of(free[0], operation)
+        torque = (rated.power - taken) / rated.speed
+        law = law_of(free[0], operation)
         shares = _in_equal_parts(free)
         return [*stated, Load(tuple(free), shares, law, torque, rated.speed, is_free=True)]
     if free or abs(taken - rated.power) > SAME_POWER * rated.power:
@@ -163,16 +165,15 @@ def _whole_load(operation: Operation, parts: Parts, stations: Shared) -> Load:
         message = "the mean torque needs the rated power"
         hint = "for example `rated: {speed: 1500 rpm, power: 100 kW}`"
         raise InputError([Fault(("operation", "rated"), message, hint)])
-    law, torque = (
-        law_of(parts[0], operation) if parts else operation.load,
-        rated.power / rated.speed,
-    )
+    law = law_of(parts[0], operation) if parts else operation.load
+    torque = rated.power / rated.speed
     return Load(tuple(parts), stations, law, torque, rated.speed, is_free=True)
 
 
 def _stated_load(part: Part, operation: Operation) -> Load:
     """Return a load by its own `power`, `torque` or table, referred to the reference speed."""
-    load, ratio = None if part.machine is None else part.machine.load, abs(float(part.ratio))
+    load = None if part.machine is None else part.machine.load
+    ratio = abs(float(part.ratio))
     stations = [(part.stations[0], Fraction(1))]
     if load is not None and load.table:
         table = tuple((speed / ratio, torque * ratio) for speed, torque in load.table)
@@ -185,7 +186,8 @@ def _stated_load(part: Part, operation: Operation) -> Load:
 
 def _stated_point(part: Part, operation: Operation) -> tuple[float, float]:
     """Return speed (rad/s) and torque (N m), both of the reference, that a machine states."""
-    machine, ratio = part.machine or MachineRecord(is_driver=False), abs(float(part.ratio))
+    machine = part.machine or MachineRecord(is_driver=False)
+    ratio = abs(float(part.ratio))
     speed = machine.speed or (None if operation.rated is None else operation.rated.speed * ratio)
     torque = machine.rated_torque(speed or 0.0)
     if speed is None or torque is None:
@@ -347,15 +349,18 @@ def _unused_ratings_words(drivers: Parts, operation: Operation) -> str:
         return ""
     if abs(sum(powers) - rated) <= SAME_POWER * rated:
         return ""
-    subject, use = "The power of the motor", "is not used"
+    subject = "The power of the motor"
+    use = "is not used"
     if len(powers) > 1:
-        subject, use = "The powers of the motors, together", "say their shares alone"
+        subject = "The powers of the motors, together"
+        use = "say their shares alone"
     return f" {subject} ({_in_kw(sum(powers))}) {use}: the torque follows from the rated {_in_kw(rated)}."
 
 
 def _missing_power_words(balance: Balance, operation: Operation) -> str:
     """Return what cylinders that do not fire take from the loads, in kW at the rated point."""
-    share, rated = float(balance.delivered), operation.rated
+    share = float(balance.delivered)
+    rated = operation.rated
     if rated is None or abs(share - 1.0) <= SAME_SHARE:
         return ""
     speed = np.array([rated.speed])

@@ -22,7 +22,8 @@ def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
 
 def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
     """Return the fault of a table that does not cover the speeds (rad/s); none where it does."""
-    first, last = table[0][0], table[-1][0]
+    first = table[0][0]
+    last = table[-1][0]
     if not speed.size or (
         speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)
     ):

@@ -77,7 +77,8 @@ def _toward_leaves(system: System, span: int, station: int) -> int:
 
 def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
     """Return the share (spans,) carried by each span of the tree: what is applied beyond it, signed by direction."""
-    beyond, shares = list(applied), [Fraction(0)] * len(system.spans)
+    beyond = list(applied)
+    shares = [Fraction(0)] * len(system.spans)
     for station, parent, span in reversed(_from_roots(way)):
         if span >= 0:
             shares[span] = -beyond[station] * _toward_leaves(system, span, station)
@@ -165,7 +166,8 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
     load does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
-    balance, ratio = power_balance(train, operation), system.speed_ratio
+    balance = power_balance(train, operation)
+    ratio = system.speed_ratio
     torque, applied, twist = (
         np.zeros((count, len(speed)))
         for count in (len(system.spans), len(system.stations), len(system.stations))
@@ -192,7 +194,8 @@ def _unit_loads(
     train: Train, system: System, operation: Operation
 ) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
     """Return the torques (spans,), what is applied, and the twists (stations,) under 1 N m of each load."""
-    balance, reference = power_balance(train, operation), reference_station(train, operation)
+    balance = power_balance(train, operation)
+    reference = reference_station(train, operation)
     inside_shafts = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts there
     unit_loads = []
     for load in balance.loads:
@@ -222,7 +225,9 @@ def reference_station(train: Train, operation: Operation) -> int:
 
 def run(work: Work) -> None:
     """Put mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
-    study, operation, speeds = work.study, work.study.operation, work.study.operation.speeds
+    study = work.study
+    operation = work.study.operation
+    speeds = work.study.operation.speeds
     if not study.has_mean_torque:
         reason = "the file states neither the power of the loads nor a table of the load"
         work.log.without("mean torque", reason)
@@ -293,7 +298,8 @@ def _stations(part: Part | None, shared: Shared) -> list[int]:
 
 def power_faults(study: Study) -> list[Fault]:
     """Return why the mean torque finds no way through the train, and tables of load that do not cover the speeds."""
-    operation, speeds = study.operation, study.operation.speeds
+    operation = study.operation
+    speeds = study.operation.speeds
     ends = [] if speeds is None else [speeds.first, speeds.last]
     speed = np.array([*ends, *([] if operation.rated is None else [operation.rated.speed])])
     if not speed.size:
@@ -307,7 +313,8 @@ def power_faults(study: Study) -> list[Fault]:
 
 def table_faults(study: Study) -> list[Fault]:
     """Return the tables of torques over speed, of those that the response reads, that do not cover its speeds."""
-    speeds, faults = study.operation.speeds, list[Fault]()
+    speeds = study.operation.speeds
+    faults = list[Fault]()
     orders = getattr(study.analyses.get("response"), "orders", "all")
     for torque in study.train.torques if speeds is not None else ():
         ratio = study.train.stations[torque.station].ratio

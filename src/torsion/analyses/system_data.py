@@ -171,10 +171,12 @@ def run(work: Work) -> None:
 
 def system_data(evidence: Results) -> SystemData:
     """Return the data of a system, at the rated speed where they vary and mean torques are known."""
-    train, impellers = evidence.study.train, list[ImpellerRow]()
+    train = evidence.study.train
+    impellers = list[ImpellerRow]()
     for part in train.parts:
         if part.impeller is not None:
-            impeller, screw = part.impeller, part.propeller
+            impeller = part.impeller
+            screw = part.propeller
             wet = None if impeller.water is None else impeller.inertia + impeller.water
             size = (None, None) if screw is None else (screw.pitch_ratio, screw.area_ratio)
             row = part.name, impeller.blades, impeller.diameter, *size
@@ -227,7 +229,8 @@ def _lumps(evidence: Results, bar: Bar) -> tuple[float, float, float]:
 def _inertias(evidence: Results) -> Iterator[InertiaRow]:
     """Yield by station what components give it, then what the shafts that end there do; inner segments last."""
     train = evidence.system.train
-    lumps, inner = list(train.inertias), list[tuple[str, Inertia]]()
+    lumps = list(train.inertias)
+    inner = list[tuple[str, Inertia]]()
     for bar in train.bars:
         driving, inside, driven = _lumps(evidence, bar)
         lumps.append(Inertia(bar.driving, driving, bar.part, "driving end"))
@@ -241,7 +244,8 @@ def _inertias(evidence: Results) -> Iterator[InertiaRow]:
         if station.is_ground or not lump.inertia:
             continue
         part = evidence.study.train.parts[lump.part]
-        given, ratio = None, None
+        given = None
+        ratio = None
         if evidence.study.train.has_referred_figures and math.isfinite(lump.given):
             given = lump.given
             # Of the driven wheel of a gear the value is given at the driving side.
@@ -253,18 +257,23 @@ def _inertias(evidence: Results) -> Iterator[InertiaRow]:
 
 
 def _elastic_row(evidence: Results, element: Element) -> ElasticRow:
-    system, span = evidence.system, element.spans[0]
-    part, table = evidence.study.train.parts[element.part], system.tables.get(span)
+    system = evidence.system
+    span = element.spans[0]
+    part = evidence.study.train.parts[element.part]
+    table = system.tables.get(span)
     flexibility = float(system.flexibility[list(element.spans)].sum())
-    driving, driven = system.spans[span].driving, system.spans[element.spans[-1]].driven
+    driving = system.spans[span].driving
+    driven = system.spans[element.spans[-1]].driven
     ratio = system.stations[driving].ratio
     given_ratio = ratio if part.referred_to is None else part.referred_to
-    stiffness, given = None, None
+    stiffness = None
+    given = None
     if flexibility < math.inf and table is None:
         stiffness = 1 / flexibility if flexibility else math.inf
         if flexibility and evidence.study.train.has_referred_figures and not part.is_bar:
             given = float(ratio / given_ratio) ** 2 * stiffness
-    source, is_damped = "", damps(system, element)
+    source = ""
+    is_damped = damps(system, element)
     if table is not None:
         source = table.follows
     elif part.damping is not None:
@@ -291,7 +300,8 @@ def _elastic_row(evidence: Results, element: Element) -> ElasticRow:
 def _shafts(evidence: Results) -> Iterator[ShaftRow]:
     train = evidence.study.train
     for requested, bar in zip(train.bars, evidence.system.train.bars, strict=True):
-        section, is_round = requested.section, requested.section is None
+        section = requested.section
+        is_round = requested.section is None
         material = train.shaft(requested).material
         is_mesh = isinstance(section, SectionMesh)
         yield ShaftRow(
@@ -314,7 +324,9 @@ def _shafts(evidence: Results) -> Iterator[ShaftRow]:
 
 def _ground(evidence: Results) -> Iterator[GroundDamping]:
     """Yield the damping to ground of every damper, at the rated speed where it varies."""
-    system, rated, steady = evidence.system, evidence.study.operation.rated, evidence.get(Steady)
+    system = evidence.system
+    rated = evidence.study.operation.rated
+    steady = evidence.get(Steady)
     for station in dict.fromkeys(damper.station for damper in system.dampers):
         part = evidence.study.train.parts[system.stations[station].part]
         dampers = [damper for damper in system.dampers if damper.station == station]
@@ -323,15 +335,20 @@ def _ground(evidence: Results) -> Iterator[GroundDamping]:
         if not needs_torque and not any(damper.speed_factor for damper in dampers):
             value = sum(damper.constant for damper in dampers)
         elif rated is not None and (steady is not None or not needs_torque):
-            speeds, mean, slope = np.array([rated.speed]), np.array([]), None
+            speeds = np.array([rated.speed])
+            mean = np.array([])
+            slope = None
             if steady is not None:
                 nearest = [int(np.argmin(np.abs(steady.speed - rated.speed)))]
-                speeds, mean = steady.speed[nearest], steady.applied[:, nearest]
+                speeds = steady.speed[nearest]
+                mean = steady.applied[:, nearest]
                 slope = None if steady.load_slope is None else steady.load_slope[:, nearest]
             value = float(system.ground_damping(speeds, mean, slope)[station, 0])
-        model, factor = "viscous", None
+        model = "viscous"
+        factor = None
         if part.machine is not None:
-            model, factor = part.machine.damping_model, part.machine.damping_factor
+            model = part.machine.damping_model
+            factor = part.machine.damping_factor
         yield GroundDamping(system.stations[station].name, model, factor, value, part.source)
 
 
@@ -364,7 +381,8 @@ def _rated_amplitude(evidence: Results, torque: Torque) -> float | None:
     own_speed = rated.speed * float(evidence.system.stations[torque.station].ratio)
     if torque.table and not torque.table[0][0] <= own_speed <= torque.table[-1][0]:
         return None
-    speed, steady = np.array([rated.speed]), None
+    speed = np.array([rated.speed])
+    steady = None
     if torque.of_mean:
         try:
             steady = steady_if_known(evidence.study, evidence.system, speed)

@@ -57,7 +57,8 @@ def forces(
 
 def run(work: Work) -> None:
     """Put the forces where the mean torque at the rated point is known."""
-    rated, system = work.study.operation.rated, work.system
+    rated = work.study.operation.rated
+    system = work.system
     meshes = [mesh for mesh in system.train.constraints if mesh.toothing is not None]
     try:
         steady = (
@@ -75,14 +76,13 @@ def run(work: Work) -> None:
     with work.log.step("tooth forces", "the file gives pitch diameters") as step:
         forces_of = []
         for mesh in meshes:
-            teeth, torque = mesh.toothing, torques[mesh.part, mesh.name]
+            teeth = mesh.toothing
+            torque = torques[mesh.part, mesh.name]
             if teeth is not None:
                 size = teeth.diameter, teeth.diameter / float(mesh.ratio), teeth.module
                 angles = teeth.helix, teeth.pressure_angle
                 acting = forces(torque, teeth.diameter, *angles)
                 forces_of.append(ToothForce(mesh.name, *size, *angles, torque, *acting))
         work.put(tooth_forces=ToothForces(tuple(forces_of)))
-        step.method, step.size = (
-            "F_t = 2 T/d",
-            f"{len(forces_of)} mesh{'es' * (len(forces_of) != 1)}",
-        )
+        step.method = "F_t = 2 T/d"
+        step.size = f"{len(forces_of)} mesh{'es' * (len(forces_of) != 1)}"

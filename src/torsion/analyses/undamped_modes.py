@@ -140,7 +140,8 @@ class Modes(Displayed, Keyed):
         if self.distributed is not None:
             energy = self.distributed.elastic[self.system.condensed.span]
         else:
-            flexibility, energy = self.system.flexibility, np.square(self.torque)
+            flexibility = self.system.flexibility
+            energy = np.square(self.torque)
             energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
         energy /= energy.sum(axis=0)
         return energy
@@ -148,7 +149,8 @@ class Modes(Displayed, Keyed):
     @derived("", "energy of named stations, inner segments of shafts, and elastic elements")
     def energy_shares(self) -> tuple[EnergyShare, ...]:
         """Kinetic energy by station, all inner stations of a shaft together; elastic energy by element."""
-        system, stations = self.system, self.system.train.stations
+        system = self.system
+        stations = self.system.train.stations
         inner = by_part(system.station_part[len(stations) :])
         kinetic = {station.name: [k] for k, station in enumerate(stations)} | {
             f"{bar.name} (inner segments)": (len(stations) + inner[bar.part]).tolist()
@@ -166,7 +168,8 @@ class Modes(Displayed, Keyed):
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
         """Number of nodes (modes,) of each shape."""
-        tree, chords = undamped_tree(self.system), chord_spans(self.system)
+        tree = undamped_tree(self.system)
+        chords = chord_spans(self.system)
         square = np.square(2.0 * math.pi * self.frequency)
         return nodes(self.system, tree, chords, self.shape, square)
 
@@ -184,7 +187,8 @@ def modes(system: System, count: int | None = 6, *, refine: bool = True) -> Mode
     where that is needed and `refine` is False, and for a frequency that cannot be proven.
     """
     if count is not None and not 1 <= count <= MOST_MODES:
-        message, hint = f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}"
+        message = f"{count} modes cannot be computed"
+        hint = f"give 1 to {MOST_MODES}"
         raise InputError([Fault(("count",), message, hint)])
     has_end = any(not table.holds for table in system.tables_over("frequency").values())
     if has_end:  # no mode above the end of a table is sought
@@ -207,7 +211,9 @@ def modes_up_to(known: Modes, requested: int, reach: float) -> tuple[FloatArray,
     known: the modes of which `requested` were sought; where they end below `reach`, more are computed. The second
     number is infinite where the train has no further mode, and stays below `reach` where no more can be computed.
     """
-    frequency, sought, tables = known.frequency, requested, known.system.tables_over("frequency")
+    frequency = known.frequency
+    sought = requested
+    tables = known.system.tables_over("frequency")
     while (last := float(frequency.max(initial=0.0))) < reach:
         if frequency.size < sought:
             has_end = any(not table.holds for table in tables.values())
@@ -247,7 +253,8 @@ def _refined(system: System, count: int) -> Modes:
 
 def _in_more_segments(modes: Modes, count: int) -> Modes:
     """Return modes of lumped shafts in more segments until the train has `count` modes, as far as settings allow."""
-    frequency, system = 0.0, modes.system
+    frequency = 0.0
+    system = modes.system
     half_waves = [
         math.pi / phase(bar, 1.0)
         for bar in system.train.bars
@@ -257,7 +264,8 @@ def _in_more_segments(modes: Modes, count: int) -> Modes:
         frequency = max(2.0 * frequency, min(half_waves))
         finer = rediscretised(system, frequency)
         if _discretisation(finer) != _discretisation(system):
-            system, modes = finer, modes_as_discretised(finer, count)
+            system = finer
+            modes = modes_as_discretised(finer, count)
         elif finer.resolved_to < frequency:
             break
     return modes
@@ -293,7 +301,9 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
 
         result: Modes = tabled_modes(system, count, modes_as_discretised)
         return result
-    tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
+    tree = undamped_tree(system)
+    node = system.condensed.node
+    chords = chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import referred_modes
 
@@ -310,7 +320,9 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
         referred = tree_modes(tree, count)
     outer = referred.torque if referred.shafts is None else referred.shafts.torque_outer
     torque = span_torques(system, referred.torque, outer, chords, referred.loop_torque)
-    shape, hertz, ratio = _rows(referred.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
+    shape = _rows(referred.angle, node)
+    hertz = 1.0 / (2.0 * math.pi)
+    ratio = system.speed_ratio
     if not (ratio == 1.0).all():
         shape = np.asarray(shape * ratio[:, None])
     return Modes(
@@ -374,7 +386,8 @@ def span_torques(
 def _rows(values: np.ndarray, index: IntArray) -> np.ndarray:
     """Return values[index] with the memory laid out as that of `values`; a view where `index` counts up by one."""
     if index.size and index[0] >= 0:
-        first, end = int(index[0]), int(index[0]) + index.size
+        first = int(index[0])
+        end = int(index[0]) + index.size
         if np.array_equal(index, np.arange(first, end)):
             return values[first:end]
     return values[index] if values.flags.c_contiguous else np.take(values.T, index, axis=1).T

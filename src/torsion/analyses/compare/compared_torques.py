@@ -120,7 +120,8 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
 
 def response_torques(given: Loaded) -> list[Torques]:
     """Return the torques of every harmonic, and how far they can be trusted."""
-    ends, torques = given.ends, list[Torques]()
+    ends = given.ends
+    torques = list[Torques]()
     for load in given.loads:
         solution = answer(given.system, load.w, load.sources, load.ground)
         half_segment = (load.w**2)[:, None] * ends.lump * solution.angle[:, ends.station]

@@ -21,7 +21,8 @@ def relative_errors(
 
     The difference is taken in the numbers of the reference, which may have more digits than double precision.
     """
-    exact, error = np.asarray(reference), np.full(len(reference), np.inf)
+    exact = np.asarray(reference)
+    error = np.full(len(reference), np.inf)
     count = min(len(exact), len(values))
     error[:count] = (np.asarray(values, dtype=float)[:count] - exact[:count]) / exact[:count]
     return error
@@ -54,11 +55,13 @@ def shape_errors(
     of that space, so that nothing cancels. NaN where no station of any inertia moves.
     """
     root = np.sqrt(weight)[:, None]
-    ours, theirs = shape * root, exact * root
+    ours = shape * root
+    theirs = exact * root
     errors = np.full(shape.shape[1], np.nan)
     for mode in range(shape.shape[1]):
         close = np.abs(frequency - frequency[mode]) <= TOGETHER * frequency[mode]
-        size, space = float(np.linalg.norm(ours[:, mode])), _space(theirs[:, close])
+        size = float(np.linalg.norm(ours[:, mode]))
+        space = _space(theirs[:, close])
         if size == 0 or space.shape[1] == 0:
             continue
         vector = ours[:, mode] / size

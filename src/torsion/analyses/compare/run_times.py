@@ -88,7 +88,8 @@ def study_times(
         raise InputError([Fault(("train",), NOTHING_TO_DIVIDE, "give a shaft its density")])
     if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
-    effort, bare = QUICK if quick else FULL, plain(study)
+    effort = QUICK if quick else FULL
+    bare = plain(study)
 
     quantities = [timed_frequencies(bare, highest, count, effort, progress)]
     remarks = [f"No response is compared: {no_response}."] if no_response else []

@@ -221,7 +221,8 @@ def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None,
 
     None, 0 and why where no torques can be compared.
     """
-    speeds, orders = study.operation.speeds, requested_orders(study)
+    speeds = study.operation.speeds
+    orders = requested_orders(study)
     if not excitations(system, orders):
         return None, 0.0, "nothing excites the train at an order or a fixed frequency"
     if speeds is None:
@@ -305,9 +306,12 @@ def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArr
 def _compared(
     model: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]
 ) -> ModelCompared:
-    system, train = model.modes.system, exact.modes.system.train
-    known_modes, own_stations = min(count, model.modes.frequency.size), len(train.stations)
-    frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
+    system = model.modes.system
+    train = exact.modes.system.train
+    known_modes = min(count, model.modes.frequency.size)
+    own_stations = len(train.stations)
+    frequency = np.full(count, math.nan)
+    shape = np.full(count, math.inf)
     frequency[:known_modes] = model.modes.frequency[:known_modes]
     weights = shape_weights(exact.modes.system)
     shape[:known_modes] = shape_errors(
@@ -351,14 +355,13 @@ def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompare
         [over_largest(*pair) for pair in zip(torques, wanted, strict=True)]
     ).T  # (speeds, lines)
     error[uncertain] = np.nan
-    over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(uncertain))
+    over_lines = np.fmax.reduce(error, axis=1)
+    left_out = int(np.count_nonzero(uncertain))
     if np.isnan(error).all():
         return TorquesCompared(over_lines, math.nan, None, None, None, "", left_out)
     speed, row = (int(position) for position in np.unravel_index(np.nanargmax(error), error.shape))
-    end, line = (
-        int(np.argmax(np.abs(torques[row, speed] - wanted[row, speed]))),
-        given.loads[row].line,
-    )
+    end = int(np.argmax(np.abs(torques[row, speed] - wanted[row, speed])))
+    line = given.loads[row].line
     largest = float(error[speed, row])
     return TorquesCompared(
         over_lines, largest, speed, line.order, line.frequency, given.ends.name[end], left_out
@@ -367,7 +370,8 @@ def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompare
 
 def _count_below(solved_modes: Modes, highest: float) -> int:
     """Return the number of elastic modes below a frequency (Hz), by counts if these reach so far."""
-    tree, w = undamped_tree(solved_modes.system), 2.0 * math.pi * highest
+    tree = undamped_tree(solved_modes.system)
+    w = 2.0 * math.pi * highest
     if tree.shafts is None:
         from torsion.kernels.sturm import count_below
 

@@ -98,7 +98,8 @@ def unbeaten(rows: Sequence[TimedRow], bound: float = 0.0) -> tuple[TimedRow, ..
 
     Errors below the `bound` of the reference are equal, and so are those that differ by less than NOTICEABLE.
     """
-    rows_kept, lowest = [], math.inf
+    rows_kept = []
+    lowest = math.inf
     for row in sorted(rows, key=lambda row: (row.total.median, row.error)):
         error = max(row.error, bound)
         if error < lowest * (1.0 - NOTICEABLE):
@@ -189,14 +190,16 @@ def timed(
     Each candidate is run once for its errors, which warms up as well; then all have their turn in every round. A curve
     ends where a run takes longer than `pace.longest` or where two discretisations in a row err by rounding alone.
     """
-    trials, remarks = list[_Trial](), list[str]()
+    trials = list[_Trial]()
+    remarks = list[str]()
     for number, curve in enumerate(curves):
         progress(f"{what}: errors", 0.3 * number / len(curves))
         of_curve, remark = _first_runs(curve, pace)
         trials += of_curve
         remarks += [remark] if remark else []
 
-    start, turn = pace.clock(), 0
+    start = pace.clock()
+    turn = 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [
             trial for trial in trials if turn < pace.slow_rounds or trial.seconds <= pace.slow

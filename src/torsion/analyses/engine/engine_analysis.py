@@ -71,7 +71,10 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
     if mean is not None and share:
         balanced = mean / share
         gas_mean = balanced / len(engine.cylinders) / engine.efficiency
-    size, law, imep, stated = engine.cylinder, engine.gas, None, None
+    size = engine.cylinder
+    law = engine.gas
+    imep = None
+    stated = None
     if size is not None:
         imep = None if gas_mean is None else size.imep(gas_mean)
         # Only a gas torque of one load goes on at every load.
@@ -114,7 +117,8 @@ def _harmonics(
     work: Work, engine: EngineRecord, speed: float, gas_mean: float | None
 ) -> Iterator[HarmonicFound]:
     """Yield the harmonics of a firing cylinder of the balanced engine, those that exist."""
-    law, size = engine.gas, engine.cylinder
+    law = engine.gas
+    size = engine.cylinder
     load = None if gas_mean is None else np.array([gas_mean])
     numbers = [
         number
@@ -127,7 +131,9 @@ def _harmonics(
     rigid = np.abs(phasors.sum(axis=1))
     by_mode = [np.abs(phasors @ shape) for shape in _throw_shapes(work, engine)]
     for row, number in enumerate(numbers):
-        gas, motored, speeds = 0j, None, np.array([speed])
+        gas = 0j
+        motored = None
+        speeds = np.array([speed])
         if law is not None:
             gas = complex(law.harmonic(number, load, speeds)[0])
             if law.motored is not None:
@@ -146,7 +152,8 @@ def _harmonics(
 
 def _throw_shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
     """Return the angles (cylinders,) of each of the lowest modes at the throws, relative to the largest of these."""
-    modes, stations = work.get(Modes), [cylinder.station for cylinder in engine.cylinders]
+    modes = work.get(Modes)
+    stations = [cylinder.station for cylinder in engine.cylinders]
     angles = [] if modes is None else [*modes.shape[stations, :MOST_MODES].T]
     return [angle / np.abs(angle).max() for angle in angles if angle.any()]
 
@@ -180,7 +187,8 @@ def varying_inertia(
     cylinders: stations and (harmonics,) kg m2 of their inertia, phasors included. J_0 (1 + e cos k angle) is unstable
     about 2 w/k +- e/4 of that; with the damping ratio z of the mode it is stable for e < 4 z (first order in e).
     """
-    modes, damped = work.get(Modes), work.get(DampedModes)
+    modes = work.get(Modes)
+    damped = work.get(DampedModes)
     inertia = np.array([harmonics for _, harmonics in cylinders]).T
     if modes is None or not inertia.any():
         return
@@ -202,7 +210,8 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
 
     It gives nothing without a response, and in all but the first of the runs of `misfire: worst`.
     """
-    response, name = work.get(Response), work.study.train.parts[engine.part].name
+    response = work.get(Response)
+    name = work.study.train.parts[engine.part].name
     first = next(cylinder for cylinder in engine.cylinders if cylinder.state != "cut out")
     is_later_run = engine.tries_all and first.state != "motored"
     if response is None or len(engine.cylinders) == 1 or is_later_run:
@@ -238,12 +247,15 @@ def engine_faults(study: Study) -> Iterator[Fault]:
 
 def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault]:
     """Yield the fault of a gas torque that is not known at some load or speed of the response."""
-    law, operation = engine.gas, study.operation
+    law = engine.gas
+    operation = study.operation
     if law is None or operation.speeds is None:
         return
     rated = [] if operation.rated is None else [operation.rated.speed]
     speed = np.append(operation.speeds.values(), rated)
-    factor, unit, needed = 30.0 / math.pi, "rpm", speed * abs(float(part.ratio))
+    factor = 30.0 / math.pi
+    unit = "rpm"
+    needed = speed * abs(float(part.ratio))
     if law.over == "load" and study.has_mean_torque:
         station, of_mean = engine.load_says
         try:
@@ -251,13 +263,16 @@ def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault
         except InputError:
             return  # the mean torque is at fault, and reported as that
         needed = entering / float(study.train.stations[station].ratio) * of_mean
-        factor, unit = 1.0, "N m of a cylinder"
+        factor = 1.0
+        unit = "N m of a cylinder"
         if engine.cylinder is not None:
-            factor, unit = engine.cylinder.imep(1.0) * 1e-5, "`bar` imep"
+            factor = engine.cylinder.imep(1.0) * 1e-5
+            unit = "`bar` imep"
     elif law.over != "speed":
         return
     if not law.covers(needed):
-        first, last = law.at[0] * factor, law.at[-1] * factor
+        first = law.at[0] * factor
+        last = law.at[-1] * factor
         needs = f"the operation needs {needed.min() * factor:.5g} to {needed.max() * factor:.5g}"
         message = f"the tables of '{part.name}' cover {first:.5g} to {last:.5g} {unit}, {needs}"
         hint = "add a table (`motored` rows are one of no load), or narrow the speeds; nothing is extrapolated"

@@ -38,10 +38,8 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
     half_range = _half_ranges(study, response, engine, speeds)
     added = _near_largest(speeds, half_range)
     added_half_range = _half_ranges(study, response, engine, added)
-    half_range, speeds = (
-        np.concatenate([half_range, added_half_range], axis=1),
-        np.append(speeds, added),
-    )
+    half_range = np.concatenate([half_range, added_half_range], axis=1)
+    speeds = np.append(speeds, added)
     order = np.argsort(speeds)
     return [
         MisfireFound(number, response.speed[speeds[order]], values[order])
@@ -64,7 +62,8 @@ def _half_ranges(
     study: Study, response: Response, engine: EngineRecord, speeds: IntArray
 ) -> FloatArray:
     """Return the amplitudes (cases, speeds, spans) N m at some positions of speeds, the first with all firing."""
-    system, speed = response.system, response.speed[speeds]
+    system = response.system
+    speed = response.speed[speeds]
     steady = steady_if_known(study, system, speed)
     line_of = {line.order: k for k, line in enumerate(response.lines)}
     harmonics = [
@@ -76,7 +75,8 @@ def _half_ranges(
 
     # The response to 1 N m at every throw, by line and station.
     ground = ground_damping(system, speed, steady)
-    size, node = system.condensed.tree.size, system.condensed.node
+    size = system.condensed.tree.size
+    node = system.condensed.node
     pairs = sorted({(torque.station, line) for line, _, torque in harmonics})
     sources = []
     for station, _ in pairs:
@@ -100,7 +100,8 @@ def _half_ranges(
             changed = replace(law, state=state, share=1.0)
             change = changed.amplitude(own_speed, mean) - law.amplitude(own_speed, mean)
             torque[:, line] += change[:, None] * unit_torque[source.station, line]
-        mean_torque, status = response.mean[speeds], response.status[speeds]
+        mean_torque = response.mean[speeds]
+        status = response.status[speeds]
         changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
         half_ranges.append(synthesis(changed_response).half_range)
     return np.array(half_ranges)

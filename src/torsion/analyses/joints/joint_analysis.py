@@ -92,8 +92,10 @@ def _joint(
     speed: float | None,
     torque: float | None,
 ) -> JointFound:
-    joint, moved = placed[position], behind.transfer
-    pair, force = tuple[CoupleFound, ...](), 0.0
+    joint = placed[position]
+    moved = behind.transfer
+    pair = tuple[CoupleFound, ...]()
+    force = 0.0
     if torque is not None:
         distance = requested.bearings.get(joint.name)
         pair, force = joint_couples(joint, behind.yoke, torque, requested.carrier, distance)

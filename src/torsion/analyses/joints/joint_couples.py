@@ -39,11 +39,13 @@ def joint_couples(
 
 def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle, start = joint.record.angle, joint.record.yoke
+    angle = joint.record.angle
+    start = joint.record.yoke
     curves = couples(yoke, angle, torque, carrier)
     if carrier == "driven":
         start += float(transfer(start, angle).error)
-    turn, sine = np.exp(2j * start), math.sin(angle)
+    turn = np.exp(2j * start)
+    sine = math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
     shafts = zip(
@@ -70,7 +72,8 @@ def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) 
 def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair:
     """Standing couple torque tan(angle/2) in the plane, the same on either shaft."""
     size = float(constant_velocity_couple(angle, torque))
-    none, mean = np.zeros_like(yoke), (0.0, size)
+    none = np.zeros_like(yoke)
+    mean = (0.0, size)
     driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size))
     return driving, replace(driving, shaft="driven")
 
@@ -79,7 +82,8 @@ def _of_tripod(
     joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier
 ) -> tuple[Pair, float]:
     """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
-    record, start = joint.record, joint.record.yoke + math.pi / 2
+    record = joint.record
+    start = joint.record.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
     data = record.angle, record.radius or 0.0, record.arm or 1.0
     x, share = (
@@ -88,7 +92,8 @@ def _of_tripod(
     )  # the carrier's angle from where it starts, its speed / driving speed
     if carrier == "driven":
         both = exact_motion(np.append(arms, start), *data)
-        x, share = x + both.error[:-1] - both.error[-1], both.ratio[:-1]
+        x = x + both.error[:-1] - both.error[-1]
+        share = both.ratio[:-1]
 
     def statics(angles: FloatArray) -> tuple[list[tuple[FloatArray, FloatArray]], FloatArray]:
         """Return (normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""

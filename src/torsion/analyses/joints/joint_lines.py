@@ -78,7 +78,8 @@ def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
 
 def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
     """Return the exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
-    none, behind_joints = np.zeros(turned.size), list[Behind]()
+    none = np.zeros(turned.size)
+    behind_joints = list[Behind]()
     for joint in joints:
         before = (
             Transfer(none, none + 1.0, none)
@@ -97,7 +98,8 @@ def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
         return transfer(yoke, joint.angle)
     if joint.order == 0 or joint.angle == 0:
         return Transfer(np.zeros_like(yoke), np.ones_like(yoke), np.zeros_like(yoke))
-    radius, arm = joint.radius or 0.0, joint.arm or 1.0
+    radius = joint.radius or 0.0
+    arm = joint.arm or 1.0
     arms = yoke + math.pi / 2  # from the normal of the plane
     motion = exact_motion(arms, joint.angle, radius, arm)
     return Transfer(motion.error, motion.ratio, _slope(joint.angle, radius, arm, arms))
@@ -110,7 +112,8 @@ def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatAr
     order = 3.0 * np.arange(1, series.size + 1)
     steps = 1j * order * series
     heard = np.flatnonzero(np.abs(steps) > np.finfo(float).eps * np.abs(steps).max())
-    turn, total = np.exp(3j * arms), np.zeros(arms.shape, dtype=np.complex128)
+    turn = np.exp(3j * arms)
+    total = np.zeros(arms.shape, dtype=np.complex128)
     for step in steps[heard[-1] :: -1]:  # Horner
         total = (total + step) * turn
     return np.asarray(total.real)
@@ -151,7 +154,8 @@ def line_found(
     slowest = Extreme(float(single.least), math.fmod(angle + math.pi / 2.0, math.pi))
     index = float(single.index)
     if has_third_order(joints, path):
-        greatest, slowest = _extreme(joints, path, 1.0), _extreme(joints, path, -1.0)
+        greatest = _extreme(joints, path, 1.0)
+        slowest = _extreme(joints, path, -1.0)
         index = greatest.speed_ratio - slowest.speed_ratio
     optimum = variable and optimum_found(joints, path, variable, free)
     resulting = float(single.angle), float(single.phase), float(classical_angle(line))
@@ -186,7 +190,9 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
         _end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature
     )
     row = int(np.argmax(size))
-    before, top, behind = size[row - 1], size[row], size[(row + 1) % _TURN]
+    before = size[row - 1]
+    top = size[row]
+    behind = size[(row + 1) % _TURN]
     bow = before - 2.0 * top + behind  # vertex of the parabola through the three
     return float(top if bow >= 0.0 else top - (behind - before) ** 2 / (8.0 * bow))
 

@@ -109,11 +109,10 @@ def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, Floa
     Each (functions, functions) of one plane over displacements, m, slopes, and inner unknowns.
     """
     points, weights = gauss(POINTS)
-    shapes, weights = (
-        scaled(functions(tuple(points), shear), section.length, shear),
-        weights * section.length,
-    )
-    area, moment = section.area(points), section.moment(points)
+    shapes = scaled(functions(tuple(points), shear), section.length, shear)
+    weights = weights * section.length
+    area = section.area(points)
+    moment = section.moment(points)
     stiffness = _product(shapes.bending, weights * section.youngs_modulus * moment)
     if shear:
         coefficient = section.shear_coefficient(points) * section.shear_modulus
@@ -130,7 +129,8 @@ def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
         )
     factor = np.ones((shapes.deflection.shape[0], 1))
     factor[[1, 3]] = length
-    by_length, by_square = factor / length, factor / length**2
+    by_length = factor / length
+    by_square = factor / length**2
     return Functions(
         factor * shapes.deflection,
         by_length * shapes.rotation,

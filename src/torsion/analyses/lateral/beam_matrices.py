@@ -82,7 +82,8 @@ class Beam:
         """
         if any(point.fixation == "clamped" for point in self.points):
             return 1.0
-        bent, total = self.bending_stiffness, np.zeros((2, 2))
+        bent = self.bending_stiffness
+        total = np.zeros((2, 2))
         for point in self.points:
             share = 1.0 if point.fixation == "pinned" else min(1.0, point.stiffness[plane] / bent)
             motion = np.array([1.0 - point.at / self.length, point.at / self.length])
@@ -211,7 +212,8 @@ def _cells(
             f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
         )
         raise SolveError(f"{beam.name or 'beam'}: {why}; request fewer `modes` or lower `speeds`")
-    inside, first = size(shear) - 4, 2 * (len(sections) + 1)
+    inside = size(shear) - 4
+    first = 2 * (len(sections) + 1)
     cells = [
         Cell(
             start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)]

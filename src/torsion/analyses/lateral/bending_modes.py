@@ -62,13 +62,15 @@ def planes(system: LateralSystem) -> Planes:
                 f"{where} is not supported in the plane {name}; give it a `support`, or a joint at either end"
             )
     y = _plane(system, 0)
-    turning, crossed = _projected(system.gyroscopic, y, y), _projected(system.lossy, y, y)
+    turning = _projected(system.gyroscopic, y, y)
+    crossed = _projected(system.lossy, y, y)
     damping = _projected(system.support("damping", 0), y, y)
     if system.beam.is_isotropic:
         return Planes(system, y, y, y.square, turning, damping, crossed, crossed)
     z = _plane(system, 1)
     none = np.zeros_like(turning)
-    turning, crossed = _projected(system.gyroscopic, y, z), _projected(system.lossy, y, z)
+    turning = _projected(system.gyroscopic, y, z)
+    crossed = _projected(system.lossy, y, z)
     return Planes(
         system,
         y,

@@ -89,13 +89,15 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
         return BendingShaft(
             names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches"
         )
-    before, of_material = len(faults), list[Fault]()
+    before = len(faults)
+    of_material = list[Fault]()
     joints = _joints(train, node, stations)
     segments = [_segment(train, bar, of_material) for bar in row]
     points, held = _points(train, row, joints)
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
-    lacks, path = "", Path()
+    lacks = ""
+    path = Path()
     if any(position not in (0, len(row)) for _, _, position in joints):
         lacks = "a joint lies between its ends"
     elif len(faults) == before:
@@ -122,7 +124,8 @@ def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]
 
 
 def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
-    part, name = train.parts[bar.part], train.shaft(bar).material
+    part = train.parts[bar.part]
+    name = train.shaft(bar).material
     modulus = train.materials[name].youngs_modulus
     if modulus is None:
         hint = f"write it under materials: {name}"
@@ -164,7 +167,8 @@ def _supports(
     points = []
     begin = 0.0
     for bar in row:
-        part, supports = train.parts[bar.part], _supports_of(train, bar)
+        part = train.parts[bar.part]
+        supports = _supports_of(train, bar)
         for number, (support, path) in enumerate(supports):
             if support.at > bar.length:
                 message = f"the support lies {support.at:g} m along a shaft of {bar.length:g} m"
@@ -201,7 +205,8 @@ def _loads(
 
 def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     """The supports of a shaft and where each stands in the file."""
-    supports, path = train.shaft(bar).support, (*train.parts[bar.part].path, "support")
+    supports = train.shaft(bar).support
+    path = (*train.parts[bar.part].path, "support")
     return [
         (support, path if len(supports) == 1 else (*path, number))
         for number, support in enumerate(supports)
@@ -233,7 +238,8 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
                 (),
             )
     elif not any(free):
-        hold, bent = min(beam.hold(0), beam.hold(1)), f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
+        hold = min(beam.hold(0), beam.hold(1))
+        bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
         why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
         if hold < SOFTEST:
             _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))

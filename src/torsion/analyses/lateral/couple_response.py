@@ -112,7 +112,8 @@ class Answer:
 
 def extent(pairs: ComplexArray) -> FloatArray:
     """Return (...) largest amplitude in any direction of (..., 2) in y and z: half the long axis of the ellipse."""
-    y, z = pairs[..., 0], pairs[..., 1]
+    y = pairs[..., 0]
+    z = pairs[..., 1]
     return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
 
 
@@ -143,7 +144,8 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     slopes = (
         planes.system.place + 1
     )  # a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'
-    y, z = couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
+    y = couple[..., 1] @ planes.y.shape[slopes]
+    z = -couple[..., 0] @ planes.z.shape[slopes]
     amplification = np.ones(len(speeds))
     if order:
         for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):

@@ -68,11 +68,10 @@ class MisalignedShaft:
 
 def linearised(turned: ArrayLike, tilt: float) -> FloatArray:
     """Return (..., 2, 2) minus the derivative of couple / torque: Zhu and Wang, eq. 7, sec and two entries corrected."""
-    sine, cosine = (
-        np.sin(2.0 * np.asarray(turned, dtype=float)),
-        np.cos(2.0 * np.asarray(turned, dtype=float)),
-    )
-    c, double = np.cos(tilt), np.cos(2.0 * tilt)
+    sine = np.sin(2.0 * np.asarray(turned, dtype=float))
+    cosine = np.cos(2.0 * np.asarray(turned, dtype=float))
+    c = np.cos(tilt)
+    double = np.cos(2.0 * tilt)
     upper = ((1.0 + double) + (3.0 - double) * cosine) / (2.0 * c)
     return _matrices(-sine / c**2, upper, -c * (1.0 - cosine), sine)
 
@@ -85,10 +84,8 @@ def small_angle_part(
     With all three it is minus eq. 8 of Zhu and Wang in its right sign. The constant part, [[0, 1], [-1, 0]], is
     circulatory: it comes from no potential and feeds energy in.
     """
-    s, c = (
-        sine * np.sin(2.0 * np.asarray(turned, dtype=float)),
-        cosine * np.cos(2.0 * np.asarray(turned, dtype=float)),
-    )
+    s = sine * np.sin(2.0 * np.asarray(turned, dtype=float))
+    c = cosine * np.cos(2.0 * np.asarray(turned, dtype=float))
     return _matrices(-s, constant + c, -(constant - c), s)
 
 
@@ -132,7 +129,8 @@ def coefficients(
 
 def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> FloatArray:
     """Return (speeds, 4, 4): what half a turn of the driving shaft, the period of the couple, makes of angles and rates."""
-    speed, rule = np.atleast_1d(np.asarray(speeds, dtype=float)), radau()
+    speed = np.atleast_1d(np.asarray(speeds, dtype=float))
+    rule = radau()
     highest = float(np.sqrt(shaft.square.max() + np.abs(shaft.pull_at(speed)).max()))
     steps = max(FEWEST_STEPS, int(np.ceil(2.0 * np.pi * highest / (ANGLE_PER_STEP * speed.min()))))
     turned = (np.pi * (np.arange(steps)[:, None] + rule.node) / steps).ravel()
@@ -140,10 +138,8 @@ def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT
     for some in np.array_split(
         np.arange(speed.size), -(-speed.size * steps // MOST_STEPS_AT_A_TIME)
     ):
-        shape, speed_column = (
-            (some.size, steps, rule.node.size, 2, 2),
-            speed[some, None, None, None],
-        )
+        shape = (some.size, steps, rule.node.size, 2, 2)
+        speed_column = speed[some, None, None, None]
         damping, stiffness = coefficients(shaft, turned, speed[some], model)
         parts = (
             (damping / speed_column).reshape(shape),

@@ -159,7 +159,8 @@ def lateral(
         raise InputError(faults)
     placed_joints, (shafts, _) = placed(train), bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
-    speeds, found_shafts = wanted.speeds or operation.speeds, []
+    speeds = wanted.speeds or operation.speeds
+    found_shafts = []
     reference = None if speeds is None else speeds.values()
     torque = None if speeds is None else _torques(train, operation, wanted, placed_joints)
     for number, shaft in enumerate(supported):
@@ -204,7 +205,8 @@ def _torques(
         return None
     if (stated := requested.torque) is not None:
         return lambda speed: np.full((len(placed_joints), len(speed)), stated)
-    system, spans = assemble(train), [joint.span for joint in placed_joints]
+    system = assemble(train)
+    spans = [joint.span for joint in placed_joints]
     return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
 
 
@@ -237,7 +239,8 @@ def _bend_shaft(
         _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
     )
     answers: tuple[Answer, ...] = ()
-    tilt, remark = None, ""
+    tilt = None
+    remark = ""
     if shaft_speeds is not None and reference is not None and shaft.joints and torque is not None:
         tilt, remark = tilting(shaft, placed_joints, torque, reference, (at_rest.y, at_rest.z))
         grid = speeds_for(
@@ -304,7 +307,8 @@ def _refined(
         spare = len(system.free) >= _SPARE * requested.modes
         if spare and reached <= highest:
             return both, critical
-        highest, elements = max(highest, 1.01 * reached), elements if spare else 2 * elements
+        highest = max(highest, 1.01 * reached)
+        elements = elements if spare else 2 * elements
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; give fewer `modes`")
 
 

@@ -191,7 +191,8 @@ def _rigid(
         (segment.length for segment in beam.segments), initial=-centre
     )  # and the end
     for segment, start in zip(beam.segments, starts, strict=False):
-        slices, second = weight * segment.length * segment.density, segment.moment(share)
+        slices = weight * segment.length * segment.density
+        second = segment.moment(share)
         position = start + segment.length * share
         transverse += float(slices @ (segment.area(share) * position**2 + second))
         polar += float(slices @ (2.0 * second))
@@ -286,10 +287,8 @@ def _sampled(
     peaks = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
     if not peaks:
         return speed, rate
-    speed, rate = (
-        np.append(speed, [peak_speed for peak_speed, _ in peaks]),
-        np.append(rate, [peak_rate for _, peak_rate in peaks]),
-    )
+    speed = np.append(speed, [peak_speed for peak_speed, _ in peaks])
+    rate = np.append(rate, [peak_rate for _, peak_rate in peaks])
     rank = np.argsort(speed)
     return speed[rank], rate[rank]
 
@@ -322,7 +321,8 @@ def _kind(shaft: MisalignedShaft, fastest: Growth, low: float, up: float) -> str
     """The resonance nearest to the zone's worst speed among those whose multipliers are of its sort."""
     if sum(low < speed < up for name, speed in resonances(shaft).items() if "/" not in name) > 1:
         return "several"
-    speed, half = float(fastest.speed[0]), float(np.pi * fastest.frequency[0] / fastest.speed[0])
+    speed = float(fastest.speed[0])
+    half = float(np.pi * fastest.frequency[0] / fastest.speed[0])
     is_real = abs(np.sin(half)) < EVEN
     by_name = resonances(shaft)
     fitting = [name for name in by_name if name.startswith("principal") == is_real]

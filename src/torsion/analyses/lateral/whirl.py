@@ -67,7 +67,8 @@ class Whirl:
             decrement = self.log_decrement[:, k]
             if not np.isfinite(decrement).any():
                 continue
-            row, grows = int(np.nanargmin(decrement)), is_unstable(decrement)
+            row = int(np.nanargmin(decrement))
+            grows = is_unstable(decrement)
             least = float(decrement[row])
             modes.append(
                 WhirlMode(
@@ -148,7 +149,8 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
     """Return all roots and shapes (coordinates, roots) of the coordinates that are kept."""
     square = planes.square[kept]
     moving = np.flatnonzero(square > 0)
-    n, m = len(kept), len(moving)
+    n = len(kept)
+    m = len(moving)
     symmetric = np.zeros((n + m, n + m))
     symmetric[:n, :n] = -speed * planes.gyroscopic[np.ix_(kept, kept)]
     symmetric[moving, n + np.arange(m)] = symmetric[n + np.arange(m), moving] = -np.sqrt(
@@ -160,7 +162,8 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
         inverse, vectors = np.linalg.eig(damped)
     else:
         value, real = np.linalg.eigh(symmetric)
-        inverse, vectors = (-1j * value).astype(np.complex128), real.astype(np.complex128)
+        inverse = (-1j * value).astype(np.complex128)
+        vectors = real.astype(np.complex128)
     size = np.abs(inverse)
     last = np.argsort(-size, kind="stable")
     last = last[size[last] > (n + m) * EPS * size.max()]
@@ -180,7 +183,9 @@ def refined(
     chosen = np.concatenate(
         [np.flatnonzero(sense * root.imag > OVERDAMPED * np.abs(root))[:modes] for sense in (-1, 1)]
     )
-    start, root, shape = root[chosen], root[chosen].copy(), shape[:, chosen].copy()
+    start = root[chosen]
+    root = root[chosen].copy()
+    shape = shape[:, chosen].copy()
     open_roots = np.arange(len(root))
     for _ in range(STEPS):
         step = _improve(planes, speed, root, shape, open_roots)
@@ -200,7 +205,8 @@ def _improve(
     planes: Planes, speed: float, root: ComplexArray, shape: ComplexArray, which: np.ndarray
 ) -> ComplexArray:
     """One step for the roots numbered `which`, in place; the changes of the roots."""
-    s, p = root[which][:, None, None], shape[:, which].T[:, :, None]
+    s = root[which][:, None, None]
+    p = shape[:, which].T[:, :, None]
     index = np.arange(len(planes.square))
     first = planes.damping - 1j * speed * planes.gyroscopic
     matrix = s * first
@@ -250,14 +256,16 @@ def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """Return (modes,) of the loss factors in the forward and in the backward part of shapes of both planes."""
     n = len(planes.y.square)
-    direct, cross = 0.5 * _of_both(planes, p, planes.lossy), _energy(p[:n], planes.crossed, p[n:])
+    direct = 0.5 * _of_both(planes, p, planes.lossy)
+    cross = _energy(p[:n], planes.crossed, p[n:])
     return direct + cross, direct - cross
 
 
 def direction(planes: Planes, p: ComplexArray) -> FloatArray:
     """Return (modes,) forward less backward share of the orbits, weighted by the inertia, of shapes of both planes."""
     n = len(planes.y.square)
-    y, z = planes.y.shape @ p[:n], planes.z.shape @ (-1j * p[n:])
+    y = planes.y.shape @ p[:n]
+    z = planes.z.shape @ (-1j * p[n:])
     forward, backward = (_energy(u, planes.system.inertia, u) for u in (y + 1j * z, y - 1j * z))
     return np.asarray((forward - backward) / (forward + backward))
 

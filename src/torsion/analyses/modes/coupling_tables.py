@@ -75,7 +75,8 @@ class CouplingTables:
 
 def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
     """Return the tables at the modes, each at its own stiffness; speed: rad/s at which mean torque was taken."""
-    system, w = modes.system, 2.0 * math.pi * modes.frequency
+    system = modes.system
+    w = 2.0 * math.pi * modes.frequency
 
     def stiffness_and_loss(span: int) -> tuple[FloatArray, FloatArray]:
         """Return stiffness and loss factor eta + w c/k (modes,) of an elastic span."""
@@ -89,11 +90,13 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
     for span in np.flatnonzero(is_lossy & is_elastic).tolist():
         modal += modes.elastic[span] * stiffness_and_loss(span)[1]
 
-    tables, at_modes = list[Table](), list[AtMode]()
+    tables = list[Table]()
+    at_modes = list[AtMode]()
     for span, table in sorted(system.tables.items()):
         if table.over == "speed":
             continue  # of a pendulum, which has results of its own
-        name, points = system.spans[span].name, np.array(table.points)
+        name = system.spans[span].name
+        points = np.array(table.points)
         values = points / WORDS[table.over][1], *table.values(points)
         law = table.words or None
         tables.append(
@@ -131,7 +134,8 @@ def refuse_loops(system: System) -> None:
 
 def table_faults(study: Study) -> list[Fault]:
     """Return what a train with tables has no answer for, at the first table of its kind; and what it lacks."""
-    train, operation = study.train, study.operation
+    train = study.train
+    operation = study.operation
     tabled = [
         (spring, spring.table) for spring in reversed(train.springs) if spring.table is not None
     ]
@@ -141,9 +145,11 @@ def table_faults(study: Study) -> list[Fault]:
         table.over: (*train.parts[spring.part].path, *([table.key] if table.key else []))
         for spring, table in tabled
     }
-    path, what = min(paths.values(), key=len), WHAT.get(tabled[-1][1].key, "table")
+    path = min(paths.values(), key=len)
+    what = WHAT.get(tabled[-1][1].key, "table")
     faults = [Fault(path, reason, HINT) for reason in _without_table(study, what)]
-    is_transient, by_vibration = "transient" in study.analyses, "vibratory torque"
+    is_transient = "transient" in study.analyses
+    by_vibration = "vibratory torque"
     supports = "only a response over speed supports a stiffness that follows the vibratory torque"
     lacks_torque = not study.has_mean_torque or operation.speed is None
     for over, is_fault, message, hint in (

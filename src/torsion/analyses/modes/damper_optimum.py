@@ -45,11 +45,13 @@ class Dampers:
 
 def run(work: Work) -> None:
     """Put the optima where modes were computed; each ring is left out alone, those of others stay."""
-    train_modes, train = work.get(Modes), work.study.train
+    train_modes = work.get(Modes)
+    train = work.study.train
     if train_modes is None:
         work.log.without("optimum of the dampers", "no modes")
         return
-    system, count = train_modes.system, len(train_modes.frequency)
+    system = train_modes.system
+    count = len(train_modes.frequency)
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
         rings = [
@@ -70,10 +72,12 @@ def _optima(system: System, ring: Spring, count: int) -> Iterator[DamperOptimum]
     bare = modes(of_train(system, without(train, ring)), count)
     angles = bare.shape[ring.driving].tolist()
     for mode, (hertz, angle) in enumerate(zip(bare.frequency.tolist(), angles, strict=True), 1):
-        ratio, omega = inertia * angle**2, 2.0 * math.pi * hertz
+        ratio = inertia * angle**2
+        omega = 2.0 * math.pi * hertz
         if ratio < SMALLEST_RATIO:
             continue
-        plain, best = viscous(ratio), tuned(ratio)
+        plain = viscous(ratio)
+        best = tuned(ratio)
         given = ring
         if ring.table is not None:
             given = tabled_spring(ring.name, 0, (0, 0), ring.table, omega)

@@ -99,7 +99,8 @@ def _roots(
 
 def frequencies_over_speed(study: Study, system: System, count: int) -> FrequenciesOverSpeed:
     """Return `count` modes over the speed range; raises InputError where a table does not cover it."""
-    speeds, tables = study.operation.speeds, system.tables_over("mean torque")
+    speeds = study.operation.speeds
+    tables = system.tables_over("mean torque")
     if speeds is None:
         message = "frequencies over the speed need the speeds"
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
@@ -131,7 +132,8 @@ def reaching(
     """Return the known frequencies if they reach `highest` (rad/s) at every speed; else those of more modes."""
     if known is not None and known.frequency.size and TAU * known.frequency[-1].min() > highest:
         return known
-    count, speeds = 1, study.operation.speeds
+    count = 1
+    speeds = study.operation.speeds
     for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
         modes = resonances(taken_under(system, torque, speed), highest, None, None)
@@ -148,7 +150,8 @@ def _mean_torque(study: Study, system: System, speed: FloatArray) -> FloatArray:
 
 def _bends(study: Study, system: System, speeds: FloatArray) -> FloatArray:
     """Return the speeds (rad/s) near which the mean torque of a coupling passes a point of its table: curves bend."""
-    mean, bends = np.abs(_mean_torque(study, system, speeds)), [speeds[:0]]
+    mean = np.abs(_mean_torque(study, system, speeds))
+    bends = [speeds[:0]]
     for span, table in system.tables_over("mean torque").items():
         piece = np.searchsorted(table.at, mean[span], side="right")
         bends.append(speeds[1:][np.diff(piece) != 0])
@@ -162,7 +165,8 @@ def at_operating_point(study: Study) -> Study:
     """
     if not study.train.follows_speed:
         return study
-    system, speed = assemble(study.train), np.array(study.operation.speed or 0.0)
+    system = assemble(study.train)
+    speed = np.array(study.operation.speed or 0.0)
     mean = _mean_torque(study, system, speed[None])[:, 0]
     springs = list(study.train.springs)
     for span, table in system.tables.items():
@@ -179,7 +183,8 @@ def at_operating_point(study: Study) -> Study:
 
 def run(work: Work) -> None:
     """Put the frequencies over the speed where modes were computed and speeds are given."""
-    modes, step_name = work.get(Modes), "frequencies over the speed"
+    modes = work.get(Modes)
+    step_name = "frequencies over the speed"
     if modes is None:
         work.log.without(step_name, "no modes")
     elif work.study.operation.speeds is None or not modes.frequency.size:

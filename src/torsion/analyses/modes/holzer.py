@@ -94,26 +94,30 @@ class HolzerTable:
         """
         station = np.array([self.angle, self.inertia_torque])
         ends = np.array([self.torque_in, self.torque_out, self.twist])
-        angle, torque = np.abs(self.angle).max(), np.abs(ends[:2]).max()
+        angle = np.abs(self.angle).max()
+        torque = np.abs(ends[:2]).max()
         largest = np.array([[angle], [max(torque, np.abs(self.inertia_torque).max())]])
         station[:, (np.abs(station) < TINY * largest).all(axis=0)] = 0.0
         ends[:, (np.abs(ends) < TINY * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
 
         for row, link in enumerate(self.links):
-            is_chord, inertia = bool(self.is_chord[row]), float(self.inertia[row])
+            is_chord = bool(self.is_chord[row])
+            inertia = float(self.inertia[row])
             name = system.stations[int(self.station[row])].name
-            before, through, torques, flexibility = None, None, (None, None, None), None
+            before = None
+            through = None
+            torques = (None, None, None)
+            flexibility = None
             constants: tuple[float | None, ...] = (None, None, None, None)
             if link is not None:
-                before, through, torques = (
-                    int(self.before[row]) + 1,
-                    link.name,
-                    ends[:, row].tolist(),
-                )
+                before = int(self.before[row]) + 1
+                through = link.name
+                torques = ends[:, row].tolist()
                 flexibility = float(self.flexibility[row])
                 if np.isfinite(self.transfer[row]).all():
                     (a, h), (b, d) = self.transfer[row].tolist()
-                    constants, flexibility = (a, -h, b, d), None
+                    constants = (a, -h, b, d)
+                    flexibility = None
             yield HolzerRow(
                 row + 1,
                 f"{name}, closing a loop" if is_chord else name,
@@ -150,20 +154,24 @@ class HolzerTable:
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     """Return the table of one mode (counted from 0)."""
     w = 2.0 * math.pi * float(modes.frequency[mode])
-    system, square = taken_at(system, w), w**2
+    system = taken_at(system, w)
+    square = w**2
     rows = list(_rows(system))
     station, before = np.array([row[:2] for row in rows], dtype=np.int64).T
     angle = modes.shape[station, mode] / system.speed_ratio[station]
     angle[system.held[station]] = 0.0
     torque = modes.torque[:, mode] * system.span_ratio
     at_rest = system.flexibility / system.span_ratio**2
-    ends, flexibility = np.zeros((len(rows), 2)), np.zeros(len(rows))
-    transfer, chains = np.full((len(rows), 2, 2), np.nan), _Chains(system, square)
+    ends = np.zeros((len(rows), 2))
+    flexibility = np.zeros(len(rows))
+    transfer = np.full((len(rows), 2, 2), np.nan)
+    chains = _Chains(system, square)
     for row, (_, _, link, _) in enumerate(rows):
         if link is None:
             continue
         first, last = link.spans
-        torques, is_turned = torque[[first, last]], link.driven != station[row]
+        torques = torque[[first, last]]
+        is_turned = link.driven != station[row]
         flexibility[row] = at_rest[first : last + 1].sum()
         matrix, has_driven_end = chains.transfer(link)
         if matrix is not None:
@@ -198,7 +206,8 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
 
 def _scale(angle: FloatArray) -> float:
     """Return the angle that is 1 in the table: the first, or the largest where the first is tiny compared with it."""
-    largest, first = float(angle[np.argmax(np.abs(angle))]), float(angle[0])
+    largest = float(angle[np.argmax(np.abs(angle))])
+    first = float(angle[0])
     if abs(first) > abs(largest) / MOST_TIMES_FIRST:
         return first
     return math.copysign(largest, first) if abs(first) > TINY * abs(largest) else largest
@@ -207,7 +216,8 @@ def _scale(angle: FloatArray) -> float:
 def _links(system: System) -> list[Link]:
     """Return springs, meshes, joints and whole shafts; not those of no stiffness, which carry no torque of a mode."""
     bars = {bar.part: bar for bar in system.train.bars}
-    links, shafts = list[Link](), dict[int, list[int]]()
+    links = list[Link]()
+    shafts = dict[int, list[int]]()
     for position, span in enumerate(system.own_spans):
         if span.part in bars and not span.name.endswith(STEP):
             shafts.setdefault(span.part, []).append(position)
@@ -235,7 +245,8 @@ def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
     for link in links:
         neighbours.setdefault(link.driving, []).append((link.driven, link))
         neighbours.setdefault(link.driven, []).append((link.driving, link))
-    row_of, used = dict[int, int](), set[Link | None]()
+    row_of = dict[int, int]()
+    used = set[Link | None]()
     for start in sorted(neighbours) or [0]:
         stack: list[tuple[int, int, Link | None]] = [(start, -1, None)]
         while stack:
@@ -257,12 +268,14 @@ class _Chains:
 
     def __init__(self, system: System, square: float) -> None:
         """Refer all spans of a system at a squared circular frequency (rad2/s2)."""
-        self.system, self.square = system, square
+        self.system = system
+        self.square = square
         self.inertia = system.lumped_inertia * system.speed_ratio**2  # (stations,) kg m2
         self.pi = np.zeros((3, len(system.flexibility)))  # flexibility, inertia at both ends
         self.pi[0] = system.flexibility / system.span_ratio**2
         if (bars := system.bars) is not None:
-            number, ratio = np.arange(len(bars.span)), system.span_ratio[bars.span]
+            number = np.arange(len(bars.span))
+            ratio = system.span_ratio[bars.span]
             laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
             self.pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
 
@@ -280,7 +293,8 @@ class _Chains:
             return None, has_driven_end
         w2 = self.square
         matrices = np.empty((len(h), 2, 2))
-        matrices[:, 0, 0], matrices[:, 0, 1] = 1.0 - h * w2 * driving, -h
+        matrices[:, 0, 0] = 1.0 - h * w2 * driving
+        matrices[:, 0, 1] = -h
         matrices[:, 1, 0] = w2 * (driving + driven - h * w2 * driving * driven)
         matrices[:, 1, 1] = 1.0 - h * w2 * driven
         matrices[:, 1] += (w2 * inside)[:, None] * matrices[:, 0]

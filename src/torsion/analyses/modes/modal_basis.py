@@ -14,7 +14,8 @@ def rigid_shapes(system: System) -> FloatArray:
     That of the whole train comes first, where nothing holds it; then those of parts that turn against each other.
     Raises SolveError for such a part without inertia.
     """
-    ratio, finite = system.speed_ratio, np.isfinite(system.flexibility)
+    ratio = system.speed_ratio
+    finite = np.isfinite(system.flexibility)
     part = connected(len(ratio), system.driving[finite], system.driven[finite])
     loose = np.setdiff1d(part, part[system.held])
     shapes = np.where(part[:, None] == loose, ratio[:, None], 0.0)

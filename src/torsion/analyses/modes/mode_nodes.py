@@ -39,7 +39,8 @@ def nodes(
     body = _followed(
         np.where(rigid, tree.parent, station)
     )  # the first of the stations that are joined rigidly
-    spans, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
+    spans = np.flatnonzero((tree.parent >= 0) & ~rigid)
+    held = tree.held[body]
     if tree.is_chain and tree.shafts is None and not chords.size:
         fixed = held[np.unique(body)]
         if not fixed[1:-1].any():

@@ -91,7 +91,9 @@ def hub_moves(modes: Modes) -> HubMoves:
     """Return the modes again without each hub of a train whose modes are known, the shafts divided alike."""
     from torsion.assembly.junction.hubs import seat_length
 
-    train, segments, moves = modes.system.train, modes.system.segments, list[HubMove]()
+    train = modes.system.train
+    segments = modes.system.segments
+    moves = list[HubMove]()
     for position, bar in enumerate(train.bars):
         record = train.parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():

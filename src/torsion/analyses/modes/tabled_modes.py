@@ -40,7 +40,8 @@ def tabled_modes(
     holds = all(table.holds for table in tables.values())
     low, high = reach(system)
     modes_at = lru_cache(maxsize=4)(lambda w: solve(taken_at(system, w), count))
-    first, last = modes_at(low), modes_at(high)
+    first = modes_at(low)
+    last = modes_at(high)
 
     columns: list[tuple[Modes, int]] = []
     for mode, lowest in enumerate((TAU * first.frequency).tolist()):
@@ -96,7 +97,8 @@ def _refuse_steep(system: System, tables: Tables) -> None:
 def _refuse_below(system: System, tables: Tables, mode: int, hertz: float) -> None:
     ending = {span: table for span, table in tables.items() if not table.holds}
     span = max(ending, key=lambda span: ending[span].at[0])
-    name, begin = system.spans[span].name, ending[span].at[0] / TAU
+    name = system.spans[span].name
+    begin = ending[span].at[0] / TAU
     message = f"mode {mode + 1} lies below {begin:.6g} Hz, where the table of '{name}' begins"
     hint = f"extend the table (at its first stiffness the mode is at {hertz:.6g} Hz), or `beyond: hold`"
     raise SolveError(message, hint, table_path(system, span))

@@ -141,7 +141,9 @@ class _Varied:
     """Modes of the train with the stiffness of some spans scaled, as its shafts are divided."""
 
     def __init__(self, modes: Modes) -> None:
-        self.system, self.nominal, self.count = modes.system, modes, modes.frequency.size
+        self.system = modes.system
+        self.nominal = modes
+        self.count = modes.frequency.size
         self.solved = lru_cache(maxsize=256)(self._solve)
 
     def _solve(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -177,9 +179,13 @@ class _Varied:
         low = high = 0.0
         step = 1.0
         while mismatch(low) > 0.0 and low > -FARTHEST:
-            high, low, step = low, low - step, 2.0 * step
+            high = low
+            low = low - step
+            step = 2.0 * step
         while mismatch(high) < 0.0 and high < FARTHEST:
-            low, high, step = high, high + step, 2.0 * step
+            low = high
+            high = high + step
+            step = 2.0 * step
         if mismatch(low) * mismatch(high) > 0.0:
             return None, softest, stiffest
         return (
@@ -198,7 +204,8 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
         values[span] = taken, float(system.viscous[span]), float(system.loss_factor[span])
     tables = dict(system.tables)
     for span in factors.keys() & tables.keys():
-        table, factor = tables.pop(span), factors[span]
+        table = tables.pop(span)
+        factor = factors[span]
         if 0.0 < factor < math.inf:
             tables[span] = table.times(factor)
     return with_springs(system, values, tables)
@@ -206,7 +213,8 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
 
 def with_inertias(system: System, end: int) -> System:
     """The system with every inertia that has a tolerance at its high (1) or low (-1) end, as its shafts are divided."""
-    parts, train = system.train.parts, system.train
+    parts = system.train.parts
+    train = system.train
     if not end or not any(part.inertia_tolerance for part in parts):
         return system
     inertias = tuple(
@@ -221,7 +229,8 @@ def with_inertias(system: System, end: int) -> System:
 @source("Rayleigh1877")
 def ranked(modes: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
-    system, figures = modes.system, list[RankedFigure]()
+    system = modes.system
+    figures = list[RankedFigure]()
     if system.tables_over("frequency"):
         return ()
     parts = system.train.parts
@@ -256,7 +265,9 @@ def tolerances(
     study: Study, modes: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()
 ) -> Tolerances:
     """Return the bands of a study with its modes; raises InputError for an aim at a mode that was not computed."""
-    train, system, varied = study.train, modes.system, _Varied(modes)
+    train = study.train
+    system = modes.system
+    varied = _Varied(modes)
     spans = {
         train.parts[span.part].name: number
         for number, span in enumerate(system.own_spans)
@@ -272,13 +283,12 @@ def tolerances(
             tuple((spans[name], factor(width[name])) for name in names if width[name]), end
         )
 
-    lower, upper = (
-        band_end(lambda t: 1.0 - t, *spans, end=1)[1],
-        band_end(lambda t: 1.0 + t, *spans, end=-1)[2],
-    )
+    lower = band_end(lambda t: 1.0 - t, *spans, end=1)[1]
+    upper = band_end(lambda t: 1.0 + t, *spans, end=-1)[2]
     reaches = []
     for name, span in spans.items():
-        soft, stiff = band_end(lambda t: 1.0 - t, name)[0], band_end(lambda t: 1.0 + t, name)[0]
+        soft = band_end(lambda t: 1.0 - t, name)[0]
+        stiff = band_end(lambda t: 1.0 + t, name)[0]
         without, rigid = (varied.solved(((span, factor),))[0] for factor in (0.0, math.inf))
         change = (stiff - soft) / modes.frequency
         reaches.append(CouplingReach(name, width[name], soft, stiff, without, rigid, change))
@@ -316,7 +326,8 @@ def _refuse(study: Study, aims: Sequence[Aim], modes: Modes) -> None:
 
 def run(work: Work) -> None:
     """Where modes were found; critical speeds have bands where frequencies do not follow the mean torque."""
-    modes, settings = work.get(Modes), work.study.analyses.get(WHAT)
+    modes = work.get(Modes)
+    settings = work.study.analyses.get(WHAT)
     if modes is None or not modes.frequency.size:
         work.log.without("bands of the natural frequencies", "no modes")
         return

@@ -375,7 +375,8 @@ def refuse_too_large(
 
     `path` is where the file gives the points, `axis` what they are.
     """
-    stations, spans = len(system.stations), len(system.spans)
+    stations = len(system.stations)
+    spans = len(system.spans)
     needed = points * (COPIES * COMPLEX * lines * (stations + spans) + REAL * REAL_ROWS * spans)
     if needed <= limit:
         return

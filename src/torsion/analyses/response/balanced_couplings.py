@@ -88,7 +88,8 @@ def balanced(
     its answer with such couplings. Raises SolveError where one would have to change in a loop or in a train that is
     damped by mode.
     """
-    couplings, columns = balanced_spans(system), len(w[0]) if w else 0
+    couplings = balanced_spans(system)
+    columns = len(w[0]) if w else 0
     if not (couplings and columns):
         return None
     rows = _Rows(system, w, np.abs(mean), solved, couplings)
@@ -135,7 +136,8 @@ class _Rows:
 
     def unchanged(self, span: int, amplitudes_of: Mapping[int, Amplitudes]) -> Amplitudes:
         """Return the amplitudes of a coupling that has to stay as it is in the linear train; raises SolveError."""
-        coupling, name = self.couplings[span], self.system.spans[span].name
+        coupling = self.couplings[span]
+        name = self.system.spans[span].name
         path = self.system.train.parts[self.system.spans[span].part].path
         reason = "is in a train that is damped by mode"
         if self.system.condensed.span[span] < 0:
@@ -159,7 +161,9 @@ class _Rows:
 
         number: of the round, on which it depends whether all solutions are looked for.
         """
-        coupling, former, mean = self.couplings[span], amplitudes_of[span], self.mean[span]
+        coupling = self.couplings[span]
+        former = amplitudes_of[span]
+        mean = self.mean[span]
         trials = self._trials(span, self._secants(amplitudes_of))
 
         def ratio(amplitude: FloatArray, columns: IntArray) -> FloatArray:
@@ -167,7 +171,8 @@ class _Rows:
             with np.errstate(divide="ignore"):
                 return amplitude / trials.twist(coupling.secant(amplitude, mean[chosen]), chosen)
 
-        is_whole, last = number % WHOLE == 0, former.largest[unsettled]
+        is_whole = number % WHOLE == 0
+        last = former.largest[unsettled]
         bottom, top = _range(coupling, trials, mean, unsettled, ratio)
         if is_whole:
             new = amplitudes(ratio, bottom, top, last)
@@ -195,7 +200,8 @@ class _Rows:
 
     def collected(self, amplitudes_of: Mapping[int, Amplitudes], settled: BoolArray) -> Balanced:
         """Return all couplings together; a column without a solution is not settled."""
-        sizes, secants = amplitudes_of.values(), self._secants(amplitudes_of).values()
+        sizes = amplitudes_of.values()
+        secants = self._secants(amplitudes_of).values()
         number = np.array([size.number for size in sizes]).T
         return Balanced(
             tuple(amplitudes_of),
@@ -209,8 +215,10 @@ class _Rows:
         )
 
     def _trials(self, span: int, secants: Mapping[int, Secant]) -> Trials:
-        coupling, stiffness = self.couplings[span], self._stiffness(span)
-        step, columns = coupling.total_stiffness * (0.5 + 0.5j), len(self.w[0])
+        coupling = self.couplings[span]
+        stiffness = self._stiffness(span)
+        step = coupling.total_stiffness * (0.5 + 0.5j)
+        columns = len(self.w[0])
         twists = list[ComplexArray]()
         for extra in (coupling.stuck, coupling.stuck + step):
             secant = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
@@ -264,7 +272,8 @@ def _range(
         if not above.any():
             break
         bottom = np.where(above, BOTTOM * bottom, bottom)
-    stiffness, slope = trials.own[:, unsettled], np.abs(trials.slope[:, unsettled])
+    stiffness = trials.own[:, unsettled]
+    slope = np.abs(trials.slope[:, unsettled])
     differs = coupling.offset * np.abs(stiffness) / coupling.stiffness
     limit = np.abs(
         trials.inverse[:, unsettled]

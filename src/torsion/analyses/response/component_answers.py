@@ -26,7 +26,10 @@ def solve_components(
     rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
     are singular where no balance was found. Raises what `answer` does.
     """
-    w, ground, mean, speed = components.w, components.ground, components.mean, components.speed
+    w = components.w
+    ground = components.ground
+    mean = components.mean
+    speed = components.speed
     balance: Balanced | None = None
     following: Following | None = None
     settled = np.ones(ground.shape[1], dtype=bool)

@@ -160,16 +160,19 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     play, friction or stages as harmonic balance has it; with damping by hysteresis alone it is
     psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
     """
-    omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
+    omega = 2.0 * math.pi * response.frequency
+    power = np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
-        carried, speed = response.carried(span), response.speed[:, None]
+        carried = response.carried(span)
+        speed = response.speed[:, None]
         stiffness, loss = system.elastic(span, omega, carried, speed)
         if span in added:
             balance = added[span]
             loss = balance.share[:, None] * loss + balance.extra.imag[:, None]
             stiffness = balance.share[:, None] * stiffness + balance.extra.real[:, None]
-        size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
+        size = np.abs(response.torque[:, :, span])
+        dynamic = np.hypot(stiffness, loss)
         twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
         power += 0.5 * omega * loss * twist**2
     return power
@@ -198,7 +201,8 @@ def raised(evidence: Results, spans: IntArray, values: FloatArray, power: int = 
 
 def nearest_mode(evidence: Results, frequency: float) -> int | None:
     """Return the mode (from 1), damped if known, whose frequency is nearest to a frequency (Hz); None if not near."""
-    damped, undamped = evidence.get(DampedModes), evidence.get(Modes)
+    damped = evidence.get(DampedModes)
+    undamped = evidence.get(Modes)
     source = undamped if damped is None else damped
     if source is None or len(source.frequency) == 0:
         return None
@@ -210,7 +214,8 @@ def nearest_mode(evidence: Results, frequency: float) -> int | None:
 
 def rounding(evidence: Results) -> FloatArray:
     """Return (spans,) N m below which a vibratory torque is rounding of the train's largest torque, stated as 0."""
-    response, ratio = evidence.get(Response), evidence.system.span_ratio
+    response = evidence.get(Response)
+    ratio = evidence.system.span_ratio
     if response is None or not response.lines:
         return np.zeros(len(ratio))
     size = np.abs(np.nan_to_num(response.mean)).max(axis=0, initial=0.0)
@@ -240,8 +245,11 @@ def stress_of(bar: Bar, system: System, torque: FloatArray) -> FloatArray:
 
 def component_loads(evidence: Results) -> ComponentLoads:
     """Return the loads of the components of a train with a response and its synthesis."""
-    response, total = evidence.need(Response), evidence.need(Synthesis)
-    system, steady, speed = evidence.system, evidence.get(Steady), response.speed
+    response = evidence.need(Response)
+    total = evidence.need(Synthesis)
+    system = evidence.system
+    steady = evidence.get(Steady)
+    speed = response.speed
     unreliable = np.any(response.status != Status.OK, axis=1)
 
     def largest(values: FloatArray) -> Largest:
@@ -255,9 +263,11 @@ def component_loads(evidence: Results) -> ComponentLoads:
     for position, span in enumerate(system.own_spans):
         spans_of.setdefault((span.part, span.name), []).append(position)
 
-    meshes, couplings = list[MeshLoad](), list[CouplingLoad]()
+    meshes = list[MeshLoad]()
+    couplings = list[CouplingLoad]()
     for (number, name), positions in sorted(spans_of.items(), key=lambda item: item[0][0]):
-        part, spans = system.train.parts[number], np.array(positions)
+        part = system.train.parts[number]
+        spans = np.array(positions)
         torque = total.half_range[:, spans].max(axis=1)
         value, at_speed = largest(torque)
         if part.kind == "gear":
@@ -266,7 +276,8 @@ def component_loads(evidence: Results) -> ComponentLoads:
                 mean = np.abs(response.mean[:, spans[0]])
             meshes.append(_mesh_load(name, speed, torque, mean, (value, at_speed)))
             continue
-        limits, table = part.ratings, system.tables.get(positions[0])
+        limits = part.ratings
+        table = system.tables.get(positions[0])
         is_damped = (
             table.damps if table else (system.loss_factor + system.viscous)[positions[0]] > 0
         )
@@ -300,10 +311,13 @@ def component_loads(evidence: Results) -> ComponentLoads:
 
 def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Peak, ...]]:
     """Return the largest total of every element that carries a torque, and the peaks of its orders."""
-    response, total = evidence.need(Response), evidence.need(Synthesis)
-    is_reliable, nothing = response.status == Status.OK, rounding(evidence)
+    response = evidence.need(Response)
+    total = evidence.need(Synthesis)
+    is_reliable = response.status == Status.OK
+    nothing = rounding(evidence)
     names = [line.named(evidence.study.reference) for line in response.lines]
-    loads, peaks = list[ElementLoad](), list[Peak]()
+    loads = list[ElementLoad]()
+    peaks = list[Peak]()
     for element in elements(evidence.system):
         spans = list(element.spans)
         size = np.abs(response.torque[:, :, spans]).max(axis=2)
@@ -318,10 +332,8 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
             loads.append(ElementLoad(element.name, None, None, None, None, None, None, None))
             continue
         speed = int(np.argmax(torque))
-        span, line = (
-            spans[int(np.argmax(total.half_range[speed, spans]))],
-            int(np.argmax(orders[speed])),
-        )
+        span = spans[int(np.argmax(total.half_range[speed, spans]))]
+        line = int(np.argmax(orders[speed]))
         mean = float(response.mean[speed, span])
         if torque[speed] == 0.0:
             loads.append(ElementLoad(element.name, 0.0, None, None, 0.0, 0.0, 0.0, mean))
@@ -345,7 +357,8 @@ def _peaks(
     evidence: Results, element: Element, orders: FloatArray, names: Sequence[str]
 ) -> list[Peak]:
     """Return the peaks of amplitudes (speeds, lines) N m that are worth listing, the largest first."""
-    response, smallest = evidence.need(Response), SMALLEST * np.nanmax(np.append(orders, 0.0))
+    response = evidence.need(Response)
+    smallest = SMALLEST * np.nanmax(np.append(orders, 0.0))
     peaks = [
         Peak(
             element.name,
@@ -365,7 +378,8 @@ def _peaks(
 
 def _station_loads(evidence: Results) -> Iterator[StationLoad]:
     """Yield the largest angle of every station; 0 for what may be rounding of the largest of the train."""
-    response, ratio = evidence.need(Response), evidence.system.speed_ratio
+    response = evidence.need(Response)
+    ratio = evidence.system.speed_ratio
     is_reliable = bool((response.status == Status.OK).all())
     sizes = np.abs(response.angle)
     top = float((sizes / ratio[: sizes.shape[2]]).max(initial=0.0)) if is_reliable else 0.0
@@ -414,7 +428,8 @@ def _mesh_load(
         return MeshLoad(name, *largest, None, None, None, (), False)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(torque == 0, 0.0, torque / mean)
-    place, reversing = int(np.argmax(ratio)), speed[ratio > 1.0]
+    place = int(np.argmax(ratio))
+    reversing = speed[ratio > 1.0]
     return MeshLoad(
         mesh=name,
         torque=largest[0],

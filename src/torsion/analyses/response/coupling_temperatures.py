@@ -75,7 +75,8 @@ def coupling_temperature(
 
     Raises SolveError where the train has what a warming coupling does not go with.
     """
-    system, speed = response.system, response.speed
+    system = response.system
+    speed = response.speed
     number = study.train.position(part.name)
     span = next(k for k, link in enumerate(system.own_spans) if link.part == number)
     _refuse(study, system, span, part)

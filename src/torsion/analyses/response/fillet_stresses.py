@@ -98,7 +98,8 @@ def peterson(height: float, radius: float) -> float | None:
     >>> round(peterson(0.5, 0.2), 3), peterson(0.5, 0.02)
     (1.252, None)
     """
-    ratio, share = height / radius, 2.0 * height / (1.0 + 2.0 * height)
+    ratio = height / radius
+    share = 2.0 * height / (1.0 + 2.0 * height)
     if not HOLDS[0] <= ratio <= HOLDS[1]:
         return None
     root = math.sqrt(ratio)
@@ -206,14 +207,18 @@ def _concentration(
         return notch.hole / 2.0, hole_factor(notch.hole / outer), None, None
     from torsion.assembly.section.grooved_sections import groove_stress, keyway, splines
 
-    unit, ratio, fit = outer / 2.0, bore / outer, None
+    unit = outer / 2.0
+    ratio = bore / outer
+    fit = None
     if (key := notch.keyway) is not None:
-        radius, sizes = key.fillet, (key.width / unit, key.depth / unit, key.fillet / unit)
+        radius = key.fillet
+        sizes = (key.width / unit, key.depth / unit, key.fillet / unit)
         section = keyway(*sizes, key.number, ratio)
         if bore == 0.0 and key.number == 1 and _is_of_chart(key, outer):
             fit = keyway_fit(key.fillet / outer)
     elif (teeth := notch.splines) is not None:
-        radius, sizes = teeth.fillet, (teeth.root / outer, teeth.width / unit, teeth.fillet / unit)
+        radius = teeth.fillet
+        sizes = (teeth.root / outer, teeth.width / unit, teeth.fillet / unit)
         section = splines(*sizes, teeth.teeth, ratio)
     stress = groove_stress(section)
     return radius, stress.factor, stress.error, fit
@@ -234,7 +239,8 @@ def _fillets(system: System) -> Iterator[Fillet]:
     for step, first, second, smaller, larger in corners(system.train):
         if step is None or not step.round:
             continue
-        unit, radius = smaller.outer, step.round
+        unit = smaller.outer
+        radius = step.round
         modulus, larger_modulus = (
             float(section_modulus(end.outer, end.bore)) for end in (smaller, larger)
         )
@@ -249,9 +255,11 @@ def _fillets(system: System) -> Iterator[Fillet]:
             fit = peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
 
         # A flange's inertia is not in the torque of the span of the smaller shaft that meets the step.
-        part, is_near = second.part, system.driving == second.driving
+        part = second.part
+        is_near = system.driving == second.driving
         if smaller.bar.name == first.name:
-            part, is_near = first.part, system.driven == first.driven
+            part = first.part
+            is_near = system.driven == first.driven
         yield Fillet(
             shaft=first.name,
             following=second.name,
@@ -271,7 +279,8 @@ def _fillets(system: System) -> Iterator[Fillet]:
 
 def run(work: Work) -> None:
     """Put the stress of every shaft whose `step` is a fillet, or which has `notches`."""
-    response, total = work.get(Response), work.get(Synthesis)
+    response = work.get(Response)
+    total = work.get(Synthesis)
     is_known = response is not None and not np.any(response.status != Status.OK)
     with work.log.step(
         "stress in fillets", "a `step` is a fillet, or a shaft has `notches`"

@@ -116,7 +116,8 @@ def _span_damping_ratio(system: System, modes: Modes, w: FloatArray) -> FloatArr
     """Return the loss (modes,) in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2."""
     twist = system.twist(modes.shape / system.speed_ratio[:, None])
     by_frequency = system.tables_over("frequency")
-    viscous, loss = system.viscous.copy(), system.loss_factor.copy()
+    viscous = system.viscous.copy()
+    loss = system.loss_factor.copy()
     viscous[list(by_frequency)] = loss[list(by_frequency)] = 0.0
     lost = viscous @ twist**2 / w + loss @ modes.elastic
     for span, table in by_frequency.items():
@@ -140,7 +141,8 @@ def places(
     """
     crossings = modes.frequency[:, None] / orders
     inside = (crossings >= first) & (crossings <= last)
-    resonant, mode = crossings[inside], np.nonzero(inside)[0]
+    resonant = crossings[inside]
+    mode = np.nonzero(inside)[0]
     zeta = modes.damping_ratio[mode]
     for part in blocks(len(resonant), len(system.stations)):
         lost = np.einsum("sp,sp->p", ground(resonant[part]), modes.angle[:, mode[part]] ** 2)
@@ -159,15 +161,18 @@ def refined(
     inverse (the peaks of angle and of acceleration of one degree of freedom).
     """
     narrow = ratio < BROAD
-    resonant, zeta = resonant[narrow], ratio[narrow]
-    points, remark = POINTS, ""
+    resonant = resonant[narrow]
+    zeta = ratio[narrow]
+    points = POINTS
+    remark = ""
     if len(resonant) * points * values > MOST_VALUES:
         odd = (MOST_VALUES // (len(resonant) * values) - 1) // 2 * 2 + 1
         points = min(max(odd, FEWEST_POINTS), POINTS)
         remark = f"each of {len(resonant)} resonances has {points} points in place of {POINTS}, as the train is large"
     if len(resonant) * points > MOST_ADDED:
         points = max(FEWEST_POINTS, (MOST_ADDED // len(resonant) - 1) // 2 * 2 + 1)
-        resonant, zeta = resonant[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
+        resonant = resonant[: MOST_ADDED // points]
+        zeta = zeta[: MOST_ADDED // points]
         remark = f"{np.count_nonzero(narrow)} resonances lie in the range; {len(resonant)} of them have {points} points each"
     added = [requested]
     step = np.tan(np.linspace(-0.5, 0.5, points + 2)[1:-1] * math.pi)
@@ -201,7 +206,8 @@ def with_peaks(
         torque = np.concatenate([solution.torque for solution in solutions], axis=axis)
         sound = np.concatenate([solution.status for solution in solutions], axis=-1) == Status.OK
         if sound.ndim == 1:
-            sound, torque = sound[:, None], torque[:, None]
+            sound = sound[:, None]
+            torque = torque[:, None]
         missed, left_out = missed_peaks(response.points, torque, sound)
         remark = left_out or remark
         if missed.size == 0:
@@ -221,7 +227,8 @@ def _about_jumps(response: Response | FrequencyResponse) -> FloatArray:
     if several is None:
         return np.empty(0)
     left = np.flatnonzero((np.diff(several.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
-    begin, end = response.points[left], response.points[left + 1]
+    begin = response.points[left]
+    end = response.points[left + 1]
     begin, end = (ends[end - begin > NARROW * end] for ends in (begin, end))
     share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
     return np.asarray((begin[:, None] + (end - begin)[:, None] * share).ravel())
@@ -250,10 +257,12 @@ def missed_peaks(
     point, line, span = np.nonzero(
         (size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]) & (size[1:-1] > SMALL * largest)
     )
-    left, right = x[point] - x[point + 1], x[point + 2] - x[point + 1]
+    left = x[point] - x[point + 1]
+    right = x[point + 2] - x[point + 1]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         y0, y1, y2 = (size[point + k, line, span] ** -2 for k in range(3))
-        slope0, slope2 = (y0 - y1) / left, (y2 - y1) / right
+        slope0 = (y0 - y1) / left
+        slope2 = (y2 - y1) / right
         bend = (slope2 - slope0) / (right - left)
         slope = slope0 - bend * left
         move = -slope / (2.0 * bend)

@@ -50,7 +50,8 @@ class Line:
         sources = [
             f"{_decimal(own_order)} × {in_runs(names)}" for own_order, names in names_of.items()
         ]
-        words, order = listed(sources, most=MOST_SOURCES), _decimal(self.order)
+        words = listed(sources, most=MOST_SOURCES)
+        order = _decimal(self.order)
         if set(names_of) == {self.order}:
             return words
         return f"{words} ({order} of {reference})" if reference else f"{words} (order {order})"
@@ -237,7 +238,8 @@ def sources(
     driving angle, static twist included. A force on a station of speed ratio r acts on the condensed tree as r times
     itself.
     """
-    condensed, ratio = system.condensed, system.speed_ratio
+    condensed = system.condensed
+    ratio = system.speed_ratio
     force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
     twist = np.zeros_like(force)
     loop_twist = np.zeros((len(condensed.extra), len(speed)), dtype=np.complex128)
@@ -312,7 +314,8 @@ def _mean_torque(system: System, torque: Torque, steady: Steady | None) -> Float
     """Return the mean torque (speeds,) N m applied at the torque's station, else the largest in its spans."""
     if steady is None:
         message = f"the torque at '{torque.name}' is a share of the mean torque, which is not known"
-        path, hint = ("operation", "rated", "power"), "give the rated speed and power"
+        path = ("operation", "rated", "power")
+        hint = "give the rated speed and power"
         raise InputError([Fault(path, message, hint)])
     applied = np.abs(steady.applied[torque.station])
     meets = (system.driving == torque.station) | (system.driven == torque.station)

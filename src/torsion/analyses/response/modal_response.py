@@ -43,10 +43,8 @@ def modal_sums(
     ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[
         :, None
     ]
-    shape, torque = (
-        np.concatenate([rigid, modes.shape], axis=1),
-        np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0))),
-    )
+    shape = np.concatenate([rigid, modes.shape], axis=1)
+    torque = np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0)))
     on_tree = np.zeros((system.condensed.tree.size, len(mode_w)))
     on_tree[system.condensed.node] = shape / system.speed_ratio[:, None]
     force = on_tree.T @ sources.force
@@ -54,7 +52,8 @@ def modal_sums(
         denominator = mode_w**2 - w**2 + 2j * ratio * mode_w * w
         moved = force / denominator
         amplification = ((mode_w**2 + w**2) / np.abs(denominator)).max(axis=0, initial=1.0)
-    angle, carried = shape @ moved, torque @ moved
+    angle = shape @ moved
+    carried = torque @ moved
     stations, spans = beside_modes(system)
     if stations.any() or spans.any():
         far = 0.5 * float(mode_w[mode_w > 0.0].min(initial=2.0))  # rad/s, far from every mode

@@ -57,7 +57,8 @@ def frequency_response(
     force = sources(system, excitation, speeds, mean).force
 
     def solve(hertz: FloatArray) -> FrequencyResponse:
-        columns, w = (1, len(hertz)), 2.0 * math.pi * hertz
+        columns = (1, len(hertz))
+        w = 2.0 * math.pi * hertz
         components = Components(
             [None],
             [w],
@@ -82,7 +83,8 @@ def frequency_response(
             following=following,
         )
 
-    first, last = requested[0], requested[-1]
+    first = requested[0]
+    last = requested[-1]
     resonances = grid.resonances(system, 2.0 * math.pi * float(last), modes, damped)
     places = grid.places(
         resonances,
@@ -112,7 +114,8 @@ def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> Floa
 def run(work: Work) -> None:
     """Put the response over the frequencies that the file names."""
     with work.log.step("response over frequency", "requested") as step:
-        modes, damped = work.get(Modes), work.get(DampedModes)
+        modes = work.get(Modes)
+        damped = work.get(DampedModes)
         result = frequency_response(work.study, work.system, modes=modes, damped=damped)
         step.method = "two-sided elimination"
         step.size = f"{result.frequency.size} frequencies"

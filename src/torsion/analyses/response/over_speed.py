@@ -175,7 +175,8 @@ def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     if speeds is not None:
         requested = np.unique(np.asarray(speeds, dtype=np.float64))
         if not (requested.size and (requested > 0.0).all() and np.isfinite(requested).all()):
-            message, hint = "these are not speeds of a response", "one or more, above 0 rad/s"
+            message = "these are not speeds of a response"
+            hint = "one or more, above 0 rad/s"
             raise InputError([Fault(("speeds",), message, hint)])
         return requested
     if study.operation.speeds is None:
@@ -201,9 +202,11 @@ def _solve(
     shape = len(speed), len(excited)
     angle = np.empty((*shape, len(system.stations)), dtype=np.complex128)
     torque = np.empty((*shape, len(system.spans)), dtype=np.complex128)
-    mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
+    mean = np.zeros((len(speed), len(system.spans)))
+    status = np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    balances, followers = list[Balanced | None](), list[Following | None]()
+    balances = list[Balanced | None]()
+    followers = list[Following | None]()
     for block in blocks(len(speed), len(system.stations)):
         speeds = speed[block]
         steady = steady_if_known(study, system, speeds)
@@ -228,8 +231,10 @@ def _solve(
                 "response", (block.start + k * len(speeds) / len(excited)) / max(len(speed), 1)
             )
             frequency[block, k] = components.w[k] / (2.0 * math.pi)
-            angle[block, k], torque[block, k] = answer.angle, answer.torque
-            residual[block, k], status[block, k] = answer.residual, answer.status
+            angle[block, k] = answer.angle
+            torque[block, k] = answer.torque
+            residual[block, k] = answer.residual
+            status[block, k] = answer.status
             joint_error[block, k] = joint_errors(system, excitation, answer.angle)
 
     following = joined(followers)
@@ -309,7 +314,8 @@ def _resonances_over_speed(work: Work) -> list[float]:
 
 def _logged_response(work: Work) -> Response:
     """Return the response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
-    study, is_ruled = work.study, "response" in work.ruled
+    study = work.study
+    is_ruled = "response" in work.ruled
     reason = "requested" if "response" in study.analyses else "something excites"
     with work.log.step("response over speed", reason) as step:
         added = work.rules.judged_speeds(study) if is_ruled else np.empty(0)

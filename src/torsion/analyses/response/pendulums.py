@@ -89,24 +89,25 @@ def deflections(
 def _pendulum(
     system: System, span: int, record: PendulumRecord, response: Response | None
 ) -> Pendulum:
-    ratio, name = (
-        system.stations[system.spans[span].driving].ratio,
-        system.train.parts[system.spans[span].part].name,
-    )
+    ratio = system.stations[system.spans[span].driving].ratio
+    name = system.train.parts[system.spans[span].part].name
     orders = [line.order / ratio for line in lines(system) if line.order is not None]
     if response is None:
         rows = [PendulumAtOrder(n, effective_inertia(record, n), None, None) for n in orders]
         return Pendulum(name, record.order, record.inertia, None, None, tuple(rows))
-    angles, rows = deflections(system, response, span, record), []
+    angles = deflections(system, response, span, record)
+    rows = []
     for line, deflection in zip(response.lines, angles.T, strict=True):
         if line.order is not None:
-            worst, n = int(np.argmax(deflection)), line.order / ratio
+            worst = int(np.argmax(deflection))
+            n = line.order / ratio
             largest = float(deflection[worst]), float(response.speed[worst])
             rows.append(PendulumAtOrder(n, effective_inertia(record, n), *largest))
     total = angles.sum(axis=1)
     worst = int(np.argmax(total))
     if total[worst] > MOST:
-        degrees, rpm = math.degrees(total[worst]), response.speed[worst] * 30.0 / math.pi
+        degrees = math.degrees(total[worst])
+        rpm = response.speed[worst] * 30.0 / math.pi
         message = f"the bobs of '{name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm: that is not linear"
         path = system.train.parts[system.spans[span].part].path
         raise SolveError(

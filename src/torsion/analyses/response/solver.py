@@ -88,7 +88,8 @@ def answers(
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
         forces = sources[part]
-        columns, ground = Sources.side_by_side(forces), np.tile(damping, len(forces))
+        columns = Sources.side_by_side(forces)
+        ground = np.tile(damping, len(forces))
         result = answer(system, np.concatenate(w[part]), columns, ground)
         pieces = (np.split(values, len(forces)) for values in vars(result).values())
         yield from (Answer(*values) for values in zip(*pieces, strict=True))
@@ -201,10 +202,8 @@ def _changed_compliance(
     for span, stiffness_of in stiffness.items():
         changed[system.condensed.span[span]] = 1.0 / (stiffness_of * system.span_ratio[span] ** 2)
     for span, secant in added.items():
-        extra, stiffness_of = (
-            secant.extra * system.span_ratio[span] ** 2,
-            system.condensed.span[span],
-        )
+        extra = secant.extra * system.span_ratio[span] ** 2
+        stiffness_of = system.condensed.span[span]
         changed[stiffness_of] = changed[stiffness_of] / (
             secant.share + changed[stiffness_of] * extra
         )
@@ -220,7 +219,8 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     if following and steady is None:
         name = system.stations[following[0].station].name
         message = f"the damping of '{name}' follows from the mean torque, which is not known"
-        path, hint = ("operation", "rated", "power"), "give the rated speed and power"
+        path = ("operation", "rated", "power")
+        hint = "give the rated speed and power"
         raise InputError([Fault(path, message, hint)])
     applied = np.zeros((len(system.stations), len(speed))) if steady is None else steady.applied
     return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
@@ -228,8 +228,10 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
 
 def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> Chords:
     """Return the spans `chords` that close loops, with their compliance and imposed twist."""
-    condensed, ratio = system.condensed, system.span_ratio[chords]
-    flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
+    condensed = system.condensed
+    ratio = system.span_ratio[chords]
+    flexibility = system.flexibility[chords] / ratio**2
+    viscous = system.viscous[chords] * ratio**2
     compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
     ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
     twist = np.zeros(len(chords), dtype=np.complex128)

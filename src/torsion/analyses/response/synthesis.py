@@ -47,7 +47,8 @@ def synthesis(response: Response) -> Synthesis:
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
     values = np.empty((4, *response.mean.shape))
     for part in blocks(len(response.mean), response.mean.shape[1], SMALL_BLOCK):
-        torque, mean = response.torque[part], response.mean[part]
+        torque = response.torque[part]
+        mean = response.mean[part]
         size = np.abs(torque)
         bound = size.sum(axis=1)
         fixed = size[:, ~ordered].sum(axis=1)
@@ -133,14 +134,13 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
         _expansion(phase),
         len(phasors),
     )  # rows: then come the same waves upside down
-    both, best = (
-        np.empty((upright + upright, len(harmonics)), dtype=np.complex128),
-        np.zeros(upright + upright),
-    )
+    both = np.empty((upright + upright, len(harmonics)), dtype=np.complex128)
+    best = np.zeros(upright + upright)
     both[:upright] = phasors
     np.negative(both[:upright], out=both[upright:])
     near: list[IntArray] = []
-    rows, cells = max(BLOCK_VALUES // number, 1), 0
+    rows = max(BLOCK_VALUES // number, 1)
+    cells = 0
     with np.errstate(all="ignore"):
         size = np.abs(both[:upright])
         bound = size.sum(
@@ -162,7 +162,8 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
             row, sample = np.divmod(np.concatenate(near), number)
             phasors_there = both[row] * turned[sample]
             _raise(best, row, expanded @ phasors_there.view(np.float64).T)
-            near, cells = [], 0
+            near = []
+            cells = 0
     return best[:upright], -best[upright:]
 
 
@@ -184,17 +185,16 @@ def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
     """
     while row.size:
         slope = polynomial[1:] * POWERS
-        bend, x = slope[1:] * POWERS[:-1], np.zeros(row.size)
+        bend = slope[1:] * POWERS[:-1]
+        x = np.zeros(row.size)
         bends = np.abs(bend[1:]).sum(axis=0) <= -BEND_VARIES * bend[0]
         for _ in range(NEWTON_STEPS):
             step = _value(slope, x) / _value(bend, x)
             x = np.where(bends, np.clip(x - step, -1.0, 1.0), x)
         np.fmax.at(best, row, _value(polynomial, x))
         unclear = ~bends & (polynomial[0] + np.abs(polynomial[1:]).sum(axis=0) > best[row])
-        polynomial, row = (
-            np.hstack([half @ polynomial[:, unclear] for half in HALVES]),
-            np.tile(row[unclear], 2),
-        )
+        polynomial = np.hstack([half @ polynomial[:, unclear] for half in HALVES])
+        row = np.tile(row[unclear], 2)
 
 
 def _value(polynomial: FloatArray, x: FloatArray) -> FloatArray:

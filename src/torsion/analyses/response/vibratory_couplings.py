@@ -50,10 +50,15 @@ class _Train:
     """The components one by one, each with sources that have a phase to each other."""
 
     def __init__(self, system: System, components: Components) -> None:
-        self.system, self.mean, self.speed = system, components.mean, components.speed
-        self.ground, self.points = components.ground, components.ground.shape[1]
+        self.system = system
+        self.mean = components.mean
+        self.speed = components.speed
+        self.ground = components.ground
+        self.points = components.ground.shape[1]
         self.tables = system.tables_over("vibratory torque")
-        self.orders, self.w, self.sources = [], list[FloatArray](), list[Sources]()
+        self.orders = []
+        self.w = list[FloatArray]()
+        self.sources = list[Sources]()
         rows = zip(components.orders, components.w, components.apart, strict=True)
         for order, w, separate in rows:
             self.orders += [order] * len(separate)
@@ -65,7 +70,8 @@ class _Train:
         self, span: int, stiffness: Mapping[int, ComplexArray], k: int, points: IntArray
     ) -> ComplexArray:
         """Return the torque (points,) N m of a span in component k, at some points; stiffness: as of `answer`."""
-        source, ground = self.sources[k].at(points), self.ground[:, points]
+        source = self.sources[k].at(points)
+        ground = self.ground[:, points]
         result = answer(self.system, self.w[k][points], source, ground, stiffness=stiffness)
         return result.torque[:, span]
 
@@ -97,7 +103,8 @@ class _Train:
                 for own_stiffness in (first, second)
             ]
             with np.errstate(divide="ignore", invalid="ignore"):
-                inverse, second_inverse = first / torques[0], second / torques[1]
+                inverse = first / torques[0]
+                second_inverse = second / torques[1]
                 slope = (second_inverse - inverse) / (second - first)
             still = (torques[0] == 0) | (torques[1] == 0)
             rows.append([first, np.where(still, 0.0, inverse), np.where(still, 0.0, slope)])
@@ -110,7 +117,8 @@ class _Train:
 
         Beyond those of a point its smallest stands. A torque beyond the table is found at the stiffness of its end.
         """
-        table, trial = self.tables[span], self.trial(span, torque, points)
+        table = self.tables[span]
+        trial = self.trial(span, torque, points)
         w = np.array([frequency[points] for frequency in self.w])
 
         def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
@@ -125,7 +133,8 @@ class _Train:
             """Return torque over half range; where bounds of that decide which is larger, over one of them."""
             torques = phasors(size, point)
             magnitude = np.abs(torques)
-            lowest, highest = np.sqrt((magnitude**2).sum(axis=1) / 2.0), magnitude.sum(axis=1)
+            lowest = np.sqrt((magnitude**2).sum(axis=1) / 2.0)
+            highest = magnitude.sum(axis=1)
             divisor = np.where(size > highest, lowest, highest)
             near = np.flatnonzero((size >= lowest) & (size <= highest))
             divisor[near] = half_range(torques[near])
@@ -138,7 +147,8 @@ class _Train:
         low, high = (
             half_range(phasors(np.full(len(points), edges[end]), all_points)) for end in (0, -1)
         )
-        below, above = np.flatnonzero(low <= edges[0]), np.flatnonzero(high > edges[-1])
+        below = np.flatnonzero(low <= edges[0])
+        above = np.flatnonzero(high > edges[-1])
         roots = [(below, low[below]), (above, high[above])]
         for piece, (begin, end) in enumerate(pairwise(edges)):
             samples = FIRST_SAMPLES if piece < len(begins) else SAMPLES
@@ -146,7 +156,8 @@ class _Train:
             roots.append(solutions(ratio, *ends, samples))
         point, size = (np.concatenate(columns) for columns in zip(*roots, strict=True))
         order = np.lexsort((-size, point))
-        point, size = point[order], size[order]
+        point = point[order]
+        size = size[order]
         number = np.bincount(point, minlength=len(points))
         rank_of_root = np.minimum(
             np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1
@@ -157,7 +168,8 @@ class _Train:
 
     def residual(self, torque: Mapping[int, FloatArray]) -> FloatArray:
         """Return |half range/torque - 1| (points, couplings) by the answer of the whole train."""
-        all_points, residuals = np.arange(self.points), []
+        all_points = np.arange(self.points)
+        residuals = []
         for span, size in torque.items():
             phasors = [
                 self.torques(span, self.stiffness(k, torque, all_points), k, all_points)
@@ -182,7 +194,8 @@ def settled(system: System, components: Components, rank: int) -> Following:
         changed = np.zeros(len(open_), dtype=bool)
         for span, size in torque.items():
             roots, number[span][open_] = train.solved(span, torque, open_)
-            new, before = roots[:, min(rank, roots.shape[1] - 1)], size[open_]
+            new = roots[:, min(rank, roots.shape[1] - 1)]
+            before = size[open_]
             if count >= HALF_WAY:
                 new = np.sqrt(new * before)
             changed |= ~(np.abs(new - before) <= CHANGED * before)
@@ -198,5 +211,6 @@ def settled(system: System, components: Components, rank: int) -> Following:
         torque[span] = np.where(
             is_settled, torque[span], np.clip(np.nan_to_num(torque[span]), *table.ends)
         )
-    torques, count_of = np.array(list(torque.values())).T, np.array(list(number.values())).T
+    torques = np.array(list(torque.values())).T
+    count_of = np.array(list(number.values())).T
     return Following(tuple(torque), torques, count_of, residual, rounds, is_settled)

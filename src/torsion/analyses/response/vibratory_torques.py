@@ -45,7 +45,8 @@ class VibratoryTorques:
 
 def vibratory_torques(response: Response) -> VibratoryTorques:
     """Return the couplings by table over vibratory torque of a response over speed."""
-    following, rows = response.following, []
+    following = response.following
+    rows = []
     if following is None:
         return VibratoryTorques(())
     last = response.others[-1].following if response.others else following

@@ -43,7 +43,8 @@ def harmonics_needed(rank: int, joints: Sequence[Fraction], torques: Sequence[Fr
     rank: how many multiples of a joint's own order count.
     """
     order = common_order([*joints, *torques]) or Fraction(1)
-    joint, torque = max(joints, default=order), max(torques, default=Fraction(0))
+    joint = max(joints, default=order)
+    torque = max(torques, default=Fraction(0))
     return max(int(rank * max(joint / order, Fraction(1))), int(torque / order) + 2)
 
 

@@ -102,7 +102,8 @@ def state(
     Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
     """
     where = turning(layout, motion.deviation, turned)
-    slow, gain = _of_bodies(layout, motion.speed), _of_bodies(layout, motion.acceleration)
+    slow = _of_bodies(layout, motion.speed)
+    gain = _of_bodies(layout, motion.acceleration)
     rate = loading.speed + slow
     slip = slow * where.first + loading.speed * (where.first - 1.0)
     acceleration = where.first * gain + where.second * rate**2
@@ -125,7 +126,8 @@ def spring_torques(
     The hysteretic share is that of a steady vibration over the whole period: i eta k sign(frequency).
     dampers: (dampers, times) rad/s, rates of their twists where they are known beside the slip.
     """
-    a, b = layout.driving, layout.driven
+    a = layout.driving
+    b = layout.driven
     twist = deviation[a] - deviation[b]
     force = layout.stiffness[:, None] * twist + layout.viscous[:, None] * (slip[a] - slip[b])
     lossy = np.flatnonzero(layout.hysteretic)
@@ -154,7 +156,8 @@ def linearised(
     """
     turned = mean_angle(loading, motion.deviation.shape[1])
     moving = state(layout, loading, motion, load, turned)
-    free, first = layout.free, moving.turning.first
+    free = layout.free
+    first = moving.turning.first
     residual = gathered(layout, first * moving.residual)
     force = np.array([-gathered(layout, first * drive[:, None]) for drive in loading.drive])
     force = force.reshape(len(loading.drive), *residual.shape)
@@ -170,12 +173,16 @@ def _with_dampers(
     layout: Layout, linear: Linearised, moving: State, twist: FloatArray, w0: float
 ) -> Linearised:
     """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
-    size, times, free = layout.dampers.size, twist.shape[1], layout.free
+    size = layout.dampers.size
+    times = twist.shape[1]
+    free = layout.free
     number = len(size)
     missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ moving.turning.deviation)
     pull = (size[:, None] * at_coordinates(layout, moving.turning.first)).reshape(times, -1).T
-    damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
-    alone, none = free + np.arange(number), np.zeros((number * free, times))
+    damper = np.repeat(free + np.arange(number), free)
+    coordinate = np.tile(np.arange(free), number)
+    alone = free + np.arange(number)
+    none = np.zeros((number * free, times))
     couplings = linear.entries
     grown = Couplings(
         np.concatenate([couplings.row, coordinate, damper, alone]),
@@ -200,8 +207,11 @@ def damper_matrices(layout: Layout, moving: State) -> tuple[FloatArray, FloatArr
 
 def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
     """Return the mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
-    f1, f2, f3 = moving.turning.first, moving.turning.second, moving.turning.third
-    inertia, ground = layout.inertia[:, None], loading.damping[:, None]
+    f1 = moving.turning.first
+    f2 = moving.turning.second
+    f3 = moving.turning.third
+    inertia = layout.inertia[:, None]
+    ground = loading.damping[:, None]
     slip_slope = f2 * moving.rate  # of a body's speed over its coordinate
     mass = inertia * f1**2
     damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
@@ -213,9 +223,12 @@ def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
     parts = [(diagonal, diagonal, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
     ends = (layout.driving, 1.0), (layout.driven, -1.0)
     for (a, plus), (b, minus) in product(ends, ends):
-        row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus
+        row = layout.coordinate[a]
+        column = layout.coordinate[b]
+        sign = plus * minus
         inside = (row < layout.free) & (column < layout.free)
-        c, k = sign * layout.viscous[:, None], sign * layout.stiffness[:, None]
+        c = sign * layout.viscous[:, None]
+        k = sign * layout.stiffness[:, None]
         between = (
             np.zeros((len(a), f1.shape[1])),
             c * f1[a] * f1[b],
@@ -231,7 +244,8 @@ def _hysteretic(
     """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
     out = []
     wide = np.arange(-2 * count, 2 * count + 1)
-    turn, steady = 1j * np.sign(wide), (first == first[:, :1]).all(axis=1)
+    turn = 1j * np.sign(wide)
+    steady = (first == first[:, :1]).all(axis=1)
     lossy = np.flatnonzero(layout.hysteretic).tolist()
     bodies = {int(end[spring]) for spring in lossy for end in (layout.driving, layout.driven)}
     shapes = {body: toeplitz(first[body], count, wide) for body in bodies if not steady[body]}
@@ -243,7 +257,8 @@ def _hysteretic(
     for spring in lossy:
         ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
         for (a, plus), (b, minus) in product(ends, ends):
-            i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
+            i = int(layout.coordinate[a])
+            j = int(layout.coordinate[b])
             if i < layout.free and j < layout.free:
                 size = plus * minus * layout.hysteretic[spring]
                 if steady[a] and steady[b]:

@@ -109,7 +109,9 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
     with loss factors, scene and orbit must be those of the dampers that stand for them (`straight_modes.viscous`):
     a loss factor has no meaning for a deviation that grows.
     """
-    layout, loading, free = mechanism.layout, orbit.operation.loading, mechanism.layout.free
+    layout = mechanism.layout
+    loading = orbit.operation.loading
+    free = mechanism.layout.free
     times = points_in_time(orbit.balance.count)
     motion = motion_of(orbit.balance.harmonic, loading.w0, times)
     turned = mean_angle(loading, times)
@@ -121,7 +123,8 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
     ).T
     if layout.dampers.size.size:
         damper_damping, damper_stiffness = damper_matrices(layout, moving)
-        damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
+        damping = damping + damper_damping
+        stiffness = stiffness + damper_stiffness
 
     # What repeats itself unless something holds it: all that turns, turning further, and, where parts are joined by
     # damping alone, every part without a joint, turned by a fixed angle.
@@ -193,7 +196,8 @@ def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Mul
     """Return the exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
     size = around.size
     scale = np.repeat([1.0, around.w0], size)
-    visited, steps = list[FloatArray](), steps_for(around.period, highest)
+    visited = list[FloatArray]()
+    steps = steps_for(around.period, highest)
     matrices = around.mass, around.damping, around.stiffness
     full = monodromy(*matrices, around.period, steps, stages, visited=visited)
     matrix = full / scale[:, None] * scale
@@ -205,7 +209,8 @@ def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Mul
             continue
         if np.linalg.norm(matrix @ start - start) <= KEPT_VECTOR * length:
             onto = np.linalg.qr(np.column_stack([start / length, np.eye(len(start))]))[0][:, 1:]
-            matrix, basis_of_rest = onto.T @ matrix @ onto, basis_of_rest @ onto
+            matrix = onto.T @ matrix @ onto
+            basis_of_rest = basis_of_rest @ onto
     value, vector = np.linalg.eig(matrix)
     order = np.argsort(-np.abs(value), kind="stable")
     shape = (basis_of_rest @ vector[:, order]) * scale[:, None]
@@ -225,7 +230,9 @@ def by_hill(
 
     fewest: harmonics of the common period, at least. Raises SolveError where it has more than `most` rows.
     """
-    size, w0, count = around.size, around.w0, int(max(fewest, np.ceil(highest / around.w0) + 4))
+    size = around.size
+    w0 = around.w0
+    count = int(max(fewest, np.ceil(highest / around.w0) + 4))
     if 2 * size * (2 * count + 1) > most_rows:
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
@@ -233,13 +240,15 @@ def by_hill(
     repeated = harmonics_of(around.repeated[:, :size], count)
     solution = hill_exponents(couplings, w0, count, size, repeated)
     order = np.argsort(-solution.exponent.real, kind="stable")
-    value, start = solution.exponent[order], solution.vector[order]
+    value = solution.exponent[order]
+    start = solution.vector[order]
     rate = (value[:, None, None] + 1j * w0 * np.arange(-count, count + 1)) * start
     within = value.real + 1j * (np.mod(value.imag / w0 + 0.5, 1.0) - 0.5) * w0
 
     rigid = None
     if around.is_free:
-        mass, turning = around.mass.mean(axis=0), around.turning
+        mass = around.mass.mean(axis=0)
+        turning = around.turning
         places = real_motions(within.imag / w0)
         mean_square = np.einsum("nik,ij,njk->n", start[places].conj(), mass, start[places]).real
         along = np.abs(start[places][:, :, count] @ mass @ turning) ** 2
@@ -282,7 +291,8 @@ class Search:
         around = variation(self.mechanism, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
-            around, highest = around.reduced_to(self.reduced), BEYOND * self.reduced.highest
+            around = around.reduced_to(self.reduced)
+            highest = BEYOND * self.reduced.highest
         multipliers = self._distinguish(
             orbit,
             by_hill(around, highest, orbit.balance.count, most_rows)

@@ -105,7 +105,8 @@ def missing_slope(
     start: the motion that drifts fastest; limits: lowest and highest speed (rad/s) of all. NaN where none was found.
     The slope damps the vibration too, so that less is needed than -D without it.
     """
-    before, worst = start, start.operation.loading.speed
+    before = start
+    worst = start.operation.loading.speed
     reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
 
     def lacking(slope: float) -> float:
@@ -154,7 +155,8 @@ def drift_ends(
         if not 0 <= neighbour < len(speeds) or not np.isfinite(values[neighbour]):
             ends.append(float(speeds[row]))
             continue
-        inner, outer = float(speeds[row]), float(speeds[neighbour])
+        inner = float(speeds[row])
+        outer = float(speeds[neighbour])
         try:
             ends.append(
                 float(

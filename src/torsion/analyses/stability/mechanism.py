@@ -97,10 +97,15 @@ class Turning:
 
 def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
     """Return the turning of the station behind a joint; `turned` is the mean angle of the reference station, rad."""
-    r, s = joint.driving_ratio, joint.driven_ratio
+    r = joint.driving_ratio
+    s = joint.driven_ratio
     e0, e1, e2, e3 = error(joint, r * (turned + before.deviation))
-    g1, g2, g3 = 1.0 + e1 * r / s, e2 * r * r / s, e3 * r**3 / s
-    f1, f2, f3 = before.first, before.second, before.third
+    g1 = 1.0 + e1 * r / s
+    g2 = e2 * r * r / s
+    g3 = e3 * r**3 / s
+    f1 = before.first
+    f2 = before.second
+    f3 = before.third
     return Turning(
         before.deviation + e0 / s,
         g1 * f1,
@@ -213,7 +218,8 @@ def layout(system: System) -> Layout:
     stiffness = np.zeros(len(springs))
     elastic = np.isfinite(system.flexibility[springs])
     stiffness[elastic] = ratio2[elastic] / system.flexibility[springs][elastic]
-    driving, driven = body[system.driving[springs]], body[system.driven[springs]]
+    driving = body[system.driving[springs]]
+    driven = body[system.driven[springs]]
     group = connected(len(root), coordinate[driving[elastic]], coordinate[driven[elastic]])
     floating = [
         np.flatnonzero(group[:free] == number_of_group).tolist()
@@ -242,16 +248,20 @@ def _coordinates(
     system: System, body: IntArray, held: BoolArray, joints: IntArray
 ) -> tuple[IntArray, IntArray, int, tuple[JointStep, ...]]:
     """Coordinate of each body, own body of each coordinate, number of free ones, and the joints in order."""
-    number, driving, driven = len(held), body[system.driving[joints]], body[system.driven[joints]]
+    number = len(held)
+    driving = body[system.driving[joints]]
+    driven = body[system.driven[joints]]
     in_front = np.setdiff1d(np.flatnonzero(~held), driven)
     starts = [*np.flatnonzero(held).tolist(), *in_front.tolist()]
     way = walk(number, driving, driven, np.ones(len(joints), dtype=bool), starts)
     root = np.flatnonzero(way.parent < 0)
     root = np.concatenate([root[~held[root]], root[held[root]]])
-    coordinate, steps = np.zeros(number, dtype=np.int64), list[JointStep]()
+    coordinate = np.zeros(number, dtype=np.int64)
+    steps = list[JointStep]()
     coordinate[root] = np.arange(len(root))
     for outer in way.order[way.parent[way.order] >= 0].tolist():
-        inner, above = int(way.parent[outer]), way.above[outer]
+        inner = int(way.parent[outer])
+        above = way.above[outer]
         joint = joint_map(system, system.spans[joints[above]])
         steps.append(JointStep(inner, outer, joint if driving[above] == inner else joint.undone()))
         coordinate[outer] = coordinate[inner]

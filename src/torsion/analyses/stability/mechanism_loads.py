@@ -83,14 +83,13 @@ class Operating:
 
 def operating(mechanism: Scene, speed: float) -> Operating:
     """Return what acts at a reference speed (rad/s)."""
-    system, layout = mechanism.system, mechanism.layout
+    system = mechanism.system
+    layout = mechanism.layout
     speeds = np.array([speed])
     steady_state = steady_if_known(mechanism.study, system, speeds)
     ratio = system.speed_ratio
-    ground, on_mean_speed = (
-        mechanism.damping * ground_damping(system, speeds, steady_state)[:, 0] * ratio**2,
-        0.0,
-    )
+    ground = mechanism.damping * ground_damping(system, speeds, steady_state)[:, 0] * ratio**2
+    on_mean_speed = 0.0
     damping = ground + mechanism.slopes
     if (
         mechanism.laws != "none"
@@ -104,7 +103,8 @@ def operating(mechanism: Scene, speed: float) -> Operating:
         for slope in (np.where(stated, 0.0, load), steady_state.drive_slope[:, 0] * ratio**2):
             damping += slope if mechanism.laws == "all" else np.minimum(slope, 0.0)
         on_mean_speed = float((load - ground)[stated & _absorbing(mechanism)].sum())
-    applied, twist = np.zeros(len(ratio)), np.zeros(layout.bodies)
+    applied = np.zeros(len(ratio))
+    twist = np.zeros(layout.bodies)
     if steady_state is not None:
         applied = mechanism.mean * steady_state.applied[:, 0] * ratio
         twist[layout.body] = mechanism.mean * steady_state.twist[:, 0] / ratio
@@ -151,17 +151,16 @@ def _drive(
     mechanism: Scene, applied: FloatArray
 ) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
     """Known torques, unknown loads on the stations with the coordinates they keep, and a first guess of the loads."""
-    layout, number = mechanism.layout, len(applied)
+    layout = mechanism.layout
+    number = len(applied)
     reference = reference_station(mechanism.study.train, mechanism.study.operation)
     share = np.maximum(applied, 0.0)
     if not share.any():
         share[reference] = 1.0
-    known_torque, rows, steady, guess = (
-        applied.copy(),
-        list[FloatArray](),
-        list[int](),
-        list[float](),
-    )
+    known_torque = applied.copy()
+    rows = list[FloatArray]()
+    steady = list[int]()
+    guess = list[float]()
     coordinate = layout.coordinate[layout.body[int(np.argmax(share))]]
     for group in layout.floating:
         if coordinate in group:

@@ -157,9 +157,11 @@ def continued(mechanism: Scene, speed: float, neighbour: Orbit | None) -> tuple[
     while abs(step) > smallest:
         ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
         try:
-            neighbour, reached = orbit(mechanism, ahead, neighbour), ahead
+            neighbour = orbit(mechanism, ahead, neighbour)
+            reached = ahead
         except SolveError as fault:
-            step, why = step / 2.0, str(fault)
+            step = step / 2.0
+            why = str(fault)
             continue
         if reached == speed:
             return neighbour, ""
@@ -216,7 +218,8 @@ def _solve(
     mechanism: Scene, operation: Operating, harmonic: ComplexArray, load: FloatArray
 ) -> Balance:
     """Return the balance near harmonics of the coordinates; the twists of dampers are unknowns beside them."""
-    w0, count = operation.loading.w0, harmonic.shape[1] // 2
+    w0 = operation.loading.w0
+    count = harmonic.shape[1] // 2
     if mechanism.layout.dampers.size.size:
         deviation = motion_of(harmonic, w0, points_in_time(count)).deviation
         moving = turning(
@@ -244,25 +247,26 @@ def response_of(
     count_of_all = max(
         [*ranks, *(solved.balance.count for solved in orbits if solved is not None)], default=0
     )
-    stations, spans, number = (
-        len(mechanism.system.stations),
-        len(mechanism.system.spans),
-        len(speed),
-    )
+    stations = len(mechanism.system.stations)
+    spans = len(mechanism.system.spans)
+    number = len(speed)
     angle = np.full((number, count_of_all, stations), np.nan, dtype=complex)
     torque = np.full((number, count_of_all, spans), np.nan, dtype=complex)
     mean, drive, truncation = np.full((number, spans), np.nan), *np.full((2, number), np.nan)
-    harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
+    harmonics = np.zeros(number, dtype=int)
+    status = np.full(number, Found.NONE, dtype=np.uint8)
     for row, solved in enumerate(orbits):
         if solved is None:
             continue
-        count, courses = solved.balance.count, _course(mechanism, solved)
+        count = solved.balance.count
+        courses = _course(mechanism, solved)
         for amplitude, course in zip((angle, torque), courses, strict=True):
             amplitude[row] = 0.0
             amplitude[row, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
         mean[row] = courses[1].mean(axis=1)
         drive[row] = solved.balance.load[0] if solved.balance.load.size else np.nan
-        harmonics[row], truncation[row] = count, solved.balance.truncation
+        harmonics[row] = count
+        truncation[row] = solved.balance.truncation
         status[row] = Found.OK if truncation[row] <= ACCURACY else Found.COARSE
 
     kept = np.array(ranks, dtype=int) - 1
@@ -293,12 +297,10 @@ def _course(mechanism: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
 
     The torques, (spans, times) N m, are at the driving station's speed, positive when the driving side pushes.
     """
-    layout, system, loading, load = (
-        mechanism.layout,
-        mechanism.system,
-        solved.operation.stations,
-        solved.balance.load,
-    )
+    layout = mechanism.layout
+    system = mechanism.system
+    loading = solved.operation.stations
+    load = solved.balance.load
     times = points_in_time(solved.balance.count)
     turned = mean_angle(loading, times)
     motion = motion_of(solved.balance.harmonic, loading.w0, times)
@@ -328,16 +330,20 @@ def _fill_rigid_torques(
     A span has the torque on its driven side.
     """
     condensed = system.condensed
-    size, spans = condensed.tree.size, np.flatnonzero(condensed.span >= 0)
+    size = condensed.tree.size
+    spans = np.flatnonzero(condensed.span >= 0)
     span_of, station_of = np.full((2, size), -1)
     span_of[condensed.span[spans]] = spans
     station_of[condensed.node] = np.arange(len(condensed.node))
     for node in range(size - 1, -1, -1):
-        span, parent = int(span_of[node]), int(condensed.tree.parent[node])
+        span = int(span_of[node])
+        parent = int(condensed.tree.parent[node])
         if span < 0 or system.flexibility[span] != 0:
             continue
-        driving, driven = int(system.driving[span]), int(system.driven[span])
-        leaf, root = station_of[node], station_of[parent]
+        driving = int(system.driving[span])
+        driven = int(system.driven[span])
+        leaf = station_of[node]
+        root = station_of[parent]
         if leaf < 0:
             leaf = driven if condensed.sign[span] > 0 else driving
         if root < 0:
@@ -355,9 +361,11 @@ def further_motions(
     A speed stands once for every further motion. They are sought from the rigid motion, and from motions a little
     slower and faster that were found from it.
     """
-    speeds, orbits = list[float](), list[Orbit | None]()
+    speeds = list[float]()
+    orbits = list[Orbit | None]()
     for row in rows:
-        reported, speed = response.orbits[row], float(response.speed[row])
+        reported = response.orbits[row]
+        speed = float(response.speed[row])
         if reported is None:
             continue
         motions = [reported]

@@ -151,7 +151,8 @@ def around_peaks(response: PeriodicResponse) -> FloatArray:
     for row, line, span in _peaks(size):
         for neighbour in (row - 1, row + 1):
             drop = 1.0 - size[neighbour, line, span] / size[row, line, span]
-            speed, next_speed = float(response.speed[row]), float(response.speed[neighbour])
+            speed = float(response.speed[row])
+            next_speed = float(response.speed[neighbour])
             closest = EDGE if np.isnan(drop) else CLOSEST
             if not drop <= RESOLVED and abs(next_speed - speed) > closest * speed:
                 middle = (speed + next_speed) / 2.0

@@ -120,7 +120,8 @@ NOTHING_VARIES = {
 
 def _varies(study: Study, over: Over) -> bool:
     """Whether a factor on something, or the angle of joints, changes the train."""
-    train, table = study.train, study.operation.load.table
+    train = study.train
+    table = study.operation.load.table
     if over == "torque":
         is_flat = bool(table) and not any(torque for _, torque in table)
         return study.has_mean_torque and not is_flat
@@ -142,9 +143,11 @@ def run_periodic(work: Work) -> None:
 
 def _reasons(work: Work) -> tuple[str, str]:
     """Why the exact periodic response is computed, and else why not; both empty where nobody would expect it."""
-    system, first_order = work.system, work.get(Response)
+    system = work.system
+    first_order = work.get(Response)
     method = work.study.setting("analyses", "response", "method")
-    joints, requested = exciting_joints(system), method == "harmonic-balance"
+    joints = exciting_joints(system)
+    requested = method == "harmonic-balance"
     if system.tables:
         return "", (
             "a coupling follows a table, which has no transient response; the results are of the first order"
@@ -175,7 +178,8 @@ def _solve_periodic(work: Work, reason: str) -> None:
     from torsion.analyses.stability.periodic_orbits import Found
     from torsion.analyses.stability.periodic_speeds import periodic_over_speed
 
-    log, first_order = work.log, work.need(Response)
+    log = work.log
+    first_order = work.need(Response)
     with log.step(PERIODIC, reason) as step:
         response = periodic_over_speed(work.study, work.system, first_order, progress=work.progress)
         step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
@@ -214,7 +218,9 @@ def run_stability(work: Work) -> None:
     """Stability over speed, where it is requested."""
     from torsion.analyses.stability.stability_over_speed import stability
 
-    study, system, log = work.study, work.system, work.log
+    study = work.study
+    system = work.system
+    log = work.log
     settings = work.settings("stability", StabilitySettings)
     speeds = settings.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
@@ -233,7 +239,8 @@ def run_stability(work: Work) -> None:
             progress=work.progress,
         )
         step.method = METHODS[settings.method]
-        requested, kept = int(result.requested.sum()), "all modes"
+        requested = int(result.requested.sum())
+        kept = "all modes"
         if result.kept is not None:
             kept = f"{result.kept} of {result.modes.size} elastic modes"
         step.size = f"{requested} speeds requested, {result.speed.size - requested} more around zones and boundaries; {kept}"
@@ -252,7 +259,8 @@ def run_stability(work: Work) -> None:
 def run_map(work: Work) -> None:
     """Growth over speed and one more quantity, where it is requested."""
     stability = work.settings("stability", StabilitySettings)
-    settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
+    settings = stability.map
+    speeds = stability.speeds or work.study.operation.speeds
     if settings is None or speeds is None or not exciting_joints(work.system):
         return
     from torsion.analyses.stability.stability_map import stability_map

@@ -94,7 +94,8 @@ def stability_map(
     speeds = np.asarray(speeds, dtype=float)
     shapes = basis(mechanism.layout)
     reduced = modes_that_matter(mechanism, shapes, float(speeds.max()), modes)
-    lossy, unreduced_scene = damped(mechanism, reduced), damped(mechanism, shapes)
+    lossy = damped(mechanism, reduced)
+    unreduced_scene = damped(mechanism, shapes)
 
     searches = [
         Search(vary_scene(lossy, over, value), shapes, reduced, stages=STAGES)
@@ -110,9 +111,11 @@ def stability_map(
         progress("stability map", column / len(values))
         growth[:, column] = rates
 
-    errors, elsewhere = list[float](), 0
+    errors = list[float]()
+    elsewhere = 0
     for row, column in points_to_check(growth):
-        solved, value = searches[column](float(speeds[row])), float(values[column])
+        solved = searches[column](float(speeds[row]))
+        value = float(values[column])
         assert solved is not None  # its growth rate is known
         unreduced = Search(vary_scene(unreduced_scene, over, value), shapes, None)
         try:
@@ -140,7 +143,8 @@ def points_to_check(growth: FloatArray) -> list[tuple[int, int]]:
     points = np.flatnonzero(np.isfinite(growth.ravel()))
     if not points.size:
         return []
-    value, third = growth.ravel()[points], CHECKED // 3
+    value = growth.ravel()[points]
+    third = CHECKED // 3
     spread = np.linspace(0, len(points) - 1, third + 2).astype(int)[1:-1]
     places = [np.argsort(value)[-third:], np.argsort(np.abs(value))[:third], spread]
     rows, columns = np.unravel_index(np.unique(points[np.concatenate(places)]), growth.shape)

@@ -191,7 +191,8 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
     uneven = max((step.joint.strength for step in search.mechanism.layout.steps), default=0.0)
     if uneven == 0.0 or len(requested) < 2:
         return
-    first, last = float(requested[0]), float(requested[-1])
+    first = float(requested[0])
+    last = float(requested[-1])
     seeds = candidates(search.shapes, search.mechanism.layout.orders, first, last)
     around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
 
@@ -201,7 +202,8 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
 
     for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
         report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
-        low, high = max(seed * (1.0 - around), first), min(seed * (1.0 + around), last)
+        low = max(seed * (1.0 - around), first)
+        high = min(seed * (1.0 + around), last)
         inside = [speed for speed in search.known if low <= speed <= high]
         if not any(search.is_unstable(speed) for speed in [*inside, seed]):
             find_minimum(height, low, high, tolerance=around * seed * 1e-2, most=10)
@@ -218,10 +220,12 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     # A narrow drift lies between the speeds: each high local maximum is refined.
     tried = np.array(sorted(search.known))
     rates = np.array([max(-height(speed), LOWEST) for speed in tried.tolist()])
-    below, above = rates[1:-1] - rates[:-2], rates[1:-1] - rates[2:]
+    below = rates[1:-1] - rates[:-2]
+    above = rates[1:-1] - rates[2:]
     inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
-        low, high = float(tried[row - 1]), float(tried[row + 1])
+        low = float(tried[row - 1])
+        high = float(tried[row + 1])
         find_minimum(height, low, high, tolerance=PEAK * (high - low))
 
     worst = min(search.known, key=height)

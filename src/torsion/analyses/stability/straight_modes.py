@@ -100,7 +100,8 @@ def basis(layout: Layout) -> Basis:
     free = layout.free
     mass = gathered(layout, layout.inertia)
     stiffness, lossy = (_assembled(layout, part) for part in (layout.stiffness, layout.hysteretic))
-    heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
+    heavy = np.flatnonzero(mass > 0)
+    light = np.flatnonzero(mass == 0)
     if not heavy.size:
         raise SolveError("no component has an inertia; nothing can vibrate")
     follow = np.zeros((free, len(heavy)))
@@ -122,7 +123,8 @@ def _assembled(layout: Layout, spring: FloatArray) -> FloatArray:
     """(free, free) sum over the springs."""
     number = len(layout.root)
     out = np.zeros((number, number))
-    a, b = layout.coordinate[layout.driving], layout.coordinate[layout.driven]
+    a = layout.coordinate[layout.driving]
+    b = layout.coordinate[layout.driven]
     for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
         np.add.at(out, (row, column), sign * spring)
     return out[: layout.free, : layout.free]

@@ -72,7 +72,8 @@ def modal_energy(
     if reduced is not None:
         onto = onto @ reduced.shape
     number = onto.shape[1]
-    angle, speed = onto @ multipliers.vector[:number, 0], onto @ multipliers.speed[:number, 0]
+    angle = onto @ multipliers.vector[:number, 0]
+    speed = onto @ multipliers.speed[:number, 0]
     energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
     return np.asarray(energy / max(float(energy.max()), np.finfo(float).tiny))
 
@@ -189,7 +190,8 @@ def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ..
 def _find_range(search: Search, seed: float) -> UnstableRange:
     """The range of an unstable speed (rad/s); where the search for its fastest growth meets a gap, the part before."""
     while True:
-        low, high = _end(search, seed, -1), _end(search, seed, 1)
+        low = _end(search, seed, -1)
+        high = _end(search, seed, 1)
         worst = _fastest(search, low.speed, high.speed)
         inside = [speed for speed in search.known if low.inner < speed < high.inner]
         if all(search.is_unstable(speed) for speed in inside):
@@ -216,7 +218,8 @@ def _end(search: Search, seed: float, side: int) -> End:
         (speed for speed in search.known if side * (speed - seed) >= 0), key=lambda w: side * w
     )
     number = next((k for k, w in enumerate(speeds) if not search.is_unstable(w)), len(speeds))
-    inner, beyond = speeds[number - 1], speeds[number:]
+    inner = speeds[number - 1]
+    beyond = speeds[number:]
     if not beyond:
         return End(inner, inner, is_open=True)
     if search(beyond[0]) is None:
@@ -288,7 +291,8 @@ def _fastest(search: Search, lower: float, upper: float) -> float:
             search(speed)
     speeds = inside()
     best = int(np.argmax([growth(speed) for speed in speeds]))
-    low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]
+    low = speeds[max(best - 1, 0)]
+    high = speeds[min(best + 1, len(speeds) - 1)]
     if high > low:
         find_minimum(lambda speed: -growth(float(speed)), low, high, tolerance=PEAK * (high - low))
     return max(inside(), key=growth)
