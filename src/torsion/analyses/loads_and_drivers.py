@@ -86,7 +86,7 @@ class Balance:
         first, *others = (
             load.torque_at(speed) * float(self.shares(load)[station]) for load in self.loads
         )
-        return np.asarray(sum(others, start=first))
+        return sum(others, start=first)
 
     def full_torque(self, speed: FloatArray) -> FloatArray:
         """Return the torque (speeds,) N m of all loads at the reference, when every cylinder fires."""

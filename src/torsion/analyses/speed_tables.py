@@ -17,7 +17,7 @@ def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
     if faults := uncovered(table, speed, about):
         raise InputError(faults)
     rows = np.array(table, dtype=np.float64)
-    return np.asarray(np.interp(speed, rows[:, 0], rows[:, 1]))
+    return np.interp(speed, rows[:, 0], rows[:, 1])
 
 
 def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:

@@ -77,7 +77,7 @@ def _space(columns: FloatArray) -> FloatArray:
     if moving.shape[1] == 0:
         return moving
     u, singular, _ = np.linalg.svd(moving, full_matrices=False)
-    return np.asarray(u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]])
+    return u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]]
 
 
 def over_largest(torque: ComplexArray, exact: ComplexArray) -> FloatArray:

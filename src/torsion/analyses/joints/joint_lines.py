@@ -116,7 +116,7 @@ def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatAr
     total = np.zeros(arms.shape, dtype=np.complex128)
     for step in steps[heard[-1] :: -1]:  # Horner
         total = (total + step) * turn
-    return np.asarray(total.real)
+    return total.real
 
 
 def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, ...], Line]:

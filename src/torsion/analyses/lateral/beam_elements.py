@@ -49,12 +49,12 @@ class Segment:
     def area(self, share: FloatArray) -> FloatArray:
         """Return the area of the section at shares of the length, m2."""
         outer, bore = self.diameters(share)
-        return np.asarray(math.pi / 4.0 * (outer - bore) * (outer + bore))
+        return math.pi / 4.0 * (outer - bore) * (outer + bore)
 
     def moment(self, share: FloatArray) -> FloatArray:
         """Return the second moment of area about a diameter, m4."""
         outer, bore = self.diameters(share)
-        return np.asarray(math.pi / 64.0 * (outer - bore) * (outer + bore) * (outer**2 + bore**2))
+        return math.pi / 64.0 * (outer - bore) * (outer + bore) * (outer**2 + bore**2)
 
     @source("Cowper1966")
     def shear_coefficient(self, share: FloatArray) -> FloatArray:
@@ -63,7 +63,7 @@ class Segment:
         outer, bore = self.diameters(share)
         square = (bore / outer) ** 2
         sum_square = (1.0 + square) ** 2
-        return np.asarray(
+        return (
             6.0
             * (1.0 + poisson)
             * sum_square

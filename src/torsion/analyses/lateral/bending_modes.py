@@ -22,7 +22,7 @@ class Plane:
     @property
     def frequency(self) -> FloatArray:
         """(modes,) frequencies of the modes with inertia, rad/s, ascending."""
-        return np.asarray(1.0 / np.sqrt(self.square[self.square > 0]))
+        return 1.0 / np.sqrt(self.square[self.square > 0])
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def planes(system: LateralSystem) -> Planes:
 
 
 def _projected(matrix: FloatArray, plane: Plane, other_plane: Plane) -> FloatArray:
-    return np.asarray(plane.shape.T @ matrix @ other_plane.shape)
+    return plane.shape.T @ matrix @ other_plane.shape
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:

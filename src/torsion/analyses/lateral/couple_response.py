@@ -114,7 +114,7 @@ def extent(pairs: ComplexArray) -> FloatArray:
     """Return (...) largest amplitude in any direction of (..., 2) in y and z: half the long axis of the ellipse."""
     y = pairs[..., 0]
     z = pairs[..., 1]
-    return np.asarray(0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z)))
+    return 0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z))
 
 
 def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> FloatArray:
@@ -211,7 +211,7 @@ def _status(planes: Planes, order: int, speeds: FloatArray, amplification: Float
                 lines[away <= REACH] = Status.NEAR_SINGULAR
                 lines[away <= NEAR_SINGULAR_LOSS] = Status.SINGULAR
     lines[~(loss < SINGULAR_LOSS)] = Status.SINGULAR
-    return np.asarray(lines.astype(np.uint8))
+    return lines.astype(np.uint8)
 
 
 def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:
@@ -283,8 +283,8 @@ def _carried(
     before = joints[position].before
     speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio
     if carrier == "driving":
-        return np.asarray(1.0 / speed)
+        return 1.0 / speed
     last = position
     while following := [k for k, joint in enumerate(joints) if joint.before == last]:
         last = following[0]
-    return np.asarray(moved[last].transfer.ratio / speed)
+    return moved[last].transfer.ratio / speed

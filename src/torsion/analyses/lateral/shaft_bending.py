@@ -274,7 +274,7 @@ def _of_train(of_shaft: OfShaft, ratio: float) -> OfShaft:
 
 
 def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
-    return np.asarray(frequency[:modes] / (2.0 * np.pi))
+    return frequency[:modes] / (2.0 * np.pi)
 
 
 def _refined(

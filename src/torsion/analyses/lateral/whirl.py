@@ -26,7 +26,7 @@ UNSTABLE = -1e-9  # of a logarithmic decrement; what lies between it and 0 is ro
 
 def is_unstable(decrement: FloatArray) -> BoolArray:
     """Return where a logarithmic decrement says that the motion grows by itself."""
-    return np.asarray(decrement < UNSTABLE)
+    return decrement < UNSTABLE
 
 
 @reported
@@ -169,7 +169,7 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
     last = last[size[last] > (n + m) * EPS * size.max()]
     shape = np.zeros((len(planes.square), len(last)), dtype=np.complex128)
     shape[kept] = vectors[:n, last]
-    return np.asarray(1.0 / inverse[last]), shape
+    return 1.0 / inverse[last], shape
 
 
 def refined(
@@ -267,7 +267,7 @@ def direction(planes: Planes, p: ComplexArray) -> FloatArray:
     y = planes.y.shape @ p[:n]
     z = planes.z.shape @ (-1j * p[n:])
     forward, backward = (_energy(u, planes.system.inertia, u) for u in (y + 1j * z, y - 1j * z))
-    return np.asarray((forward - backward) / (forward + backward))
+    return (forward - backward) / (forward + backward)
 
 
 def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...]:

@@ -81,7 +81,7 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
     def stiffness_and_loss(span: int) -> tuple[FloatArray, FloatArray]:
         """Return stiffness and loss factor eta + w c/k (modes,) of an elastic span."""
         stiffness, loss = (np.broadcast_to(values, w.shape) for values in system.elastic(span, w))
-        return stiffness, np.asarray(loss / stiffness)
+        return stiffness, loss / stiffness
 
     is_lossy = (system.loss_factor > 0) | (system.viscous > 0)
     is_lossy[list(system.tables)] = True

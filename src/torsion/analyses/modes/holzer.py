@@ -299,4 +299,4 @@ class _Chains:
         matrices[:, 1, 1] = 1.0 - h * w2 * driven
         matrices[:, 1] += (w2 * inside)[:, None] * matrices[:, 0]
         product = reduce(lambda total, matrix: matrix @ total, matrices)
-        return np.asarray(product), has_driven_end
+        return product, has_driven_end

@@ -26,7 +26,7 @@ def rigid_shapes(system: System) -> FloatArray:
     upper = np.linalg.qr(np.sqrt(np.where(system.held, 0.0, system.inertia))[:, None] * shapes).R
     if not np.diag(upper).all():
         raise SolveError("a part of the train turns freely and has no inertia", "give it one")
-    return np.asarray(np.linalg.solve((upper * np.sign(np.diag(upper))[:, None]).T, shapes.T).T)
+    return np.linalg.solve((upper * np.sign(np.diag(upper))[:, None]).T, shapes.T).T
 
 
 def massless(system: System) -> BoolArray:

@@ -244,7 +244,7 @@ class Response(Displayed, Keyed):
     def carried(self, span: int) -> FloatArray:
         """Return the torque (speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
         vibratory = {} if self.following is None else self.following.by_span
-        return np.asarray(vibratory.get(span, self.mean[:, span])[:, None])
+        return vibratory.get(span, self.mean[:, span])[:, None]
 
     @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:

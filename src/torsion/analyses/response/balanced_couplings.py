@@ -247,7 +247,7 @@ class _Rows:
         self, span: int, answers: Sequence[Answer], stiffness: ComplexArray
     ) -> ComplexArray:
         """Return the twists (components, columns) rad of a span."""
-        return np.asarray(np.array([answer.torque[:, span] for answer in answers]) / stiffness)
+        return np.array([answer.torque[:, span] for answer in answers]) / stiffness
 
 
 def _ratio_of(

@@ -223,7 +223,7 @@ def rounding(evidence: Results) -> FloatArray:
         np.maximum(
             size, np.abs(response.torque[speed, is_known]).max(axis=0, initial=0.0), out=size
         )
-    return np.asarray(NOTHING * float((size * ratio).max(initial=0.0)) / ratio)
+    return NOTHING * float((size * ratio).max(initial=0.0)) / ratio
 
 
 def local_maxima(values: FloatArray) -> list[int]:

@@ -231,7 +231,7 @@ def _about_jumps(response: Response | FrequencyResponse) -> FloatArray:
     end = response.points[left + 1]
     begin, end = (ends[end - begin > NARROW * end] for ends in (begin, end))
     share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
-    return np.asarray((begin[:, None] + (end - begin)[:, None] * share).ravel())
+    return (begin[:, None] + (end - begin)[:, None] * share).ravel()
 
 
 def apart(points: FloatArray, added: FloatArray) -> FloatArray:

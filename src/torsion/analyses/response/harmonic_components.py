@@ -291,7 +291,7 @@ def joint_error(
     if steady is not None:
         turned = steady.twist[system.spans[error.span].driving]
         phasor = phasor * np.exp(1j * error.order * turned)
-    return np.asarray(phasor)
+    return phasor
 
 
 def amplitude(

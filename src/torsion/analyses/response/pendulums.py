@@ -81,9 +81,7 @@ def deflections(
     """Return the deflection (speeds, lines) rad of the bobs, from the torque of the span that stands for their field."""
     w = 2.0 * math.pi * response.frequency
     stiffness, loss = system.elastic(span, w, None, response.speed[:, None])
-    return np.asarray(
-        record.lever * np.abs(response.torque[:, :, span]) / np.hypot(stiffness, loss)
-    )
+    return record.lever * np.abs(response.torque[:, :, span]) / np.hypot(stiffness, loss)
 
 
 def _pendulum(

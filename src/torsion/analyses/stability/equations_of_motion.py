@@ -77,7 +77,7 @@ def _of_bodies(layout: Layout, values: FloatArray) -> FloatArray:
 
 def mean_angle(loading: Loading, times: int) -> FloatArray:
     """Return (times,) rad of the reference station over the common period."""
-    return np.asarray(2.0 * np.pi / loading.order * np.arange(times) / times)
+    return 2.0 * np.pi / loading.order * np.arange(times) / times
 
 
 def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
@@ -91,7 +91,7 @@ def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
     """Return (bodies, times) N m/s by which the vibratory torques change."""
     order = loading.order * loading.multiple
     phase = np.exp(1j * np.outer(order, turned))
-    return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
+    return ((1j * loading.speed * order * loading.vibratory) @ phase).real
 
 
 def state(
@@ -143,7 +143,7 @@ def spring_torques(
             dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
         )
         force += acting.onto @ (acting.size[:, None] * rate)
-    return np.asarray(force)
+    return force
 
 
 def linearised(

@@ -189,7 +189,7 @@ class Multipliers:
     @property
     def multiplier(self) -> ComplexArray:
         """(exponents,) factor over one common period."""
-        return np.asarray(np.exp(self.exponent * self.period))
+        return np.exp(self.exponent * self.period)
 
 
 def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Multipliers:
