@@ -49,11 +49,22 @@ def harmonics_needed(rank: int, joints: Sequence[Fraction], torques: Sequence[Fr
 
 
 def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveError:
-    """Return why a train needs more than `most` harmonics: the two worst orders and the gear between them.
+    """Return why a train needs more than `limit` harmonics: the two worst orders and the gear between them.
 
     vibratory: torques are taken along, not the joints alone.
     """
-    sources = _list_sources(train, vibratory=vibratory)
+    ratio = [station.ratio for station in train.stations]
+    sources = [
+        Source(mesh.name, Fraction(order), mesh.driving, order * ratio[mesh.driving], True)
+        for mesh in train.constraints
+        for order, _ in mesh.error
+    ]
+    sources += [
+        Source(torque.name, torque.order, station, torque.order * ratio[station], False)
+        for torque in train.torques
+        for station in [torque.station]
+        if torque.order is not None and vibratory
+    ]
 
     def needed(some: Sequence[Source]) -> int:
         joints = [source.of_reference for source in some if source.is_joint]
@@ -61,6 +72,15 @@ def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveEr
         return harmonics_needed(rank, joints, torques)
 
     first, second = max(combinations(sources, 2), key=needed, default=(sources[0], sources[0]))
+
+    def lies_between(gear: Constraint) -> bool:
+        """Return whether the worst two lie on different sides of a gear, of a train without closed loops."""
+        links: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
+        ends = np.array([(link.driving, link.driven) for link in links if link is not gear], int)
+        group = connected(len(ratio), *ends.reshape(-1, 2).T)
+        is_driven = group == group[gear.driven]
+        return bool(is_driven[first.station] != is_driven[second.station])
+
     period = 1 / common_order([source.of_reference for source in sources])
     length = (
         f"repeat together only every {float(period):.6g} revolutions of the reference shaft, which takes about "
@@ -69,13 +89,7 @@ def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveEr
     names = (
         f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
     )
-    gears = [
-        mesh
-        for mesh in train.constraints
-        if mesh.ratio != 1
-        and (first.station in (driven_side := _driven_side(train, mesh)))
-        != (second.station in driven_side)
-    ]
+    gears = [mesh for mesh in train.constraints if mesh.ratio != 1 and lies_between(mesh)]
     if not gears:
         return SolveError(f"{names} {length}", "take orders with smaller whole numbers")
     gear = max(gears, key=lambda mesh: mesh.ratio.numerator * mesh.ratio.denominator)
@@ -86,28 +100,3 @@ def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveEr
         "teeth with a smaller common multiple",
         train.parts[gear.part].path,
     )
-
-
-def _list_sources(train: Train, *, vibratory: bool) -> list[Source]:
-    rows = [
-        (mesh.name, Fraction(order), mesh.driving, True)
-        for mesh in train.constraints
-        for order, _ in mesh.error
-    ]
-    rows += [
-        (torque.name, torque.order, torque.station, False)
-        for torque in train.torques
-        if torque.order is not None and vibratory
-    ]
-    return [
-        Source(name, order, station, order * train.stations[station].ratio, is_joint)
-        for name, order, station, is_joint in rows
-    ]
-
-
-def _driven_side(train: Train, gear: Constraint) -> set[int]:
-    """Stations on the driven side of a gear of a train without closed loops."""
-    links: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
-    ends = np.array([(link.driving, link.driven) for link in links if link is not gear], dtype=int)
-    group = connected(len(train.stations), *ends.reshape(-1, 2).T)
-    return set(np.flatnonzero(group == group[gear.driven]).tolist())
