@@ -79,6 +79,12 @@ class Components:
     mean: FloatArray  # (spans, points) N m
     speed: FloatArray | None = None  # (points,) rad/s of the reference station
 
+    @property
+    def separate(self) -> list[tuple[Fraction | None, FloatArray, Sources]]:
+        """Order, frequencies and sources of each part of a component whose sources have a phase to each other."""
+        rows = zip(self.orders, self.w, self.apart, strict=True)
+        return [(order, w, source) for order, w, apart in rows for source in apart]
+
 
 @dataclass(frozen=True)
 class Following:

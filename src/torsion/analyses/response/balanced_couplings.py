@@ -9,7 +9,6 @@ span sets its amplitude for all of them.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -180,9 +179,13 @@ class _Rows:
             new = amplitudes(ratio, last / NEAR, last * NEAR, last, NEAR_SAMPLES)
             lacks = np.flatnonzero(new.number == 0)
             if lacks.size:
-                lacking_ratio = partial(_ratio_of, ratio, lacks)
-                ends = bottom[lacks], top[lacks]
-                new = new.having(amplitudes(lacking_ratio, *ends, last[lacks]), lacks)
+                lacking = amplitudes(
+                    lambda amplitude, columns: ratio(amplitude, lacks[columns]),
+                    bottom[lacks],
+                    top[lacks],
+                    last[lacks],
+                )
+                new = new.having(lacking, lacks)
         taken = new.largest if is_whole and number < LARGEST_FIRST else new.nearest
         if number >= HALF_WAY:
             taken = np.sqrt(taken * former.largest[unsettled])
@@ -248,13 +251,6 @@ class _Rows:
     ) -> ComplexArray:
         """Return the twists (components, columns) rad of a span."""
         return np.array([answer.torque[:, span] for answer in answers]) / stiffness
-
-
-def _ratio_of(
-    ratio: Ratio, chosen: IntArray, amplitude: FloatArray, columns: IntArray
-) -> FloatArray:
-    """Return the ratio of some of the columns, counted within those chosen."""
-    return ratio(amplitude, chosen[columns])
 
 
 def _range(

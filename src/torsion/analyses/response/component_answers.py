@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,11 +11,6 @@ from torsion.analyses.response.amplitudes import Balanced, Components, Following
 from torsion.analyses.response.solver import NOTHING, Answer, answers, by_magnitude
 from torsion.assembly.system import System
 from torsion.kernels.tree_response import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from torsion.kernels.describing_functions import Secant
 
 
 def solve_components(
@@ -26,10 +21,8 @@ def solve_components(
     rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
     are singular where no balance was found. Raises what `answer` does.
     """
-    w = components.w
     ground = components.ground
-    mean = components.mean
-    speed = components.speed
+    solve = partial(answers, system, damping=ground, mean=components.mean, speed=components.speed)
     balance: Balanced | None = None
     following: Following | None = None
     settled = np.ones(ground.shape[1], dtype=bool)
@@ -37,11 +30,13 @@ def solve_components(
         from torsion.analyses.response.balanced_couplings import balanced
 
         forces = [sources[0] for sources in components.apart]
-
-        def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
-            return list(answers(system, w, forces, ground, tried, mean=mean, speed=speed))
-
-        if (balance := balanced(system, w, mean, solve)) is not None:
+        balance = balanced(
+            system,
+            components.w,
+            components.mean,
+            lambda tried: list(solve(components.w, forces, added=tried)),
+        )
+        if balance is not None:
             settled &= balance.settled
     if system.train.has_tables_over("vibratory torque"):
         from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
@@ -49,19 +44,11 @@ def solve_components(
         following = settled_couplings(system, components, rank)
         settled &= following.settled
 
-    separate = answers(
-        system,
-        [
-            frequencies
-            for frequencies, sources in zip(w, components.apart, strict=True)
-            for _ in sources
-        ],
-        [source for sources in components.apart for source in sources],
-        ground,
-        NOTHING if balance is None else balance.added,
+    separate = solve(
+        [w for _, w, _ in components.separate],
+        [source for _, _, source in components.separate],
+        added=NOTHING if balance is None else balance.added,
         vibratory=None if following is None else following.by_span,
-        mean=mean,
-        speed=speed,
     )
 
     def combined() -> Iterator[Answer]:

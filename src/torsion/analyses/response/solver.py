@@ -1,5 +1,6 @@
 """The answer of the train to harmonic components at many frequencies, at the stations' own speeds."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
-from torsion.analyses.undamped_modes import span_torques
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised, span_torques
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
 
 TOGETHER = 2048  # frequencies at once: of fewer, calls cost more than sums
+MOST_STATIONS = 3000  # of a train with damping by mode, whose modes are all taken
+DAMPING = ("damping",)
 NOTHING: "Mapping[int, Secant]" = {}
 
 
@@ -52,18 +55,54 @@ def answer(
         return swept(system, w, sources, damping, added, stiffness=stiffness)
     if any(not secant.is_linear for secant in added.values()):
         message = "friction in the response changes the modes, and the train is damped by mode"
-        raise SolveError(message, "give the damping of the components", ("damping",))
+        raise SolveError(message, "give the damping of the components", DAMPING)
+    if sources.twist is not None or sources.loop_twist is not None:
+        message = "damping by mode does not support joints or meshes that excite"
+        raise SolveError(message, "give the components their damping", DAMPING)
+    return _modal_answer(system, w, sources)
 
-    from torsion.analyses.response.modal_response import modal_sums
 
-    def undamped_answer(at_w: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        none = np.zeros((len(system.stations), len(at_w)))
-        result = swept(undamped(system), at_w, sources, none)
-        return result.angle.T, result.torque.T
+def _modal_answer(system: System, w: FloatArray, sources: Sources) -> Answer:
+    """Return the response of a train with damping by mode: a sum over all modes, and the exact static rest.
 
-    angle, torque, amplification = modal_sums(system, w, sources, undamped_answer)
+    A mode answers with force / (w_i**2 - w**2 + 2 i zeta_i w_i w), a rigid motion with -force / w**2. What rigid spans
+    and points without inertia carry beside that is the same at every frequency: the exact undamped answer at one, less
+    the sum. Raises SolveError for a train of too many stations, or with distributed shafts.
+    """
+    from torsion.analyses.modes.modal_basis import beside_modes, rigid_shapes
+
+    basis: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
+    if basis is None:
+        if system.bars is not None or system.condensed.tree.size > MOST_STATIONS:
+            message = f"damping by mode is for lumped trains of at most {MOST_STATIONS} stations"
+            raise SolveError(message, "model: lumped, with fewer `segments`", DAMPING)
+        basis = modes_as_discretised(system, None), rigid_shapes(system)
+        vars(system)["modal_basis"] = basis  # computed once
+    modes, rigid = basis
+    none = np.zeros(rigid.shape[1])
+    mode_w = np.concatenate([none, 2.0 * math.pi * modes.frequency])[:, None]
+    ratio = np.concatenate([none, system.modal_ratios(len(modes.frequency))])[:, None]
+    shape = np.concatenate([rigid, modes.shape], axis=1)
+    torque = np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0)))
+    on_tree = np.zeros((system.condensed.tree.size, len(mode_w)))
+    on_tree[system.condensed.node] = shape / system.speed_ratio[:, None]
+    force = on_tree.T @ sources.force
+    with np.errstate(divide="ignore", invalid="ignore"):
+        denominator = mode_w**2 - w**2 + 2j * ratio * mode_w * w
+        moved = force / denominator
+        amplification = ((mode_w**2 + w**2) / np.abs(denominator)).max(axis=0, initial=1.0)
+    angle = shape @ moved
+    carried = torque @ moved
+    stations, spans = beside_modes(system)
+    if stations.any() or spans.any():
+        far = 0.5 * float(mode_w[mode_w > 0.0].min(initial=2.0))  # rad/s, far from every mode
+        no_damping = np.zeros((len(stations), len(w)))
+        still = swept(undamped(system), np.full(len(w), far), sources, no_damping)
+        slow = force / (mode_w**2 - far**2)
+        angle[stations] += still.angle.T[stations] - shape[stations] @ slow
+        carried[spans] += still.torque.T[spans] - torque[spans] @ slow
     none = np.zeros(len(w))
-    return Answer(angle.T, torque.T, none, status(amplification, none))
+    return Answer(angle.T, carried.T, none, status(amplification, none))
 
 
 def answers(

@@ -95,14 +95,18 @@ def half_range_of(
     return np.asarray(half_ranges + (highest - lowest) / 2.0)
 
 
+def common_order(orders: Sequence[Fraction]) -> Fraction:
+    """Return the greatest order of which all are whole multiples; 0 of none."""
+    if not orders:
+        return Fraction(0)
+    below = math.lcm(*(order.denominator for order in orders))
+    return Fraction(math.gcd(*(int(order * below) for order in orders)), below)
+
+
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:
     """Return the revolutions after which all orders repeat (0 if too many), and each order in cycles per such period."""
-    if not orders:
-        return Fraction(0), np.empty(0, dtype=np.int64)
-    numerator = math.gcd(*(order.numerator for order in orders))
-    base = Fraction(numerator, math.lcm(*(order.denominator for order in orders)))
-    highest = max(orders) / base
-    if highest * SAMPLES > MOST_SAMPLES:
+    base = common_order(orders)
+    if not base or max(orders) / base * SAMPLES > MOST_SAMPLES:
         return Fraction(0), np.empty(0, dtype=np.int64)
     return 1 / base, np.array([int(order / base) for order in orders], dtype=np.int64)
 

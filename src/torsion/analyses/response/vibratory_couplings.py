@@ -8,12 +8,12 @@ another until none changes; from some rounds on each goes half the way.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Components, Following
-from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answer
 from torsion.analyses.response.synthesis import half_range_of
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -56,23 +56,20 @@ class _Train:
         self.ground = components.ground
         self.points = components.ground.shape[1]
         self.tables = system.tables_over("vibratory torque")
-        self.orders = []
-        self.w = list[FloatArray]()
-        self.sources = list[Sources]()
-        rows = zip(components.orders, components.w, components.apart, strict=True)
-        for order, w, separate in rows:
-            self.orders += [order] * len(separate)
-            self.w += [w] * len(separate)
-            self.sources += separate
-        self.by_magnitude = len(self.sources) > len(components.w)
+        self.separate = components.separate
+        self.half_range = partial(
+            half_range_of,
+            [order for order, _, _ in self.separate],
+            by_magnitude=len(self.separate) > len(components.w),
+        )
 
     def torques(
         self, span: int, stiffness: Mapping[int, ComplexArray], k: int, points: IntArray
     ) -> ComplexArray:
         """Return the torque (points,) N m of a span in component k, at some points; stiffness: as of `answer`."""
-        source = self.sources[k].at(points)
+        _, w, source = self.separate[k]
         ground = self.ground[:, points]
-        result = answer(self.system, self.w[k][points], source, ground, stiffness=stiffness)
+        result = answer(self.system, w[points], source.at(points), ground, stiffness=stiffness)
         return result.torque[:, span]
 
     def stiffness(
@@ -83,18 +80,16 @@ class _Train:
         torque: (all points,) N m of each span; one beyond a table counts as its end.
         """
         covered = {
-            span: np.clip(torque[span][points], table.at[0], table.at[-1])
-            for span, table in self.tables.items()
+            span: np.clip(torque[span][points], *table.ends) for span, table in self.tables.items()
         }
         speed = None if self.speed is None else self.speed[points]
-        return complex_stiffness(
-            self.system, self.w[k][points], self.mean[:, points], speed, covered
-        )
+        w = self.separate[k][1][points]
+        return complex_stiffness(self.system, w, self.mean[:, points], speed, covered)
 
     def trial(self, span: int, torque: Mapping[int, FloatArray], points: IntArray) -> _Torque:
         """Return the torque of a span at some points, the others as they stand."""
         rows = []
-        for k in range(len(self.w)):
+        for k in range(len(self.separate)):
             stiffness_of = self.stiffness(k, torque, points)
             first = stiffness_of[span]
             second = first * (1.5 + 0.5j)
@@ -104,8 +99,7 @@ class _Train:
             ]
             with np.errstate(divide="ignore", invalid="ignore"):
                 inverse = first / torques[0]
-                second_inverse = second / torques[1]
-                slope = (second_inverse - inverse) / (second - first)
+                slope = (second / torques[1] - inverse) / (second - first)
             still = (torques[0] == 0) | (torques[1] == 0)
             rows.append([first, np.where(still, 0.0, inverse), np.where(still, 0.0, slope)])
         return _Torque(*np.moveaxis(np.array(rows), 1, 0))
@@ -119,15 +113,12 @@ class _Train:
         """
         table = self.tables[span]
         trial = self.trial(span, torque, points)
-        w = np.array([frequency[points] for frequency in self.w])
 
         def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
-            covered = np.clip(size, table.at[0], table.at[-1])
-            stiffness = [table.complex_stiffness(covered, frequency[point]) for frequency in w]
+            covered = np.clip(size, *table.ends)
+            chosen = points[point]
+            stiffness = [table.complex_stiffness(covered, w[chosen]) for _, w, _ in self.separate]
             return trial.at(np.array(stiffness), point)
-
-        def half_range(phasors_at: ComplexArray) -> FloatArray:
-            return half_range_of(self.orders, phasors_at, by_magnitude=self.by_magnitude)
 
         def ratio(size: FloatArray, point: IntArray) -> FloatArray:
             """Return torque over half range; where bounds of that decide which is larger, over one of them."""
@@ -137,7 +128,7 @@ class _Train:
             highest = magnitude.sum(axis=1)
             divisor = np.where(size > highest, lowest, highest)
             near = np.flatnonzero((size >= lowest) & (size <= highest))
-            divisor[near] = half_range(torques[near])
+            divisor[near] = self.half_range(torques[near])
             with np.errstate(divide="ignore"):
                 return np.asarray(size / divisor)
 
@@ -145,7 +136,8 @@ class _Train:
         begins = [] if table.at[0] > 0 else [SMALLEST * table.at[-1]]
         edges = [*begins, table.at[0] or FIRST * table.at[1], *table.at[1:]]
         low, high = (
-            half_range(phasors(np.full(len(points), edges[end]), all_points)) for end in (0, -1)
+            self.half_range(phasors(np.full(len(points), edge), all_points))
+            for edge in (edges[0], edges[-1])
         )
         below = np.flatnonzero(low <= edges[0])
         above = np.flatnonzero(high > edges[-1])
@@ -173,9 +165,9 @@ class _Train:
         for span, size in torque.items():
             phasors = [
                 self.torques(span, self.stiffness(k, torque, all_points), k, all_points)
-                for k in range(len(self.w))
+                for k in range(len(self.separate))
             ]
-            half = half_range_of(self.orders, np.array(phasors).T, by_magnitude=self.by_magnitude)
+            half = self.half_range(np.array(phasors).T)
             residuals.append(np.abs(half - size) / np.maximum(size, np.finfo(float).tiny))
         return np.array(residuals).T
 
@@ -189,7 +181,7 @@ def settled(system: System, components: Components, rank: int) -> Following:
     torque = {span: np.full(train.points, table.at[0]) for span, table in train.tables.items()}
     number = {span: np.ones(train.points, dtype=np.int64) for span in torque}
     rounds = np.zeros(train.points, dtype=np.int64)
-    open_ = np.arange(train.points if train.w else 0)
+    open_ = np.arange(train.points if train.separate else 0)
     for count in range(ROUNDS):
         changed = np.zeros(len(open_), dtype=bool)
         for span, size in torque.items():
@@ -204,7 +196,9 @@ def settled(system: System, components: Components, rank: int) -> Following:
         open_ = open_[changed & (len(torque) > 1)]
         if not open_.size:
             break
-    residual = train.residual(torque) if train.w else np.zeros((train.points, len(torque)))
+    residual = np.zeros((train.points, len(torque)))
+    if train.separate:
+        residual = train.residual(torque)
     is_settled: BoolArray = np.asarray((residual <= SETTLED).all(axis=1))
     is_settled[open_] = False
     for span, table in train.tables.items():

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from math import gcd, lcm
 
 import numpy as np
 
+from torsion.analyses.response.synthesis import common_order
 from torsion.errors import SolveError
 from torsion.kernels.spanning_forest import connected
 from torsion.primitives import Bar, Constraint, Spring
@@ -27,14 +27,6 @@ class Source:
     station: int
     of_reference: Fraction  # the same order per revolution of the reference station
     is_joint: bool
-
-
-def common_order(orders: Sequence[Fraction]) -> Fraction:
-    """Return the greatest order of which all are whole multiples; 0 of none."""
-    if not orders:
-        return Fraction(0)
-    below = lcm(*(order.denominator for order in orders))
-    return Fraction(gcd(*(int(order * below) for order in orders)), below)
 
 
 def harmonics_needed(rank: int, joints: Sequence[Fraction], torques: Sequence[Fraction]) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.stability.common_period import common_order
+from torsion.analyses.response.synthesis import common_order
 from torsion.analyses.stability.equations_of_motion import Loading, turning
 from torsion.analyses.stability.mechanism import Layout, layout
 from torsion.analyses.steady import reference_station, steady_if_known
