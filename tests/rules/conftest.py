@@ -109,7 +109,7 @@ def evidence() -> Callable[..., Results]:
         together = Synthesis(
             size, np.abs(steady) + size, size / math.sqrt(2), 1.25 * size, Fraction(1)
         )
-        still = Steady(speed, steady.T, stations, stations, "by hand")
+        still = Steady(speed, steady.T, stations, stations, "by hand", stations, stations)
         bent = joints(study.train, study.operation) if study.has_joints else None
         found = {
             "system": system,

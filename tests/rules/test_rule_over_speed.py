@@ -202,7 +202,7 @@ def with_mean(study, speeds, torque, **operation):
     """Evidence that knows the mean torque of one span at these speeds alone."""
     speeds = np.array(speeds)
     blank = np.zeros((1, len(speeds)))
-    steady = Steady(speeds, np.array([torque], dtype=float), blank, blank, "by hand")
+    steady = Steady(speeds, np.array([torque], dtype=float), blank, blank, "by hand", blank, blank)
     return Results(study(PARTS, **operation), {"mean": steady})
 
 

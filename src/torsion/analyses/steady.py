@@ -114,8 +114,8 @@ class Steady:
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
     sharing: str = result("", "how the load was shared, in words")
     # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load, -dT/dω of drives without a lag
-    load_slope: FloatArray | None = None
-    drive_slope: FloatArray | None = None
+    load_slope: FloatArray
+    drive_slope: FloatArray
 
 
 @reported

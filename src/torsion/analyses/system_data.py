@@ -342,7 +342,7 @@ def _ground(evidence: Results) -> Iterator[GroundDamping]:
                 nearest = [int(np.argmin(np.abs(steady.speed - rated.speed)))]
                 speeds = steady.speed[nearest]
                 mean = steady.applied[:, nearest]
-                slope = None if steady.load_slope is None else steady.load_slope[:, nearest]
+                slope = steady.load_slope[:, nearest]
             value = float(system.ground_damping(speeds, mean, slope)[station, 0])
         model = "viscous"
         factor = None

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from torsion.analyses.stability.mechanism import Layout, Turning, at_rest, beyond, gathered
+from torsion.analyses.stability.mechanism import Layout, Turning, beyond, gathered
 from torsion.analyses.stability.straight_modes import at_bodies, at_coordinates
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
@@ -57,8 +57,8 @@ def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turnin
 
     turned: (times,) rad, the mean angle of the reference station.
     """
-    start = at_rest(_of_bodies(layout, deviation))
-    parts = [start.deviation.copy(), start.first, start.second, start.third]
+    start = _of_bodies(layout, deviation)
+    parts = [start, np.ones_like(start), np.zeros_like(start), np.zeros_like(start)]
     for step in layout.steps:
         inner = Turning(*(part[step.inner] for part in parts))
         for part, value in zip(
@@ -85,13 +85,6 @@ def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArra
     constant = loading.torque[:, None] + (loading.drive.T @ load)[:, None]
     phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
     return np.asarray(constant + (loading.vibratory @ phase).real)
-
-
-def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
-    """Return (bodies, times) N m/s by which the vibratory torques change."""
-    order = loading.order * loading.multiple
-    phase = np.exp(1j * np.outer(order, turned))
-    return ((1j * loading.speed * order * loading.vibratory) @ phase).real
 
 
 def state(
@@ -195,14 +188,6 @@ def _with_dampers(
     )
     force = np.pad(linear.force, ((0, 0), (0, number), (0, 0)))
     return Linearised(np.concatenate([linear.residual, missing]), grown, force, linear.extra)
-
-
-def damper_matrices(layout: Layout, moving: State) -> tuple[FloatArray, FloatArray]:
-    """Return the damping and stiffness of the dampers, each (times, free, free)."""
-    twist = at_coordinates(layout, moving.turning.first)
-    slope = at_coordinates(layout, moving.turning.second * moving.rate)
-    pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
-    return pull @ twist, pull @ slope
 
 
 def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:

@@ -7,17 +7,15 @@ import numpy as np
 
 from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.stability.equations_of_motion import (
-    damper_matrices,
     entries,
     mean_angle,
     state,
-    torque_rates,
 )
 from torsion.analyses.stability.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.stability.mechanism import gathered
 from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import Orbit, continued, nearest
-from torsion.analyses.stability.straight_modes import Basis, basis, reduced, viscous
+from torsion.analyses.stability.straight_modes import Basis, at_coordinates, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -118,13 +116,18 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
     moving = state(layout, loading, motion, orbit.balance.load, turned)
     mass, damping, stiffness = entries(layout, loading, moving).full(free)
     diagonal = np.arange(free)
+    order = loading.order * loading.multiple
+    phase = np.exp(1j * np.outer(order, turned))
+    torque_rates = ((1j * loading.speed * order * loading.vibratory) @ phase).real
     stiffness[:, diagonal, diagonal] -= gathered(
-        layout, moving.turning.first * torque_rates(loading, turned) / moving.rate
+        layout, moving.turning.first * torque_rates / moving.rate
     ).T
     if layout.dampers.size.size:
-        damper_damping, damper_stiffness = damper_matrices(layout, moving)
-        damping = damping + damper_damping
-        stiffness = stiffness + damper_stiffness
+        twist = at_coordinates(layout, moving.turning.first)
+        pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
+        damping = damping + pull @ twist
+        slope = at_coordinates(layout, moving.turning.second * moving.rate)
+        stiffness = stiffness + pull @ slope
 
     # What repeats itself unless something holds it: all that turns, turning further, and, where parts are joined by
     # damping alone, every part without a joint, turned by a fixed angle.

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.stability.mechanism_loads import Scene, operating
+from torsion.analyses.stability.mechanism_loads import Scene
 from torsion.analyses.stability.periodic_orbits import Orbit, orbit
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
@@ -136,13 +136,6 @@ def missing_slope(
             break
         lower, above, upper = upper, below, upper - below * (upper - lower) / (below - above)
     return np.nan
-
-
-def driver(mechanism: Scene, speed: float) -> tuple[int, str]:
-    """Return the station at which the greatest part of the mean torque enters, and the name of what stands there."""
-    drive = operating(mechanism, speed).stations.drive
-    station = int(drive[0].argmax())
-    return station, mechanism.system.stations[station].name
 
 
 def drift_ends(

@@ -114,13 +114,6 @@ def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
     )
 
 
-def at_rest(deviation: FloatArray) -> Turning:
-    """Return the turning of the station that a coordinate is the angle of."""
-    return Turning(
-        deviation, np.ones_like(deviation), np.zeros_like(deviation), np.zeros_like(deviation)
-    )
-
-
 @dataclass(frozen=True)
 class JointStep:
     """A joint on the way from a coordinate's own body to the others."""

@@ -16,7 +16,7 @@ from torsion.analyses.response.synthesis import common_order
 from torsion.analyses.stability.equations_of_motion import Loading, turning
 from torsion.analyses.stability.mechanism import Layout, layout
 from torsion.analyses.steady import reference_station, steady_if_known
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.primitives import Torque
@@ -91,18 +91,19 @@ def operating(mechanism: Scene, speed: float) -> Operating:
     ground = mechanism.damping * ground_damping(system, speeds, steady_state)[:, 0] * ratio**2
     on_mean_speed = 0.0
     damping = ground + mechanism.slopes
-    if (
-        mechanism.laws != "none"
-        and steady_state is not None
-        and steady_state.load_slope is not None
-        and steady_state.drive_slope is not None
-    ):
+    if mechanism.laws != "none" and steady_state is not None:
         # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
         stated = np.isin(np.arange(len(ratio)), [damper.station for damper in system.dampers])
         load = steady_state.load_slope[:, 0] * ratio**2
         for slope in (np.where(stated, 0.0, load), steady_state.drive_slope[:, 0] * ratio**2):
             damping += slope if mechanism.laws == "all" else np.minimum(slope, 0.0)
-        on_mean_speed = float((load - ground)[stated & _absorbing(mechanism)].sum())
+        absorbing = [
+            part.stations[0]
+            for part in system.train.parts
+            if part.machine is not None and not part.machine.is_driver
+        ]
+        stated &= np.isin(np.arange(len(ratio)), absorbing)
+        on_mean_speed = float((load - ground)[stated].sum())
     applied = np.zeros(len(ratio))
     twist = np.zeros(layout.bodies)
     if steady_state is not None:
@@ -128,16 +129,6 @@ def operating(mechanism: Scene, speed: float) -> Operating:
         drive=_on_bodies(layout, drive.T).T,
     )
     return Operating(bodies, stations, load, twist, on_mean_speed)
-
-
-def _absorbing(mechanism: Scene) -> BoolArray:
-    """(stations,) where a machine absorbs power by its law of load."""
-    parts = (
-        part
-        for part in mechanism.system.train.parts
-        if part.machine is not None and not part.machine.is_driver
-    )
-    return np.isin(np.arange(len(mechanism.system.stations)), [part.stations[0] for part in parts])
 
 
 def _on_bodies(layout: Layout, of_stations: np.ndarray) -> np.ndarray:

@@ -86,23 +86,20 @@ def periodic_over_speed(
             break
         response = solve(np.sort(more))
     progress("stability of the periodic motion", 1.0)
-    response = replace(response, growth=growths(mechanism, response))
+    growth = growths(mechanism, response)
+    response = replace(response, growth=growth)
     progress("other periodic motions", 1.0)
-    rows = rows_at_peaks(response, max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT)))
-    further = further_motions(mechanism, response, rows)
+    # At the highest peaks, else at the largest torque; and where the motion is least stable.
+    size = np.abs(response.torque)
+    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
+    most = max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT))
+    rows = (_peak_rows(size) or [int(largest.argmax())])[:most]
+    if response.is_unstable.any():
+        rows.append(int(np.nanargmax(growth)))
+    further = further_motions(mechanism, response, list(dict.fromkeys(rows)))
     if further is not None:
         further = replace(further, growth=growths(mechanism, further))
     return replace(response, others=further)
-
-
-def rows_at_peaks(response: PeriodicResponse, number: int) -> list[int]:
-    """Return the rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
-    size = np.abs(response.torque)
-    largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    rows = (_peak_rows(size) or [int(largest.argmax())])[:number]
-    if response.growth is not None and response.is_unstable.any():
-        rows.append(int(np.nanargmax(response.growth)))
-    return list(dict.fromkeys(rows))
 
 
 def growths(mechanism: Scene, response: PeriodicResponse) -> FloatArray:

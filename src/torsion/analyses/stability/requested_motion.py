@@ -134,11 +134,40 @@ def _varies(study: Study, over: Over) -> bool:
 
 def run_periodic(work: Work) -> None:
     """The exact periodic response next to the first-order one, where the file or the size of the angles calls for it."""
+    log = work.log
     reason, omitted = _reasons(work)
     if omitted:
-        work.log.without(PERIODIC, omitted)
-    elif reason:
-        _solve_periodic(work, reason)
+        log.without(PERIODIC, omitted)
+    if omitted or not reason:
+        return
+    from torsion.analyses.stability.first_order_compared import compare_first_order
+    from torsion.analyses.stability.periodic_orbits import Found
+    from torsion.analyses.stability.periodic_speeds import periodic_over_speed
+
+    first_order = work.need(Response)
+    with log.step(PERIODIC, reason) as step:
+        response = periodic_over_speed(work.study, work.system, first_order, progress=work.progress)
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(response.harmonics.max(initial=0))
+        kept = f"up to {harmonics} harmonics of the common period"
+        step.size = (
+            f"{response.speed.size} speeds, {kept if harmonics else 'no periodic motion found'}"
+        )
+    nothing = response.status == Found.NONE
+    if nothing.any():
+        reasons = "; ".join(dict.fromkeys(filter(None, response.why)))
+        log.without(
+            f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds",
+            f"none was found: {reasons}",
+        )
+    if (response.status == Found.COARSE).any():
+        why = "at some speeds the omitted harmonics exceed 1e-10 of the largest"
+        log.without(f"{PERIODIC}, in part", why)
+    if any(line.order is None for line in first_order.lines):
+        why = "they share no common period with the joints"
+        log.without(f"{PERIODIC}, torques of fixed frequency", why)
+    work.put(periodic=response)
+    work.put(first_order_compared=compare_first_order(work))
 
 
 def _reasons(work: Work) -> tuple[str, str]:
@@ -171,41 +200,6 @@ def _reasons(work: Work) -> tuple[str, str]:
 
         refused = too_long(work.study, system)
     return reason, refused
-
-
-def _solve_periodic(work: Work, reason: str) -> None:
-    from torsion.analyses.stability.first_order_compared import compare_first_order
-    from torsion.analyses.stability.periodic_orbits import Found
-    from torsion.analyses.stability.periodic_speeds import periodic_over_speed
-
-    log = work.log
-    first_order = work.need(Response)
-    with log.step(PERIODIC, reason) as step:
-        response = periodic_over_speed(work.study, work.system, first_order, progress=work.progress)
-        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
-        harmonics = int(response.harmonics.max(initial=0))
-        kept = f"up to {harmonics} harmonics of the common period"
-        step.size = (
-            f"{response.speed.size} speeds, {kept if harmonics else 'no periodic motion found'}"
-        )
-    nothing = response.status == Found.NONE
-    if nothing.any():
-        reasons = "; ".join(dict.fromkeys(filter(None, response.why)))
-        log.without(
-            f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds",
-            f"none was found: {reasons}",
-        )
-    if (response.status == Found.COARSE).any():
-        log.without(
-            f"{PERIODIC}, in part",
-            "at some speeds the omitted harmonics exceed 1e-10 of the largest",
-        )
-    if any(line.order is None for line in first_order.lines):
-        log.without(
-            f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
-        )
-    work.put(periodic=response)
-    work.put(first_order_compared=compare_first_order(work))
 
 
 def exciting_joints(system: System) -> list[JointRecord]:

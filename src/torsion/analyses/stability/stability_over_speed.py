@@ -13,7 +13,6 @@ from torsion.analyses.stability.mean_speed import (
     SLOW,
     MeanSpeedDrift,
     drift_ends,
-    driver,
     mean_speed_damping,
     missing_slope,
     slip_slope,
@@ -235,7 +234,9 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     speeds = np.array(sorted(search.known))
     drifts = np.array([search.drift(speed) for speed in speeds.tolist()])
     first, last = drift_ends(search.drift, speeds, drifts)
-    station, name = driver(search.mechanism, worst)
+    # The greatest part of the mean torque enters there.
+    station = int(start[0].operation.stations.drive[0].argmax())
+    name = search.mechanism.system.stations[station].name
     ratio2 = float(search.mechanism.system.speed_ratio[station]) ** 2
     limits = float(tried[0]), float(tried[-1])
     slope = missing_slope(search.mechanism, start[0], limits, station) / ratio2
