@@ -55,7 +55,9 @@ def test_heat_is_torque_times_twist_speed_averaged(study, evidence) -> None:
     omega, twist = 4 * 300.0 * RPM, 0.3 - 0.1j
     torque = (STIFFNESS + 1j * omega * 700.0) * twist
     seen = evidence(scene, [300.0], half={"rubber": torque})
-    power = component_loads.heat(seen.need(Response), seen.system, np.array([0]))
+    power = component_loads.harmonic_heat(seen.need(Response), seen.system, np.array([0])).sum(
+        axis=1
+    )
     assert power == pytest.approx(0.5 * (torque * np.conj(1j * omega * twist)).real, rel=1e-13)
 
 
@@ -67,7 +69,7 @@ def test_heat_of_a_soft_coupling_with_little_loss_counts_in_full(study, evidence
     omega = 4 * 300.0 * RPM
     system = replace(seen.system, viscous=np.array([0.001]))
     loss = 2.0 * 0.25 + 0.001 * omega
-    power = component_loads.heat(seen.need(Response), system, np.array([0]))
+    power = component_loads.harmonic_heat(seen.need(Response), system, np.array([0])).sum(axis=1)
     assert power == pytest.approx(
         0.5 * omega * loss * np.array([9.0, 36.0]) / (4.0 + loss**2), rel=1e-13
     )
@@ -79,7 +81,7 @@ def test_damper_without_stiffness_heats_and_a_rigid_coupling_does_not(study, evi
     def heat(flexibility: float, viscous: float) -> np.ndarray:
         law = {"flexibility": flexibility, "viscous": viscous, "loss_factor": 0.0}
         system = replace(seen.system, **{key: np.array([value]) for key, value in law.items()})
-        return component_loads.heat(seen.need(Response), system, np.array([0]))
+        return component_loads.harmonic_heat(seen.need(Response), system, np.array([0])).sum(axis=1)
 
     assert heat(math.inf, 20.0) == pytest.approx(40.0**2 / (2 * 20.0), rel=1e-14)
     assert heat(0.0, 0.0) == [0.0]

@@ -1,9 +1,8 @@
 """Critical speeds: where an order that excites the train meets one of its natural frequencies."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import Line, lines
@@ -11,9 +10,6 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Operation
-
-if TYPE_CHECKING:
-    from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 
 
 @reported
@@ -55,44 +51,37 @@ def critical_speeds(
     """Return every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
     frequencies = list(enumerate(modes.frequency.tolist(), start=1))
     return _ascending(
-        _crossing(
-            line, line.order, mode, 2.0 * math.pi * hertz / float(line.order), hertz, operation
-        )
-        for line in lines
-        if line.order is not None
-        for mode, hertz in frequencies
+        lines,
+        lambda order: (
+            (mode, 2.0 * math.pi * hertz / float(order), hertz) for mode, hertz in frequencies
+        ),
+        operation,
     )
 
 
-def critical_by_torque(
-    curves: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
+def _ascending(
+    lines: tuple[Line, ...],
+    crossings: Callable[[Fraction], Iterable[tuple[int, float, float]]],
+    operation: Operation,
 ) -> tuple[CriticalSpeed, ...]:
-    """Return the crossings within the speed range, of modes whose frequencies follow the speed."""
-    return _ascending(
-        _crossing(line, line.order, mode, speed, hertz, operation)
-        for line in lines
-        if line.order is not None
-        for mode, speed, hertz in curves.crossings(line.order)
-    )
+    """Return the crossings of all orders by speed, each with its distance from the rated speed, else from the range.
 
-
-def _ascending(crossings: Iterable[CriticalSpeed]) -> tuple[CriticalSpeed, ...]:
-    return tuple(sorted(crossings, key=lambda crossing: (crossing.speed, crossing.mode)))
-
-
-def _crossing(
-    line: Line, order: Fraction, mode: int, speed: float, hertz: float, operation: Operation
-) -> CriticalSpeed:
-    """Return a crossing, with its distance from the rated speed, else from the nearest end of the range."""
+    crossings: mode, speed (rad/s) and frequency (Hz) of every crossing of an order.
+    """
     speeds = operation.speeds
-    margin = None
-    inside = speeds is not None and speeds.first <= speed <= speeds.last
-    near = None if operation.rated is None else operation.rated.speed
-    if near is None and speeds is not None:
-        near = min(speeds.first, speeds.last, key=lambda end: abs(end - speed))
-    if near is not None:
-        margin = (speed - near) / near
-    return CriticalSpeed(mode, order, line.sources, hertz, speed, inside, margin, line.own_orders)
+    rows = []
+    for line in lines:
+        if (order := line.order) is None:
+            continue
+        for mode, speed, hertz in crossings(order):
+            inside = speeds is not None and speeds.first <= speed <= speeds.last
+            near = None if operation.rated is None else operation.rated.speed
+            if near is None and speeds is not None:
+                near = min(speeds.first, speeds.last, key=lambda end: abs(end - speed))
+            margin = None if near is None else (speed - near) / near
+            values = hertz, speed, inside, margin
+            rows.append(CriticalSpeed(mode, order, line.sources, *values, line.own_orders))
+    return tuple(sorted(rows, key=lambda crossing: (crossing.speed, crossing.mode)))
 
 
 def run(work: Work) -> None:
@@ -108,7 +97,7 @@ def run(work: Work) -> None:
 
         work.log.without("critical speeds outside the speed range", "a stiffness follows the speed")
         if (curves := work.get(FrequenciesOverSpeed)) is not None:
-            crossings = critical_by_torque(curves, components, operation)
+            crossings = _ascending(components, curves.crossings, operation)
     else:
         crossings = critical_speeds(modes, components, operation)
         if work.study.train.has_tables_over("vibratory torque"):

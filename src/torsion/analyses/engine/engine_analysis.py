@@ -22,7 +22,7 @@ from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.model.engine.record import EngineRecord
@@ -80,6 +80,12 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
         # Only a gas torque of one load goes on at every load.
         if law is not None and law.stated is not None and law.goes_on:
             stated = size.imep(law.stated)
+    inertia = engine.inertia_over_angle[1 : VARYING + 1]
+    orders = (np.arange(1, len(inertia) + 1) * engine.revolutions).tolist()
+    inertias = [
+        (cylinder.station, inertia * [cylinder.phasor(order) for order in orders])
+        for cylinder in engine.cylinders
+    ]
     return EngineFound(
         name=part.name,
         gas_words=engine.gas_words,
@@ -104,8 +110,8 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
         harmonics=tuple(_harmonics(work, engine, speed or 0.0, gas_mean)),
         curves=tuple(_curves(engine)),
         inertia=float(engine.inertia_over_angle[0].real),
-        inertia_harmonics=tuple(engine.inertia_over_angle[1 : VARYING + 1].tolist()),
-        varying=tuple(_varying(work, engine)),
+        inertia_harmonics=tuple(inertia.tolist()),
+        varying=tuple(varying_inertia(work, inertias)),
         superposed=_misfires(work, engine),
         stress_modulus=engine.modulus,
         words=part.data_sheet,
@@ -129,7 +135,10 @@ def _harmonics(
         [[cylinder.phasor(number) for cylinder in engine.cylinders] for number in numbers]
     )
     rigid = np.abs(phasors.sum(axis=1))
-    by_mode = [np.abs(phasors @ shape) for shape in _throw_shapes(work, engine)]
+    modes = work.get(Modes)
+    throws = [cylinder.station for cylinder in engine.cylinders]
+    angles = [] if modes is None else [*modes.shape[throws, :MOST_MODES].T]
+    by_mode = [np.abs(phasors @ (angle / np.abs(angle).max())) for angle in angles if angle.any()]
     for row, number in enumerate(numbers):
         gas = 0j
         motored = None
@@ -150,14 +159,6 @@ def _harmonics(
         )
 
 
-def _throw_shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
-    """Return the angles (cylinders,) of each of the lowest modes at the throws, relative to the largest of these."""
-    modes = work.get(Modes)
-    stations = [cylinder.station for cylinder in engine.cylinders]
-    angles = [] if modes is None else [*modes.shape[stations, :MOST_MODES].T]
-    return [angle / np.abs(angle).max() for angle in angles if angle.any()]
-
-
 def _curves(engine: EngineRecord) -> Iterator[CurveFound]:
     for curve in engine.curves:
         tangential = np.zeros(len(curve.angle))
@@ -166,17 +167,6 @@ def _curves(engine: EngineRecord) -> Iterator[CurveFound]:
             tangential = (curve.pressure - curve.around) * lever
         pressures = curve.pressure, curve.motored, tangential
         yield CurveFound(curve.name, curve.angle, *pressures, curve.imep, curve.stated)
-
-
-def _varying(work: Work, engine: EngineRecord) -> Iterator[VaryingInertia]:
-    """Yield the varying inertia of all cylinders alike."""
-    inertia = engine.inertia_over_angle[1 : VARYING + 1]
-    orders = np.arange(1, len(inertia) + 1) * engine.revolutions
-    cylinders = [
-        (cylinder.station, inertia * [cylinder.phasor(order) for order in orders.tolist()])
-        for cylinder in engine.cylinders
-    ]
-    return varying_inertia(work, cylinders)
 
 
 def varying_inertia(

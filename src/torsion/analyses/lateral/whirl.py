@@ -283,16 +283,13 @@ def criticals(planes: Planes, order: int, highest: float) -> tuple[Critical, ...
         speed = 1.0 / np.sqrt(inverse[above])
         speed, shape = speed[speed <= highest], shape[:, above[speed <= highest]]
         p = _both(planes, shape.astype(np.complex128), sign)
-        ratio = _ratios(planes, p, order, speed)
+        # Half of the damping terms of shapes of elastic energy 1/2, at the resonance.
+        viscous = _of_both(planes, p, planes.damping)
+        forward, backward = lossy_energies(planes, p)
+        ratio = (order * speed * viscous + np.sign(order - 1) * forward + backward) / 2.0
         rows += zip(speed.tolist(), direction(planes, p).tolist(), ratio.tolist(), strict=True)
     rows.sort()
     return tuple(
         Critical(order, number, speed, order * speed / (2.0 * math.pi), turns, ratio)
         for number, (speed, turns, ratio) in enumerate(rows, start=1)
     )
-
-
-def _ratios(planes: Planes, p: ComplexArray, order: int, speed: FloatArray) -> FloatArray:
-    """(modes,) half of the damping terms of shapes of elastic energy 1/2, at the resonance."""
-    viscous, (forward, backward) = _of_both(planes, p, planes.damping), lossy_energies(planes, p)
-    return np.asarray((order * speed * viscous + np.sign(order - 1) * forward + backward) / 2.0)

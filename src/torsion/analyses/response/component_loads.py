@@ -148,11 +148,6 @@ class ComponentLoads:
     joints: tuple[JointLoad, ...] = result("", "joints that excite", default=())
 
 
-def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """Return the mean power (speeds,) W that spans turn into heat, all lines together."""
-    return np.asarray(np.sum(harmonic_heat(response, system, spans), axis=1))
-
-
 def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     """Return the mean power (speeds, lines) W that spans turn into heat.
 
