@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from torsion.analyses.response.grid import resonances
+from torsion.analyses.response.grid import modes_reaching
 from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
@@ -136,8 +136,8 @@ def reaching(
     speeds = study.operation.speeds
     for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
-        modes = resonances(taken_under(system, torque, speed), highest, None, None)
-        count = max(count, len(modes.frequency))
+        modes = modes_reaching(taken_under(system, torque, speed), highest, None)
+        count = max(count, modes.frequency.size)
     return frequencies_over_speed(study, system, count)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -49,37 +49,46 @@ SAME_PLACE = (
 )
 
 
-@dataclass(frozen=True)
-class Resonances:
-    """Natural frequencies in ascending order with what damps them, as far as it is known without solving."""
-
-    frequency: FloatArray  # (modes,) rad/s
-    angle: FloatArray  # (stations, modes) rad at own speed, mass-normalised; zero where the ratio below says all
-    damping_ratio: FloatArray  # (modes,) of the spans, or all where the damped modes are known
-
-
 def resonances(
-    system: System, highest: float, known: Modes | None, damped: DampedModes | None
-) -> Resonances:
-    """Return all modes up to a highest frequency (rad/s); `known` modes of this very system are used as far as they go.
+    system: System,
+    orders: FloatArray,
+    first: float,
+    last: float,
+    ground: Callable[[FloatArray], FloatArray],
+    known: Modes | None = None,
+    damped: DampedModes | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the points (places,) between two at which an order meets a mode, and the damping ratio (places,) there.
+
+    A point times one of `orders`, ascending, is a circular frequency (rad/s). ground: (points,) to (stations, points)
+    N m s/rad of damping to ground. `known` modes of this very system are used as far as they go.
 
     Damping ratios are those of first order: power lost / (4 pi energy) of the undamped shape. The `damped` modes that
     heavy damping has moved from every undamped one by more than SHIFT of their width are added.
     """
-    modes = _modes_up_to(system, highest, known)
+    modes = modes_reaching(system, float(orders[-1] * last), known)
     w = 2.0 * math.pi * modes.frequency
     ratio = _span_damping_ratio(system, modes, w)
+    shape = modes.shape
     if damped is not None:
         size = np.abs(damped.eigenvalue)
         moved = (np.abs(size - w[:, None]) > SHIFT * damped.damping_ratio * size).all(axis=0)
         w = np.concatenate([w, size[moved]])
         ratio = np.concatenate([ratio, damped.damping_ratio[moved]])
-    shape = np.zeros((len(system.stations), len(w)))
-    shape[:, : modes.shape.shape[1]] = modes.shape
-    return Resonances(w, shape, ratio)
+        # The ratio of a damped mode says all.
+        shape = np.pad(shape, ((0, 0), (0, int(moved.sum()))))
+    crossings = w[:, None] / orders
+    inside = (crossings >= first) & (crossings <= last)
+    resonant = crossings[inside]
+    mode = np.nonzero(inside)[0]
+    zeta = ratio[mode]
+    for part in blocks(len(resonant), len(system.stations)):
+        lost = np.einsum("sp,sp->p", ground(resonant[part]), shape[:, mode[part]] ** 2)
+        zeta[part] += lost / (2.0 * w[mode[part]])
+    return resonant, zeta
 
 
-def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
+def modes_reaching(system: System, highest: float, known: Modes | None) -> Modes:
     """Return the modes whose frequency does not exceed the highest (rad/s), and perhaps more."""
     modes = known if known is not None and known.system is system else None
     if modes is not None and modes.frequency.size and 2.0 * math.pi * modes.frequency[-1] > highest:
@@ -104,7 +113,7 @@ def _modes_by_table(
     from torsion.kernels.stiffness_table import STEEPEST
 
     still = taken_at(system, highest)
-    modes = _modes_up_to(still, highest, None)
+    modes = modes_reaching(still, highest, None)
     if any(table.steepest >= STEEPEST for table in tables.values()) or not modes.frequency.size:
         return modes
     held = {span: replace(table, holds=True) for span, table in tables.items()}
@@ -124,30 +133,6 @@ def _span_damping_ratio(system: System, modes: Modes, w: FloatArray) -> FloatArr
         stiffness = table.complex_stiffness(w, w)
         lost += stiffness.imag / stiffness.real * modes.elastic[span]
     return np.asarray(lost / 2.0 + system.modal_ratios(len(w)))
-
-
-def places(
-    modes: Resonances,
-    system: System,
-    orders: FloatArray,
-    first: float,
-    last: float,
-    ground: Callable[[FloatArray], FloatArray],
-) -> tuple[FloatArray, FloatArray]:
-    """Return the points (places,) between two at which an order meets a mode, and the damping ratio (places,) there.
-
-    A point times one of `orders` is a circular frequency (rad/s). ground: (points,) to (stations, points) N m s/rad of
-    damping to ground.
-    """
-    crossings = modes.frequency[:, None] / orders
-    inside = (crossings >= first) & (crossings <= last)
-    resonant = crossings[inside]
-    mode = np.nonzero(inside)[0]
-    zeta = modes.damping_ratio[mode]
-    for part in blocks(len(resonant), len(system.stations)):
-        lost = np.einsum("sp,sp->p", ground(resonant[part]), modes.angle[:, mode[part]] ** 2)
-        zeta[part] += lost / (2.0 * modes.frequency[mode[part]])
-    return resonant, zeta
 
 
 def refined(

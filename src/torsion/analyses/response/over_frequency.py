@@ -83,16 +83,14 @@ def frequency_response(
             following=following,
         )
 
-    first = requested[0]
-    last = requested[-1]
-    resonances = grid.resonances(system, 2.0 * math.pi * float(last), modes, damped)
-    places = grid.places(
-        resonances,
+    places = grid.resonances(
         system,
         np.array([2.0 * math.pi]),
-        first,
-        last,
+        requested[0],
+        requested[-1],
         lambda hertz: np.tile(ground, (1, len(hertz))),
+        modes,
+        damped,
     )
     points, remark = grid.refined(requested, *places)
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")

@@ -115,18 +115,17 @@ def response(
 
     remark = ""
     if by_order.size:
-        resonances = grid.resonances(system, float(by_order.max() * points[-1]), modes, damped)
-        places = grid.places(resonances, system, np.sort(by_order), points[0], points[-1], ground)
+        ends = requested[0], requested[-1]
+        places = grid.resonances(system, np.sort(by_order), *ends, ground, modes, damped)
         values = len(excited) * (len(system.stations) + len(system.spans))
         points, remark = grid.refined(points, *places, values)
     path = ("operation", "speeds")
     refuse = partial(refuse_too_large, system, len(excited), study.memory, path, "speeds")
     solve = partial(_solve, study, system, excited, progress or silent)
     result = grid.with_peaks(solve, requested, points, remark, refuse)
-    if result.balanced is not None or result.following is not None:
-        result = replace(result, remark=with_balance(result, 30.0 / math.pi, "rpm"))
+    remark = with_balance(result, 30.0 / math.pi, "rpm")
     left_out = tuple(line for line in lines(system) if line.order not in solved_orders)
-    return replace(result, left_out=left_out)
+    return replace(result, remark=remark, left_out=left_out)
 
 
 def response_at(study: Study, system: System, solved: Response, speeds: FloatArray) -> Response:
