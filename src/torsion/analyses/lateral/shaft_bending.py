@@ -166,16 +166,11 @@ def lateral(
     for number, shaft in enumerate(supported):
         progress("bending of the shafts", number / len(supported))
         found_shafts.append(_bend_shaft(placed_joints, shaft, wanted, reference, torque))
-    remarks = [
-        f"{shaft.name}: "
-        + (
-            shaft.lacks
-            or f"it bends without the masses of {', '.join(shaft.loads)}, "
-            "which the file does not say"
-        )
-        for shaft in shafts
-        if shaft.lacks or shaft.loads
-    ]
+    remarks = []
+    for shaft in shafts:
+        if shaft.lacks or shaft.loads:
+            masses = f"the masses of {', '.join(shaft.loads)}, which the file does not say"
+            remarks.append(f"{shaft.name}: {shaft.lacks or f'it bends without {masses}'}")
     if reference is None:
         remarks.append(
             "no speeds are given: whirl over speed and the response to the secondary couples are not computed"
@@ -219,33 +214,23 @@ def _bend_shaft(
 ) -> ShaftFound:
     ratio = float(shaft.ratio)
     shaft_speeds = None if reference is None else reference * ratio
-    excited = (
-        tuple(order for order in orders(placed_joints, shaft) if order) if shaft.joints else ()
-    )
+    excited = tuple(order for order in orders(placed_joints, shaft) if order)
     both, critical = _refined(shaft, requested, shaft_speeds, excited)
-    some = (
-        slice(0)
-        if shaft_speeds is None
-        else np.linspace(0, len(shaft_speeds) - 1, min(len(shaft_speeds), _WHIRL_SPEEDS))
-        .round()
-        .astype(int)
-    )
-    map_of = (
-        None
-        if shaft_speeds is None
-        else _of_train(whirl(both, shaft_speeds[some], requested.modes), ratio)
-    )
+    map_of = None
+    if shaft_speeds is not None:
+        count = min(len(shaft_speeds), _WHIRL_SPEEDS)
+        rows = np.linspace(0, len(shaft_speeds) - 1, count).round().astype(int)
+        map_of = _of_train(whirl(both, shaft_speeds[rows], requested.modes), ratio)
     at_rest = InPlanes(
         _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
     )
     answers: tuple[Answer, ...] = ()
     tilt = None
     remark = ""
-    if shaft_speeds is not None and reference is not None and shaft.joints and torque is not None:
+    if reference is not None and shaft.joints and torque is not None:
         tilt, remark = tilting(shaft, placed_joints, torque, reference, (at_rest.y, at_rest.z))
-        grid = speeds_for(
-            shaft_speeds, tuple(crossing for crossing in critical if crossing.order in excited)
-        )
+        resonances = tuple(crossing for crossing in critical if crossing.order in excited)
+        grid = speeds_for(reference * ratio, resonances)
         couple = couples_at(placed_joints, shaft, torque(grid / ratio), requested.carrier)
         answers = tuple(
             _of_train(answer(both, order, grid, couple[order]), ratio) for order in couple
@@ -299,11 +284,8 @@ def _refined(
         reported_of = [np.array([crossing.frequency for crossing in critical])]
         reported_of += [_hertz(plane.frequency, requested.modes) for plane in (both.y, both.z)]
         reported_of += [] if speed is None else [whirl(both, speed[-1:], requested.modes).frequency]
-        reached = (
-            2.0
-            * np.pi
-            * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
-        )
+        top = max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of)
+        reached = 2.0 * np.pi * float(top)
         spare = len(system.free) >= _SPARE * requested.modes
         if spare and reached <= highest:
             return both, critical

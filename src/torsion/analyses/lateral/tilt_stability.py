@@ -187,9 +187,8 @@ def _rigid(
     )
     polar = sum(point.polar for point in beam.points)
     share, weight = gauss(5)  # exact for the sixth degree of a cone
-    starts = accumulate(
-        (segment.length for segment in beam.segments), initial=-centre
-    )  # and the end
+    # And the end.
+    starts = accumulate((segment.length for segment in beam.segments), initial=-centre)
     for segment, start in zip(beam.segments, starts, strict=False):
         slices = weight * segment.length * segment.density
         second = segment.moment(share)
@@ -236,20 +235,12 @@ def zones(
     for low, up in zip(bounds[::2], bounds[1::2], strict=True):
         inside = (speed >= low) & (speed <= up)
         worst = float(speed[inside][rate[inside].argmax()])
-        worst, fastest = _greatest(
-            shaft, model, worst, max(low, worst - (up - low) / 8), min(up, worst + (up - low) / 8)
-        )
+        near = (up - low) / 8
+        ends = max(low, worst - near), min(up, worst + near)
+        worst, fastest = _greatest(shaft, model, worst, *ends)
         kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
-        out.append(
-            TiltRange(
-                low,
-                up,
-                (low == first and bool(high[0]), up == last and bool(high[-1])),
-                kind,
-                worst,
-                fastest,
-            )
-        )
+        is_open = low == first and bool(high[0]), up == last and bool(high[-1])
+        out.append(TiltRange(low, up, is_open, kind, worst, fastest))
     return tuple(out)
 
 
@@ -260,8 +251,8 @@ def resonances(shaft: MisalignedShaft) -> dict[str, float]:
         "principal of 1": 2.0 * lower,
         "principal of 2": 2.0 * two,
         "sum of 1 and 2": lower + two,
+        "difference of 2 and 1": two - lower,
     }
-    parts["difference of 2 and 1"] = two - lower
     return {
         name + (f" /{n}" if n > 1 else ""): float(total) / (2.0 * n)
         for name, total in parts.items()
@@ -280,17 +271,12 @@ def _sampled(
         np.concatenate([np.linspace(first, last, points), near[(near > first) & (near < last)]])
     )
     rate = growth(shaft, speed, model).rate
-    peak = (
-        np.flatnonzero((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]) & (rate[1:-1] <= 0.0))
-        + 1
-    )
+    inner = rate[1:-1]
+    peak = np.flatnonzero((inner > rate[:-2]) & (inner >= rate[2:]) & (inner <= 0.0)) + 1
     peaks = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
-    if not peaks:
-        return speed, rate
-    speed = np.append(speed, [peak_speed for peak_speed, _ in peaks])
-    rate = np.append(rate, [peak_rate for _, peak_rate in peaks])
-    rank = np.argsort(speed)
-    return speed[rank], rate[rank]
+    rows = np.array([*zip(speed, rate, strict=True), *peaks])
+    sampled_speed, sampled_rate = rows[np.argsort(rows[:, 0])].T
+    return sampled_speed, sampled_rate
 
 
 def _greatest(
@@ -319,11 +305,11 @@ def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: Flo
 
 def _kind(shaft: MisalignedShaft, fastest: Growth, low: float, up: float) -> str:
     """The resonance nearest to the zone's worst speed among those whose multipliers are of its sort."""
-    if sum(low < speed < up for name, speed in resonances(shaft).items() if "/" not in name) > 1:
+    by_name = resonances(shaft)
+    if sum(low < speed < up for name, speed in by_name.items() if "/" not in name) > 1:
         return "several"
     speed = float(fastest.speed[0])
     half = float(np.pi * fastest.frequency[0] / fastest.speed[0])
     is_real = abs(np.sin(half)) < EVEN
-    by_name = resonances(shaft)
     fitting = [name for name in by_name if name.startswith("principal") == is_real]
     return min(fitting, key=lambda name: abs(by_name[name] - speed))
