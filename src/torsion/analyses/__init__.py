@@ -224,7 +224,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "vibratory torques": Analysis(
         "vibratory torque of couplings by table",
-        "torsion.analyses.response.vibratory_torques",
+        "torsion.analyses.response.vibratory_couplings",
         needs=("response",),
         results={"vibratory_torques": "VibratoryTorques"},
         chapters=("couplings_by_table:vibratory_torques",),

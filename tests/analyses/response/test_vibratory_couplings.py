@@ -12,7 +12,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.synthesis import half_range, synthesis
-from torsion.analyses.response.vibratory_torques import VibratoryTorques
+from torsion.analyses.response.vibratory_couplings import VibratoryTorques
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError

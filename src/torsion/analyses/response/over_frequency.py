@@ -14,8 +14,8 @@ from torsion.analyses.response.amplitudes import (
     refuse_too_large,
     with_balance,
 )
-from torsion.analyses.response.component_answers import solve_components
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
+from torsion.analyses.response.over_speed import solve_components
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes

@@ -1,10 +1,11 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from itertools import islice
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -26,7 +27,6 @@ from torsion.analyses.response.amplitudes import (
     refuse_too_large,
     with_balance,
 )
-from torsion.analyses.response.component_answers import solve_components
 from torsion.analyses.response.harmonic_components import (
     Excitation,
     excitations,
@@ -34,7 +34,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.response.solver import NOTHING, Answer, answers, by_magnitude, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -44,6 +44,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
+from torsion.kernels.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 MOST_ROUNDS = 4  # of looking for higher utilisations between the speeds
@@ -259,6 +260,52 @@ def _solve(
             for rank_of_solution in range(1, several)
         ),
     )
+
+
+def solve_components(
+    system: System, components: Components, rank: int = 0
+) -> tuple[Iterator[Answer], Balanced | None, Following | None]:
+    """Return the answer to each component, with couplings in balance and couplings that follow their own torque.
+
+    rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
+    are singular where no balance was found. Raises what `answer` does.
+    """
+    ground = components.ground
+    solve = partial(answers, system, damping=ground, mean=components.mean, speed=components.speed)
+    balance: Balanced | None = None
+    following: Following | None = None
+    settled = np.ones(ground.shape[1], dtype=bool)
+    if system.train.has_nonlinear_couplings:
+        from torsion.analyses.response.balanced_couplings import balanced
+
+        forces = [apart[0] for apart in components.apart]
+        balance = balanced(
+            system,
+            components.w,
+            components.mean,
+            lambda tried: list(solve(components.w, forces, added=tried)),
+        )
+        if balance is not None:
+            settled &= balance.settled
+    if system.train.has_tables_over("vibratory torque"):
+        from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
+
+        following = settled_couplings(system, components, rank)
+        settled &= following.settled
+
+    separate = solve(
+        [w for _, w, _ in components.separate],
+        [source for _, _, source in components.separate],
+        added=NOTHING if balance is None else balance.added,
+        vibratory=None if following is None else following.by_span,
+    )
+
+    def combined() -> Iterator[Answer]:
+        for count in map(len, components.apart):
+            total = by_magnitude(list(islice(separate, count)))
+            yield replace(total, status=np.where(settled, total.status, Status.SINGULAR))
+
+    return combined(), balance, following
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

@@ -7,7 +7,7 @@ import numpy as np
 from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
-from torsion.analyses.response.vibratory_torques import VibratoryTorque, VibratoryTorques
+from torsion.analyses.response.vibratory_couplings import VibratoryTorque, VibratoryTorques
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.coupling_table import coupling_table
