@@ -270,6 +270,31 @@ class Component(Sized):
             build.parts[position] = build.parts[position].with_records(DataSheet(rows))
 
 
+class Rotor(Component, sort="point"):
+    """What every point with one inertia has: `inertia`, or `held: true`."""
+
+    inertia: fields.Inertia | None = given("polar mass moment of inertia")
+    held: bool = given("turns at exactly its mean speed: a fixed end", False)
+    tolerance: fields.Tolerance | None = given("tolerance of the inertia, for example 5 %")
+
+    def refuse_clashes(self) -> None:
+        if self.held and self.inertia is not None:
+            hint = "a fixed point needs no inertia"
+            raise refuse("`inertia` and `held: true` exclude each other", hint, "inertia")
+        if not self.held and self.inertia is None:
+            raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
+        if self.held and self.tolerance is not None:
+            message = "a fixed point has no inertia that could vary"
+            raise refuse(message, "leave it out", "tolerance")
+
+    def lower_rotor(self, build: Lowering, what: str = "") -> int:
+        """Add the station of this point with its inertia; `what` names the inertia where there is another one."""
+        station = build.point()
+        build.place(inertia_tolerance=self.tolerance)
+        build.inertia(station, math.inf if self.held else self.inertia or 0.0, what)
+        return station
+
+
 Line = Annotated[
     tuple[InstanceOf[Component], ...], WithJsonSchema({"allOf": [{"$ref": "#/$defs/train"}]})
 ]  # a train in a component

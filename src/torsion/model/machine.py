@@ -7,8 +7,7 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.fields import Declared, exclusive, given, refuse, required
-from torsion.model.component import Lowering
-from torsion.model.disc import Rotor
+from torsion.model.component import Lowering, Rotor
 from torsion.model.machine_torques import EXPONENTS, DriveLaw, Harmonic, Load, LoadLaw, Ripple
 from torsion.model.parts import MachineRecord, Symbol
 from torsion.primitives import Damper, Spring

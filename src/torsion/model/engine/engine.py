@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, pairwise
 from pathlib import Path as FilePath
@@ -137,7 +138,6 @@ class Engine(Crankshaft, keyword="engine"):
 
     def refuse_clashes(self) -> None:
         self._check_firing()
-        self._check_throws()
         super().refuse_clashes()
         self._check_states()
         journals, geometry, masses = (self.journal, self.pin), self.geometry, self.masses
@@ -165,24 +165,19 @@ class Engine(Crankshaft, keyword="engine"):
         if any(not 0 <= angle < self._cycle - TWICE for angle in angles):
             limit = f"from 0 to below {360 * self.revolutions} deg"
             raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
+        self._refuse_unless_each_once("throws", chain(*self.throws), "throws: [[1, 2], [3, 4]]")
+        for throw in self.lanes:
+            fires = sorted(self._cycle * float(self._cycles[number - 1]) for number in throw)
+            if any(after - before < TWICE for before, after in pairwise(fires)):
+                message = "two cylinders of one throw fire at one angle"
+                key = "firing_angles" if angles else "throws"
+                raise refuse(message, "a V engine has its bank angle between", key)
 
     def _refuse_unless_each_once(self, key: str, numbers: Iterable[int], hint: str) -> None:
         """Refuse a key that is given and does not name every cylinder once."""
         if getattr(self, key) and sorted(numbers) != list(range(1, self.cylinders + 1)):
             message = f"`{key}` does not name each of {self.cylinders} cylinders once"
             raise refuse(message, hint, key)
-
-    def _check_throws(self) -> None:
-        self._refuse_unless_each_once("throws", chain(*self.throws), "throws: [[1, 2], [3, 4]]")
-        fires = [self._cycle * float(share) for share in self._cycles]
-        for throw in self.lanes:
-            angles = sorted(fires[number - 1] for number in throw)
-            if any(after - before < TWICE for before, after in pairwise(angles)):
-                raise refuse(
-                    "two cylinders of one throw fire at one angle",
-                    "a V engine has its bank angle between",
-                    "firing_angles" if self.firing_angles else "throws",
-                )
 
     def _check_states(self) -> None:
         """Refuse cylinders that do not exist, are named twice, or are the last that fires."""
@@ -217,11 +212,6 @@ class Engine(Crankshaft, keyword="engine"):
         return 2.0 * math.pi * self.revolutions
 
     @property
-    def _turned(self) -> float:
-        """The angle (rad) by which it stands behind the reference; 0 where that is not known."""
-        return 0.0 if self.phase is None or isinstance(self.phase, str) else self.phase
-
-    @property
     def _cycles(self) -> tuple[Fraction, ...]:
         """(cylinders,) of a cycle, at which each fires."""
         if self.firing_angles:
@@ -232,7 +222,20 @@ class Engine(Crankshaft, keyword="engine"):
         )
 
     def lower(self, build: Lowering) -> None:
-        owner, law = build.part, self._law(build)
+        owner, law = build.part, None
+        if self.gas is not None:
+            frame = Frame(
+                self.revolutions,
+                self._highest,
+                self.cylinders,
+                self.mechanical_efficiency,
+                self._cylinder,
+                FilePath(build.folder),
+            )
+            try:
+                law = law_of(self.gas, frame)
+            except GasFault as fault:
+                build.fault(fault.message, fault.hint, "gas", *fault.key)
         build.material(self.material)
         journal, shaft = weakest(self.journal, self.pin), None
         if journal is not None:
@@ -245,33 +248,15 @@ class Engine(Crankshaft, keyword="engine"):
         if law is not None or record.inertia.any():
             self._add_torques(build, owner, record)
 
-    def _law(self, build: Lowering) -> Law | None:
-        """Return the gas torque; a fault is noted where the figures of the file give none."""
-        if self.gas is None:
-            return None
-        frame = Frame(
-            self.revolutions,
-            self._highest,
-            self.cylinders,
-            self.mechanical_efficiency,
-            self._cylinder,
-            FilePath(build.folder),
-        )
-        try:
-            return law_of(self.gas, frame)
-        except GasFault as fault:
-            build.fault(fault.message, fault.hint, "gas", *fault.key)
-            return None
-
     @property
     def _highest(self) -> int:
         """Order of the crankshaft: that of the file, else the usual one or the highest of the tables."""
         if self.orders is not None:
             return self.orders
         tables: list[Any] = []
-        if self.gas is not None:
-            tables = [self.gas.table or (), self.gas.motored or ()]
-            tables += [table.rows for table in self.gas.tables]
+        gas = self.gas
+        if gas is not None:
+            tables = [gas.table or (), gas.motored or (), *(table.rows for table in gas.tables)]
         highest: list[int] = [math.ceil(row[0]) for rows in tables for row in rows]
         return max(12 if self.strokes == 4 else 15, *highest, 1)
 
@@ -365,6 +350,8 @@ class Engine(Crankshaft, keyword="engine"):
         heat = dict.fromkeys(range(1, self.cylinders + 1), 1.0) | dict(self.imbalance)
         states: dict[int, State] = dict.fromkeys(heat, "firing")
         states |= dict.fromkeys(misfiring, "motored") | dict.fromkeys(self.cut_out, "cut out")
+        # The angle (rad) by which it stands behind the reference; 0 where that is not known.
+        turned = 0.0 if self.phase is None or isinstance(self.phase, str) else self.phase
         raised = 1.0
         if self.keep_power:
             firing = (heat[number] for number, state in states.items() if state == "firing")
@@ -375,7 +362,7 @@ class Engine(Crankshaft, keyword="engine"):
                 stations[throws[number]],
                 throws[number],
                 self._cycles[number - 1],
-                self._turned,
+                turned,
                 self.revolutions,
                 state,
                 raised * heat[number],
@@ -414,11 +401,10 @@ class Engine(Crankshaft, keyword="engine"):
 
     def _add_torques(self, build: Lowering, owner: int, record: EngineRecord) -> None:
         """Add one primitive for every cylinder and harmonic of its torque."""
-        station, load = record.load_says
+        part, load = build.parts[owner], record.load_says
         acts = np.abs(record.inertia) > 0
         if record.gas is not None:
             acts |= (np.abs(record.gas.firing) > 0).any(axis=0)
-        path, name = build.parts[owner].path, build.parts[owner].name
         for cylinder in record.cylinders:
             for harmonic in range(1, len(acts)):
                 if not acts[harmonic]:
@@ -428,16 +414,12 @@ class Engine(Crankshaft, keyword="engine"):
                     harmonic,
                     complex(record.inertia[harmonic]),
                     cylinder.phasor(harmonic),
-                    station,
-                    load,
+                    *load,
                     cylinder.state,
                     cylinder.share,
                     owner,
                     record.by_chance,
                 )
-                order = Fraction(harmonic, record.revolutions)
-                build.add(
-                    Torque(
-                        name, cylinder.station, order, path=path, source=self.source, cylinder=law
-                    )
-                )
+                order, path = Fraction(harmonic, record.revolutions), part.path
+                torque = Torque(part.name, cylinder.station, order, path=path, source=self.source)
+                build.add(replace(torque, cylinder=law))
