@@ -21,8 +21,7 @@ from torsion.findings import (
     silent,
 )
 from torsion.rules import rule_over_speed
-from torsion.rules.demanded_states import unjudged, unjudged_variants
-from torsion.rules.reached_speeds import demanded_study, in_rpm
+from torsion.rules.demands import demanded_study, in_rpm, unjudged, unjudged_variants
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.schema.study_faults import study_faults

@@ -9,7 +9,7 @@ from torsion.output import check_words
 from torsion.output.chapters import first_page
 from torsion.output.headline import headline
 from torsion.output.results_json import results
-from torsion.rules.reached_speeds import with_reach
+from torsion.rules.demands import with_reach
 from torsion.rules.verdict_line import Check, Checks
 
 RPM = math.pi / 30.0

@@ -12,7 +12,7 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.steady import Steady
 from torsion.findings import Results
-from torsion.rules import reached_speeds, rule_over_speed
+from torsion.rules import demands, rule_over_speed
 from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
@@ -173,7 +173,7 @@ def test_the_words_for_speeds_are_per_minute() -> None:
     use = Continuous.model_validate({"from": "100 rpm", "to": "200.5 rpm"})
     assert Uses(UseSettings(continuous=use)).use_words == "in continuous use, 100 rpm to 200.5 rpm"
     assert Uses(UseSettings()).use_words == ""
-    assert reached_speeds.in_rpm(10.0 * math.pi) == "300 rpm"
+    assert demands.in_rpm(10.0 * math.pi) == "300 rpm"
 
 
 @pytest.mark.parametrize("needed", [1.0, 1.05])
@@ -181,17 +181,17 @@ def test_speeds_that_reach_as_far_as_is_judged_need_no_words(needed) -> None:
     rated = 1000 * RPM
     reached = needed * rated
     for last in (reached * 1.1, reached, reached * (1 - HALF), needed * rated * (1 - SAME_SPEED)):
-        assert reached_speeds.coverage(last, rated, needed) == ""
-    assert "judged up to" in reached_speeds.coverage(reached * (1 - TWO), rated, needed)
+        assert demands.coverage(last, rated, needed) == ""
+    assert "judged up to" in demands.coverage(reached * (1 - TWO), rated, needed)
     assert (
-        reached_speeds.coverage(750 * RPM, rated, needed)
+        demands.coverage(750 * RPM, rated, needed)
         == "judged up to 750 rpm only, 0.75 of the rated speed"
     )
 
 
 def test_speeds_must_reach_the_rated_one_unless_more_is_said() -> None:
-    assert reached_speeds.coverage(100.0, 100.0) == ""
-    assert reached_speeds.coverage(99.0, 100.0)
+    assert demands.coverage(100.0, 100.0) == ""
+    assert demands.coverage(99.0, 100.0)
 
 
 RATED = 1000 * RPM

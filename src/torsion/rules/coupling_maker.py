@@ -14,7 +14,7 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.parts import CouplingRatings, Part
-from torsion.rules.demanded_states import MISFIRE, unjudged
+from torsion.rules.demands import MISFIRE, unjudged
 from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
@@ -57,45 +57,36 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
             return [Fault(self.path(study), "no coupling has a limit of its maker", hint)]
         vibrates = any(ratings.limit_vibration for _, _, ratings in limited)
         faults = self.vibration_faults(study) if vibrates else self.continuous_faults(study)
-        faults += self._lossless(study)
+        # A coupling whose heat is judged states its damping: that it loses none is no answer.
+        springs = study.train.springs
+        damps = {spring.part for spring in springs if spring.table and spring.table.damps}
+        for number, part, ratings in _couplings(study):
+            key = "heat_limit" if ratings.heat_limit is not None else "temperature"
+            is_judged = ratings.heat_limit is not None or part.warming is not None
+            is_stated = part.damping is not None or part.nonlinear is not None or number in damps
+            if is_judged and not is_stated:
+                message = (
+                    f"{self.name} judges the heat of '{part.name}', whose damping is not given"
+                )
+                hint = "its `psi`, or another damping; `psi: 0` if it has none"
+                faults.append(Fault((*part.path, key), message, hint))
         for _, part, ratings in limited:
             if (ratings.rated_torque, ratings.max_torque) != (None, None):
                 return faults + self.mean_torque_faults(study, f"that of '{part.name}'")
         return faults
 
-    def _lossless(self, study: Study) -> Iterator[Fault]:
-        """Yield couplings whose heat is judged and whose damping is not given: that they lose none is no answer."""
-        springs = study.train.springs
-        by_table = {spring.part for spring in springs if spring.table and spring.table.damps}
-        for number, part, ratings in _couplings(study):
-            key = "heat_limit" if ratings.heat_limit is not None else ""
-            if not key and part.warming is not None:
-                key = "temperature"
-            if key and part.damping is None and part.nonlinear is None and number not in by_table:
-                message = (
-                    f"{self.name} judges the heat of '{part.name}', whose damping is not given"
-                )
-                hint = "its `psi`, or another damping; `psi: 0` if it has none"
-                yield Fault((*part.path, key), message, hint)
-
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what was not judged, and why."""
-        rows = [
-            (f"{self.name} for {part.name}", "its maker's limits are not given")
-            for _, part, ratings in _couplings(study)
-            if not ratings.limit_anything
-        ]
-        if study.cases or study.case or not misfires(study):
-            return tuple(rows)
+        rows, has_states = list[tuple[str, str]](), study.cases or study.case
+        for _, part, ratings in _couplings(study):
+            if not ratings.limit_anything:
+                rows.append((f"{self.name} for {part.name}", "its maker's limits are not given"))
         words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
-        return (
-            *rows,
-            *(
-                (f"{self.name}: heat of {part.name} in misfire, cold and warm", words)
-                for _, part, ratings in _couplings(study)
-                if ratings.heat_in_misfire and part.kind == "coupling" and not part.warming
-            ),
-        )
+        for _, part, ratings in _couplings(study):
+            is_cold = ratings.heat_in_misfire and part.kind == "coupling" and not part.warming
+            if is_cold and misfires(study) and not has_states:
+                rows.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
+        return tuple(rows)
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Return limits of the heat in misfire where every cylinder of an engine fires."""

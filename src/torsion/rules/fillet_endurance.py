@@ -8,7 +8,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.fillet_stresses import has_judged, stated_fillets, unknown_fillets
 from torsion.errors import Fault
 from torsion.findings import Results
-from torsion.rules.demanded_states import unjudged
+from torsion.rules.demands import unjudged
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA
 from torsion.rules.verdict_line import Check

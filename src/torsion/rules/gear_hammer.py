@@ -13,7 +13,7 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.parts import GearRating, Part
 from torsion.rules import rule_over_speed
-from torsion.rules.reached_speeds import coverage
+from torsion.rules.demands import coverage
 from torsion.rules.rule_over_speed import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study

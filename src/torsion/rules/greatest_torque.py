@@ -13,7 +13,7 @@ from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
 from torsion.model.parts import Part
-from torsion.rules.reached_speeds import restricted
+from torsion.rules.demands import restricted
 from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
 
@@ -29,8 +29,11 @@ class GreatestTorque(Rule[RuleSettings]):
         Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
         ok never passes. What the rule `ice` judges at the worst of the motions in ice is left to it.
         """
-        motions, in_ice = evidence.need(Transients).each, _motions_in_ice(evidence)
-        checks = list[Check]()
+        motions, in_ice, checks = evidence.need(Transients).each, set[str | None](), list[Check]()
+        if any(name == "ice" for name, _ in evidence.study.rules):
+            from torsion.rules.ice_peaks import ice_motions
+
+            in_ice = {motion.settings.name for motion in ice_motions(evidence.study)}
         for motion in motions:
             mark = f", {motion.name}" if len(motions) > 1 else ""
             for number, part in enumerate(evidence.study.train.parts):
@@ -41,15 +44,6 @@ class GreatestTorque(Rule[RuleSettings]):
                     if not (motion.name in in_ice and is_of_ice):
                         checks.append(check)
         return tuple(checks)
-
-
-def _motions_in_ice(evidence: Results) -> frozenset[str]:
-    """Names of the motions that the rule `ice` judges; none where the study does not name it."""
-    if not any(name == "ice" for name, _ in evidence.study.rules):
-        return frozenset()
-    from torsion.rules.ice_peaks import ice_motions
-
-    return frozenset(motion.settings.name for motion in ice_motions(evidence.study))
 
 
 def _checks(
@@ -80,21 +74,10 @@ def _checks(
     if rows and (early := _early_end(evidence, motion)):
         conditions.append(early)
     for clause, what, value, limit, is_met, unit, standing in rows:
-        check = Check(
-            "transient",
-            clause + mark,
-            part.name,
-            f"{what}: {motion.name}" if motion.name else what,
-            value,
-            limit,
-            unit,
-            verdict_of(is_sound and is_met, standing),
-            standing,
-            note=note,
-        )
-        for words in conditions:
-            check = restricted(check, words)
-        yield check
+        compared = f"{what}: {motion.name}" if motion.name else what
+        about, verdict = ("transient", clause + mark), verdict_of(is_sound and is_met, standing)
+        check = Check(*about, part.name, compared, value, limit, unit, verdict, standing, note=note)
+        yield restricted(check, *conditions)
 
 
 def _early_end(evidence: Results, motion: TransientMotion) -> str:

@@ -19,8 +19,7 @@ from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.parts import Part
-from torsion.rules.demanded_states import unjudged
-from torsion.rules.reached_speeds import in_rpm
+from torsion.rules.demands import in_rpm, unjudged
 from torsion.rules.rule_over_speed import RATED, spans_of
 from torsion.rules.verdict_line import (
     TO_BE_VERIFIED,

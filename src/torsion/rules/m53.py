@@ -17,10 +17,16 @@ from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.parts import Part
 from torsion.rules import m53_factors as factors
-from torsion.rules.demanded_states import lacking_orders, misfire_row, orders_words, unjudged
+from torsion.rules.demands import (
+    START,
+    lacking_orders,
+    misfire_row,
+    orders_words,
+    restricted,
+    unjudged,
+)
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
-from torsion.rules.reached_speeds import START, restricted
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
 from torsion.rules.shaft_limits import (
     MM,

@@ -10,7 +10,7 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.model.parts import ShaftRecord
 from torsion.rules import m68_shafts, rule_over_speed
-from torsion.rules.demanded_states import misfire_row, order_rows, unjudged, zero_pitch_rows
+from torsion.rules.demands import misfire_row, order_rows, unjudged, zero_pitch_rows
 from torsion.rules.m68_shafts import (
     LAST_CONTINUOUS,
     LEAST_STRENGTH,

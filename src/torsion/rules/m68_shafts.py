@@ -17,7 +17,7 @@ from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.model.parts import Part, ShaftRecord
-from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.demands import BARRED_BELOW
 from torsion.rules.shaft_limits import (
     MM,
     PA,

@@ -20,9 +20,8 @@ from torsion.errors import Fault
 from torsion.fields import given, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
-from torsion.primitives import Torque
 from torsion.rules import needed, of_study
-from torsion.rules.reached_speeds import BARRED_BELOW, distinct, in_rpm, with_reach
+from torsion.rules.demands import BARRED_BELOW, distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, Verdict, verdict_of
 from torsion.study import Operation, Range, Study
 
@@ -183,7 +182,14 @@ class RuleOverSpeed(Rule[Settings]):
             hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
             faults.append(Fault(("operation", "speeds"), message, hint))
 
-        acting = [torque for torque in train.torques if _acts(torque)]
+        acting = [  # those by order or at a frequency with an amplitude
+            torque
+            for torque in train.torques
+            if torque.cylinder is not None
+            or torque.torque
+            or torque.of_mean
+            or any(row[1] for row in torque.table)
+        ]
         if not study.excites or not (acting or any(mesh.error for mesh in train.constraints)):
             reason = "nothing excites the train by order or at a frequency of its own"
             if study.excites:
@@ -245,7 +251,12 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
 
     main = main_component(evidence, row, clause.spans, clause.size)
     mainly = "" if main is None else f"{MOSTLY} {main.words}"
-    notes = [_status_words(curve, row)]
+    notes, at_speed = list[str](), in_rpm(curve.speed[row])
+    if curve.status[row] != Status.OK:
+        word = Status(int(curve.status[row])).name.lower().replace("_", "-")
+        notes.append(f"the response is {word} at {at_speed}, which is never a pass")
+    elif not np.isfinite(curve.value[row]):
+        notes.append(f"no value at {at_speed}")
     notes += (mainly if note == MOSTLY else note for note in clause.notes)
     doubt = ""
     if evidence.study.train.has_nonlinear_couplings:
@@ -299,14 +310,6 @@ def worst_of(share: FloatArray, value: FloatArray) -> int:
     return int(top[np.argmax(np.where(np.isfinite(value[top]), value[top], np.inf))])
 
 
-def _status_words(curve: Curve, row: int) -> str:
-    """Return why a number is not one to pass on; empty where the response is ok."""
-    if curve.status[row] == Status.OK:
-        return "" if np.isfinite(curve.value[row]) else f"no value at {in_rpm(curve.speed[row])}"
-    word = Status(int(curve.status[row])).name.lower().replace("_", "-")
-    return f"the response is {word} at {in_rpm(curve.speed[row])}, which is never a pass"
-
-
 def main_component(
     evidence: Results, row: int, spans: IntArray, sizes: FloatArray | None = None
 ) -> Line | None:
@@ -319,23 +322,22 @@ def main_component(
     return response.lines[int(np.argmax(size))] if is_known else None
 
 
-def named_speeds(study: Study) -> FloatArray:
-    """Return (speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
+def judged_speeds(study: Study) -> FloatArray:
+    """Return (speeds,) rad/s, ascending, in the range of the operation: what its rules need in addition.
+
+    These are the speeds at which a rule, or a table of torque, bends or begins, and evenly spaced ones of a file
+    with few.
+    """
+    speeds = study.operation.speeds
+    if speeds is None:
+        return np.empty(0)
     named = [speed for rule in _vibration_rules(study) for speed in rule.speeds(study)]
     for torque in study.train.torques:  # straight between two rows of a table
         ratio = float(study.train.stations[torque.station].ratio)
         named += [row[0] / ratio for row in torque.table]
     if study.has_mean_torque:
         named += power_balance(study.train, study.operation).corners
-    return np.unique(named)
-
-
-def judged_speeds(study: Study) -> FloatArray:
-    """Return (speeds,) rad/s, ascending, in the range of the operation: what its rules need in addition."""
-    speeds = study.operation.speeds
-    if speeds is None:
-        return np.empty(0)
-    judged = named_speeds(study)
+    judged = np.unique(named)
     even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
     if speeds.steps < FEWEST_JUDGED:
         judged = np.union1d(judged, apart(judged, even)) if judged.size else even
@@ -402,10 +404,9 @@ def full_torque(evidence: Results) -> FloatArray | None:
         return torque
     steady, system = evidence.need(Steady), evidence.system
     row = int(np.argmin(np.abs(steady.speed - rated.speed)))
-    ratios = np.array([abs(float(station.ratio)) for station in system.stations])
-    carried = (
-        float(np.maximum(steady.applied[:, row], 0.0) @ ratios[: len(steady.applied)]) * rated.speed
-    )
+    applied = np.maximum(steady.applied[:, row], 0.0)
+    ratios = np.array([abs(float(station.ratio)) for station in system.stations[: len(applied)]])
+    carried = float(applied @ ratios) * rated.speed
     if carried > 0:
         return torque * max(1.0, power / carried)
     return torque if np.any(torque) else np.asarray(power / rated.speed / np.abs(system.span_ratio))
@@ -425,9 +426,3 @@ def rated_speed(study: Study) -> float:
     if study.operation.rated is None:
         raise ValueError("the rule needs the rated speed")
     return study.operation.rated.speed
-
-
-def _acts(torque: Torque) -> bool:
-    """Return whether a torque by order or at a frequency has an amplitude."""
-    of_speed = any(row[1] for row in torque.table)
-    return torque.cylinder is not None or of_speed or bool(torque.torque or torque.of_mean)

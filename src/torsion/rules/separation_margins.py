@@ -22,9 +22,8 @@ from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
 from torsion.model.parts import Part
-from torsion.rules.demanded_states import unjudged
+from torsion.rules.demands import distinct, in_rpm, unjudged, with_reach
 from torsion.rules.over_tolerances import margin_words
-from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
 from torsion.rules.rule_over_speed import Continuous, UseSettings
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, rank, verdict_of
 from torsion.study import Study

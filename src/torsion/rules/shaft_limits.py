@@ -16,7 +16,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault
 from torsion.model.component import STEEL, Material
 from torsion.model.parts import Part, ShaftRecord
-from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.demands import BARRED_BELOW
 from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Rule
 from torsion.study import Study

@@ -15,9 +15,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.rules import barred_time, of_study, rule_over_speed
-from torsion.rules.m68_shafts import M68Settings
-from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import (
+from torsion.rules.demands import (
     BARRED_BELOW,
     START,
     distinct,
@@ -25,6 +23,8 @@ from torsion.rules.reached_speeds import (
     restricted,
     with_reach,
 )
+from torsion.rules.m68_shafts import M68Settings
+from torsion.rules.over_tolerances import over_tolerances
 from torsion.rules.rule_over_speed import (
     MOSTLY,
     RATED,
@@ -213,11 +213,16 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
         )
         name, within = (clause, PASSING), stressed.barred.passed
         for check in self._judge_at(evidence, stressed, name, stressed.tau_t, within, notes):
-            rated = rated_speed(evidence.study)
-            ordered = (_with_order(evidence, band, stressed.spans) for band in permitted)
-            ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
+            rated, ranges = rated_speed(evidence.study), list[BarredRange]()
+            for band in permitted:
+                # The order with the greatest torque in the shaft at the critical speed.
+                row = int(np.argmin(np.abs(stressed.curve.speed - band.critical)))
+                main = rule_over_speed.main_component(evidence, row, stressed.spans)
+                ordered = replace(band, order=None if main is None else main.order)
+                ranges.append(over_tolerances(evidence, ordered, rated, meter))
             met: Verdict = "restricted" if check.verdict == "pass" else check.verdict
-            yield replace(check, verdict="fail" if keyways else met, barred=ranges, times=times)
+            verdict: Verdict = "fail" if keyways else met
+            yield replace(check, verdict=verdict, barred=tuple(ranges), times=times)
 
     def _above(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
         """Yield the stress above the last limit: a restriction, or NOT JUDGED if the file has continuous use there."""
@@ -228,20 +233,18 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
             f"no continuous operation above {in_rpm(last)}, {share}: the rule has no limit there"
         )
         name, unlimited = (curve.pieces[-1].clause, ABOVE), np.ones(len(stressed.curve.speed))
-        for check in self._judge_at(
-            evidence, stressed, name, unlimited, ~stressed.is_ruled, (without,)
-        ):
+        # Continuous use is stated by any rule, or by the highest speed of the train.
+        highest = [evidence.study.operation.highest or 0.0]
+        for _, settings in evidence.study.rules:
+            if isinstance(settings, UseSettings) and settings.continuous is not None:
+                highest.append(settings.continuous.last)
+        beyond = ~stressed.is_ruled
+        for check in self._judge_at(evidence, stressed, name, unlimited, beyond, (without,)):
             bare = replace(check, limit=math.nan, standing=self.mark)
-            if _highest_use(evidence.study) > last * (1 + ROUNDING):
+            if max(highest) > last * (1 + ROUNDING):
                 yield replace(bare, verdict="not judged")
             else:
                 yield replace(bare, verdict="restricted", restrictions=(without,))
-
-
-def _highest_use(study: Study) -> float:
-    """Return in rad/s the highest speed of continuous use that the file states, of any rule or of the train."""
-    uses = (settings.continuous for _, settings in study.rules if isinstance(settings, UseSettings))
-    return max([study.operation.highest or 0.0, *(use.last for use in uses if use is not None)])
 
 
 def conditioned(check: Check, shaft: LimitedShaft) -> Check:
@@ -275,13 +278,6 @@ def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
     raise KeyError(shaft)
 
 
-def _with_order(evidence: Results, barred: BarredRange, spans: IntArray) -> BarredRange:
-    """Return a range with the order that has the greatest torque in the shaft at the critical speed."""
-    row = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
-    main = rule_over_speed.main_component(evidence, row, spans)
-    return replace(barred, order=None if main is None else main.order)
-
-
 def _words(ranges: tuple[BarredRange, ...]) -> str:
     return " and ".join(f"{in_rpm(barred.lower)} to {in_rpm(barred.upper)}" for barred in ranges)
 
@@ -292,9 +288,8 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
     A run of speeds above it has its critical speed at its worst, wherever that lies; the range about it is refused
     where its upper end reaches 0.8 of the rated speed. Both ends move apart by the `tolerance` of the tachometer.
     """
-    share, none = curve.utilisation(), np.zeros(len(curve.speed), dtype=bool)
-    permitted, refused = list[BarredRange](), list[BarredRange]()
-    passed, above = none.copy(), none.copy()
+    share, permitted, refused = curve.utilisation(), list[BarredRange](), list[BarredRange]()
+    passed, above = np.zeros((2, len(curve.speed)), dtype=bool)
     exceeds = np.isfinite(curve.limit) & (share > 1.0)
     edges = np.flatnonzero(np.diff(exceeds, prepend=False, append=False))
     for first, end in edges.reshape(-1, 2).tolist():

@@ -13,8 +13,7 @@ from torsion.findings import Results
 from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.rules import rule_over_speed
-from torsion.rules.demanded_states import unjudged
-from torsion.rules.reached_speeds import restricted
+from torsion.rules.demands import restricted, unjudged
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study

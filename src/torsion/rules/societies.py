@@ -21,11 +21,10 @@ from torsion.findings import Results
 from torsion.model.parts import Part, ShaftRecord
 from torsion.results import listed
 from torsion.rules import rule_over_speed, society_limits
-from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears
+from torsion.rules.demands import MISFIRE, coverage, stiffness_row, unjudged, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import M68Settings
-from torsion.rules.reached_speeds import coverage
 from torsion.rules.rule_over_speed import Clause, rated_speed
 from torsion.rules.shaft_limits import (
     MM,

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.demands import BARRED_BELOW
 from torsion.rules.shaft_limits import Limit, LimitCurve, Mark, Piece
 
 LAST = 1.15  # speed ratio above which the tables of crankshafts end

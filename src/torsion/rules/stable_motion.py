@@ -19,7 +19,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.machine_torques import DriveLaw
 from torsion.rules.barred_time import barred_times, unstable_words
-from torsion.rules.reached_speeds import distinct, with_reach
+from torsion.rules.demands import distinct, with_reach
 from torsion.rules.rule_over_speed import within
 from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, verdict_of
 from torsion.study import Operation, Study

@@ -9,7 +9,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Results
-from torsion.rules.reached_speeds import in_rpm
+from torsion.rules.demands import in_rpm
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Verdict
 from torsion.study import Study
 
@@ -24,7 +24,10 @@ class StableVibration(Rule[RuleSettings]):
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return one check of the whole train; none where no damping is negative."""
         study, system = evidence.study, evidence.system
-        speeds = operated_speeds(study)
+        operated, single = study.operation.speeds, study.operation.speed
+        speeds = np.array([] if single is None else [single])
+        if operated is not None:
+            speeds = np.linspace(operated.first, operated.last, SPEEDS)
         steady = steady_if_known(study, system, speeds) if speeds.size else None
         if not any(damper.load_factor for damper in system.dampers) or steady is None:
             return ()
@@ -47,14 +50,6 @@ class StableVibration(Rule[RuleSettings]):
         return (_check(growth, speed, "pass" if is_stable else "fail", notes),)
 
 
-def operated_speeds(study: Study) -> FloatArray:
-    """Return the reference speeds (speeds,) in rad/s at which the train is judged; empty where the file states none."""
-    speeds, single = study.operation.speeds, study.operation.speed
-    if speeds is not None:
-        return np.linspace(speeds.first, speeds.last, SPEEDS)
-    return np.array([] if single is None else [single])
-
-
 def largest_growth(study: Study, system: System, speeds: FloatArray) -> tuple[float, float, float]:
     """Return the largest growth rate (1/s) of an oscillating mode, its reference speed (rad/s) and frequency (Hz).
 
@@ -66,11 +61,8 @@ def largest_growth(study: Study, system: System, speeds: FloatArray) -> tuple[fl
         modes = damped(system, speed=speed, steady=steady, count=None)
         worst = int(np.argmax(modes.eigenvalue.real)) if modes.eigenvalue.size else -1
         if worst >= 0 and modes.eigenvalue[worst].real > growth:
-            growth, at_speed, frequency = (
-                float(modes.eigenvalue[worst].real),
-                speed,
-                float(modes.frequency[worst]),
-            )
+            growth, at_speed = float(modes.eigenvalue[worst].real), speed
+            frequency = float(modes.frequency[worst])
     return growth, at_speed, frequency
 
 

@@ -13,7 +13,7 @@ from torsion.errors import Fault
 from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
-from torsion.rules.demanded_states import unjudged
+from torsion.rules.demands import unjudged
 from torsion.rules.verdict_line import (
     TO_BE_VERIFIED,
     Check,
