@@ -14,8 +14,7 @@ from torsion.findings import NORMAL
 from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
-from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
-from torsion.schema.removal import remove_components
+from torsion.schema.overlay import Overlay, in_words, multiplied, node_at, remove_components
 from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
 
 FROM, TOLERANCES = "from", "tolerances"

@@ -46,7 +46,10 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
         read, details = None, error.errors(include_url=False)
         for detail in (*details, *_between_sound_keys(kind, values, details)):
             where, fault = _fault(kind, detail, body)
-            if not _is_echo(detail, body) and not any(
+            # A list that is long enough is called too short if one of its values is faulty, which is reported anyway.
+            size = _size(_path(detail["loc"], body)[1])
+            is_echo = detail["type"] == "too_short" and size >= detail["ctx"]["min_length"]
+            if not is_echo and not any(
                 where[: len(noted_path)] == noted_path[: len(where)] for noted_path in noted
             ):
                 noted_faults.append(replace(fault, path=(*path, *fault.path)))
@@ -184,12 +187,6 @@ def _filled(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _filled(item) for key, item in value.items() if item is not None}
     return tuple(_filled(item) for item in value) if isinstance(value, list) else value
-
-
-def _is_echo(detail: ErrorDetails, body: dict[str, Any]) -> bool:
-    """A list that is long enough is called too short where one of its values is faulty, which is reported anyway."""
-    _, value = _path(detail["loc"], body)
-    return detail["type"] == "too_short" and _size(value) >= detail["ctx"]["min_length"]
 
 
 def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) -> tuple[Path, Fault]:

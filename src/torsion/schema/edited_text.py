@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from operator import itemgetter
 from typing import Any
 
 from torsion.analyses import VARYING
@@ -25,10 +26,12 @@ def edited(
     case, without the other cases.
     """
     with suppress(LookupError, InputError):
-        removed = [
-            _removal(source, path) for path in gone if node_at(source.root, path) is not None
-        ]
-        text = _applied(source.text, [*_edits(source, changes), *removed])
+        removed = [_removal(source, path) for path in gone if node_at(source.root, path)]
+        text = source.text
+        # From the last to the first; of several at one place the first stands first.
+        edits = sorted([*_edits(source, changes), *removed], key=itemgetter(0), reverse=True)
+        for begin, end, new in edits:
+            text = text[:begin] + new + text[end:]
         if _plain(_read(text, source).data) == _plain(expected):
             return text
     is_case = _read(source.text, source).data != source.data
@@ -58,13 +61,6 @@ def _written_out(value: Any) -> Any:
         keys = value.keys() - LIBRARY if value.keys() > LIBRARY else value.keys()
         return {key: _written_out(value[key]) for key in value if key in keys}
     return [_written_out(item) for item in value] if isinstance(value, list) else value
-
-
-def _applied(text: str, edits: Iterable[Edit]) -> str:
-    """From the last to the first; of several at one place the first stands first."""
-    for begin, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
-        text = text[:begin] + new + text[end:]
-    return text
 
 
 def _own_node(source: Source, path: Path) -> Node:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import Any
 
 from torsion.errors import Fault, InputError, Path, printable, without_controls
@@ -72,17 +73,9 @@ class Source:
             node, source = part, part.source or source
         return source, source.within(label if key else (node.line, node.column))
 
-    def of_file(self, file: str) -> "Source":
-        """The table of that file name, or the text itself."""
-        return next((table for _, table in self.tables if file and table.name == file), self)
-
     def within(self, position: tuple[int, int]) -> tuple[int, int]:
         """The place, or the end of the text if it lies behind it (where the parser puts what is missing there)."""
-        return (
-            position
-            if position[0] <= len(self.lines)
-            else (len(self.lines), len(self.lines[-1]) + 1)
-        )
+        return min(position, (len(self.lines), len(self.lines[-1]) + 1), key=itemgetter(0))
 
 
 def end_of(text: str) -> tuple[int, int]:
@@ -101,20 +94,18 @@ def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
 
     Where a fault was located before, as a reader of text does, nothing else is said of that place.
     """
-    given = list(faults)
-    positions = {
-        (fault.file, fault.line, fault.column) for fault in given if fault.line is not None
-    }
-    located_faults = ((fault.line is not None, _located(fault, source)) for fault in given)
-    located = dict.fromkeys(
-        fault
-        for stated, fault in located_faults
-        if stated or (fault.file, fault.line, fault.column) not in positions
-    )
     order = {table.name: number for number, (_, table) in enumerate(source.tables, start=1)}
-    return sorted(
-        located, key=lambda fault: (order.get(fault.file, 0), fault.line or 0, fault.column or 0)
+
+    def place(fault: Fault) -> tuple[int, int, int, str]:
+        return order.get(fault.file, 0), fault.line or 0, fault.column or 0, fault.file
+
+    given = list(faults)
+    stated = {place(fault) for fault in given if fault.line is not None}
+    pairs = ((fault, _located(fault, source)) for fault in given)
+    located = dict.fromkeys(
+        fault for before, fault in pairs if before.line is not None or place(fault) not in stated
     )
+    return sorted(located, key=place)
 
 
 def input_error(faults: Iterable[Fault], source: Source) -> InputError:
@@ -147,11 +138,10 @@ def _located(fault: Fault, source: Source) -> Fault:
 
 def _text(fault: Fault, source: Source) -> str:
     """The fault, its line, cut around the column if it is long, and the caret under it (a tab stays a tab in both)."""
-    line, column, source = fault.line or 1, fault.column or 1, source.of_file(fault.file)
-    head = f"{source.name}:{line}:{column}: {fault.message}" + (
-        f" ({fault.hint})" if fault.hint else ""
-    )
-    head = without_controls(head)
+    line, column, hint = fault.line or 1, fault.column or 1, f" ({fault.hint})" * bool(fault.hint)
+    tables = (table for _, table in source.tables if fault.file and table.name == fault.file)
+    source = next(tables, source)
+    head = without_controls(f"{source.name}:{line}:{column}: {fault.message}{hint}")
     quoted = source.lines[line - 1] if 1 <= line <= len(source.lines) else ""
     if not quoted.strip():
         return head

@@ -193,21 +193,22 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     data = source.data
     top: list[Fault] = []
     scene = declared(Scene, _shallow(data, ("name", "description", "steps")), (), top)
-    faults += map(_outside_train, top)
+    for fault in top:
+        kind = fault.path[0] if fault.path else ""
+        hint = f"a component is an entry of `train`, with a dash: `- {kind}: ...`"
+        faults.append(replace(fault, hint=hint) if kind in KINDS else fault)
     if not isinstance(data, dict):
         return None
-    materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
-    analyses, model, rules = (
-        _analyses(data, faults),
-        _shaft_model(data, faults),
-        _rules(data, faults),
-    )
-    damping, document = (
-        _section(ModalDamping, data, "damping", faults),
-        _section(FrontMatter, data, "document", faults),
-    )
-    train = _train(data, materials, operation, faults, str(FilePath(source.name).parent))
+    analyses, rules = _analyses(data, faults), _rules(data, faults)
+    stated = dict(entries_of(data.get("analyses")))
+    named = {key: stated[key] for key in ShaftModel.model_fields if key in stated}
+    if "fem" in named:
+        named["fem"] = {} if named["fem"] is None else named["fem"]
+    model = declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
+    damping = _section(ModalDamping, data, "damping", faults)
+    document = _section(FrontMatter, data, "document", faults)
+    train = _train(data, operation, faults, str(FilePath(source.name).parent))
     if train is None:
         return None
     states: tuple[CaseStates, ...] = ()
@@ -241,13 +242,6 @@ def _section(
     return None if data.get(name) is None else declared(kind, data[name], (name,), faults)
 
 
-def _outside_train(fault: Fault) -> Fault:
-    """The same; of a component at the top level with what would be right."""
-    kind = fault.path[0] if fault.path else ""
-    hint = f"a component is an entry of `train`, with a dash: `- {kind}: ...`"
-    return replace(fault, hint=hint) if kind in KINDS else fault
-
-
 def _shallow(data: object, read_here: Sequence[str]) -> object:
     """The keys of a mapping alone: `present` stands for what is read by itself."""
     if not isinstance(data, dict):
@@ -267,14 +261,6 @@ def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterato
         return
     for step, entry in entries_of(body):
         yield (section, step), entry
-
-
-def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]:
-    """The materials; steel stands in for a faulty one, so that the train can still be looked at."""
-    entries = _entries(data, "materials", faults)
-    return {
-        str(path[-1]): declared(Material, body, path, faults) or STEEL for path, body in entries
-    }
 
 
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
@@ -312,15 +298,6 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
     return read
 
 
-def _shaft_model(data: dict[str, Any], faults: list[Fault]) -> ShaftModel:
-    """The model of the shafts; the lumped model where the section `analyses` names none."""
-    stated = dict(entries_of(data.get("analyses")))
-    named = {key: stated[key] for key in ShaftModel.model_fields if key in stated}
-    if "fem" in named:
-        named["fem"] = {} if named["fem"] is None else named["fem"]
-    return declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
-
-
 def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declared]]:
     """The rules with their settings, in the order of the file."""
     read: list[tuple[str, Declared]] = []
@@ -332,16 +309,13 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
             faults.append(Fault(entry_path, f"{shown(entry)} is not a rule", hint))
             continue
         ((name, body),) = named.items()
-        path = (*entry_path, name)
+        path, names = (*entry_path, name), list(RULES)
         if name not in RULES:
-            faults.append(
-                unknown_word(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
-            )
+            faults.append(unknown_word(path, "rule", name, of_its_number(name, names), names))
             continue
         if name in seen:
-            faults.append(
-                Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True)
-            )
+            message = f"the rule `{name}` is named twice"
+            faults.append(Fault(path, message, "keep one of them", at_key=True))
         seen.add(name)
         if (settings := declared(rule_settings(name), body, path, faults)) is not None:
             read.append((name, settings))
@@ -351,53 +325,45 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
 def declarations(source: Source) -> dict[str, Any]:
     """Return what `lowered` takes of a file without faults: components, links, excitations and materials."""
     faults = list(source.faults)
-    links, excitations = _links_and_excitations(source.data, faults)
-    declared_train = {
-        "components": components(source.data["train"], ("train",), faults),
-        "links": tuple(links),
-        "excitations": tuple(excitations),
-        "materials": _materials(source.data, faults),
-    }
+    stated = _declarations(source.data, faults)
     if faults:
         raise input_error(faults, source)
-    return declared_train
+    return stated
 
 
-def _links_and_excitations(
-    data: dict[str, Any], faults: list[Fault]
-) -> tuple[list[Link | None], list[Excitation | None]]:
-    excitations = [
-        declared(Excitation, body, path, faults)
-        for path, body in _entries(data, "excitations", faults)
-    ]
-    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
-    return links, excitations
+def _declarations(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
+    """Return the same, None for each faulty link or excitation; of a train that is faulty or missing no components."""
+    of_train, train = list[Fault](), data.get("train")
+    parts = () if train is None else components(train, ("train",), of_train)
+    faults += of_train
+    return {
+        "components": None if of_train or train is None else parts,
+        "links": tuple(
+            _link(entry, path, faults) for path, entry in _entries(data, "links", faults)
+        ),
+        "excitations": tuple(
+            declared(Excitation, body, path, faults)
+            for path, body in _entries(data, "excitations", faults)
+        ),
+        # Steel stands in for a faulty material, so that the train can still be looked at.
+        "materials": {
+            str(path[-1]): declared(Material, body, path, faults) or STEEL
+            for path, body in _entries(data, "materials", faults)
+        },
+    }
 
 
 def _train(
-    data: dict[str, Any],
-    materials: dict[str, Material],
-    operation: Operation | None,
-    faults: list[Fault],
-    folder: str,
+    data: dict[str, Any], operation: Operation | None, faults: list[Fault], folder: str
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    links, excitations = _links_and_excitations(data, faults)
-    before = len(faults)
-    parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
+    stated = _declarations(data, faults)
     reference = None if operation is None else operation.at
-    if len(faults) > before or data.get("train") is None:
+    if stated["components"] is None:
         faults += repeated_names(data.get("train"))
-        faults += _unknown_names(data, reference, excitations, links)
+        faults += _unknown_names(data, reference, stated["excitations"], stated["links"])
         return None
-    train, train_faults = lowered(
-        parts,
-        excitations=excitations,
-        links=links,
-        materials=materials,
-        reference=reference,
-        folder=folder,
-    )
+    train, train_faults = lowered(**stated, reference=reference, folder=folder)
     faults += train_faults
     return train
 
@@ -405,24 +371,20 @@ def _train(
 def _unknown_names(
     data: dict[str, Any],
     reference: str | None,
-    excitations: list[Excitation | None],
-    links: list[Link | None],
+    excitations: Sequence[Excitation | None],
+    links: Sequence[Link | None],
 ) -> Iterator[Fault]:
     """Yield the faults of names that no component can go by, of a train that is too faulty to be lowered."""
     possible = possible_names(data.get("train"))
     if possible is None:
         return
-    named: list[tuple[str, Path]] = [
-        (end, ("links", number, "between", side))
-        for number, link in enumerate(links)
-        if link
-        for side, end in enumerate(link.between)
-    ]
-    named += [
-        (excitation.at, ("excitations", number, "at"))
-        for number, excitation in enumerate(excitations)
-        if excitation is not None
-    ]
+    named = list[tuple[str, Path]]()
+    for number, link in enumerate(links):
+        ends = enumerate(link.between) if link else ()
+        named += ((end, ("links", number, "between", side)) for side, end in ends)
+    for number, excitation in enumerate(excitations):
+        if excitation is not None:
+            named.append((excitation.at, ("excitations", number, "at")))
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         named.append((reference, ("operation", "at")))
     components_by_name = dict.fromkeys(sorted(possible), ("component", True))

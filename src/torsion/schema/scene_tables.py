@@ -12,8 +12,8 @@ from pathlib import Path as FilePath
 
 from torsion.errors import Fault, nearest
 from torsion.fields import shown
+from torsion.model.component import section_name
 from torsion.schema.fault_text import Node, Source, input_error
-from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
 from torsion.schema.table_rows import (
     BY_LOAD,
     HARMONICS,
@@ -21,6 +21,7 @@ from torsion.schema.table_rows import (
     MAPPINGS,
     PAIRS,
     ROW,
+    SECTIONS,
     TORSIOGRAM,
     TRAIN,
     Reading,
@@ -35,6 +36,11 @@ BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "tables"): BY_LOAD,
     ("measured", TORSIOGRAM): TORSIOGRAM,
 }
+SECTION = ("length", "diameter", "bore")  # of a row that is a list
+OF_A_ROW = ("length", "step", "support", "notches", "hub")  # keys that the rows alone may have
+EXAMPLE = (
+    "one row a section: [[0.6 m, 100 mm], [0.5 m, 200 mm, 80 mm]], rows in keys, or a CSV file"
+)
 INNER = ("tables", "measured")  # lists whose mappings name files
 
 
@@ -90,7 +96,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
 
 def _items(item: Node, key: str, reading: Reading) -> list[Node]:
     """What stands for an item of a list: rows of a table or sections of a shaft in a train, else the item itself."""
-    if key == TRAIN and has_sections(item):
+    if key == TRAIN and "shaft" in item.parts and SECTIONS in item.parts["shaft"].parts:
         return _sections(item, reading)
     if key == TRAIN and table_name(item.value):
         return _table(item, key, reading)
@@ -98,17 +104,62 @@ def _items(item: Node, key: str, reading: Reading) -> list[Node]:
 
 
 def _sections(entry: Node, reading: Reading) -> list[Node]:
-    """The shafts for which a shaft of sections stands."""
+    """The shafts for which a shaft of sections stands, `line [1]`, `line [2]`, ..., each with the other keys of it."""
     shaft = entry.parts["shaft"]
-    listed, parts = shaft.parts[SECTIONS], dict(shaft.parts)
+    listed, name = shaft.parts[SECTIONS], shaft.parts.get("name")
     if isinstance(listed.value, str) or table_name(listed.value):
-        parts[SECTIONS] = listed.as_list(_table(listed, SECTIONS, reading))
+        listed = listed.as_list(_table(listed, SECTIONS, reading))
         if reading.is_ended:
             return []
-    shaft_entry = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
-    return sections(
-        shaft_entry, reading.source, lambda node, message, hint: _end(node, message, hint, reading)
-    )
+    if not isinstance(listed.value, list):
+        _end(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE, reading)
+        return []
+    if name is None or not isinstance(name.value, str) or not name.value:
+        hint = f"`name: line`: its sections are {_named(1)}, ..."
+        _end(name or shaft, "a shaft of `sections` needs a name", hint, reading)
+        return []
+    for key in OF_A_ROW:
+        if key in shaft.parts:
+            hint = f"state it in its row, as `{{{key}: ...}}`"
+            _end(shaft.parts[key], f"`{key}` belongs to one section", hint, reading)
+    common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
+    entries = []
+    for number, row in enumerate(listed.parts.values(), start=1):
+        if (section := _section(row, reading)) is None:
+            continue
+        kept = common
+        if row.source is not None:  # what the scene states stays in the scene
+            kept = {
+                key: replace(part, source=part.source or reading.source)
+                for key, part in common.items()
+            }
+        keys = {key: place for key, place in shaft.keys.items() if key in kept} | section.keys
+        named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
+        body = section.as_mapping({"name": named, **kept, **section.parts}, keys=keys)
+        entries.append(body.as_mapping({"shaft": body}, keys={"shaft": (body.line, body.column)}))
+    if not entries:
+        _end(listed, "there is no section", EXAMPLE, reading)
+    return entries
+
+
+def _section(row: Node, reading: Reading) -> Node | None:
+    """A section by its keys; None where it is faulty."""
+    if isinstance(row.value, list) and 2 <= len(row.value) <= len(SECTION):
+        parts: dict[str | int, Node] = dict(zip(SECTION, row.parts.values(), strict=False))
+        places = {str(key): (part.line, part.column) for key, part in parts.items()}
+        return row.as_mapping(parts, keys=places)
+    if isinstance(row.value, dict):
+        for key in {"name", SECTIONS} & row.parts.keys():
+            hint = f"its name is {_named(1)}, {_named(2)}, ..."
+            _end(row.parts[key], f"a section has no `{key}`", hint, reading)
+        return row
+    hint = "a row is [length, diameter], [length, diameter, bore], or by keys"
+    _end(row, f"{shown(row.value)} is no section", hint, reading)
+    return None
+
+
+def _named(number: int) -> str:
+    return f"`{section_name('line', number)}`"
 
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:

@@ -103,56 +103,41 @@ def _growth_faults(study: Study) -> Iterator[Fault]:
 
 def _response_faults(study: Study) -> Iterator[Fault]:
     """A response runs when it or a rule about it is requested or, where no analysis is named, when a torque excites."""
-    ruled = "response" in needed(study)
+    ruled, train = "response" in needed(study), study.train
     requested = study.analyses.get("response")
-    if not ruled and requested is None and (study.analyses or not study.train.torques):
+    if not ruled and requested is None and (study.analyses or not train.torques):
         return
     speeds = study.operation.speeds is not None
     frequencies = getattr(requested, "frequencies", None) is not None
     if requested is not None and not speeds and not frequencies:
         hint = f"{_SPEEDS}, or `response: {{frequencies: {{from: 1, to: 200}}}}`"
         yield Fault(("analyses", "response"), "a response needs speeds or frequencies", hint)
-    if any(torque.table for torque in study.train.torques):
+    if any(torque.table for torque in train.torques):
         from torsion.analyses.steady import table_faults
 
         yield from table_faults(study)
-    yield from _speed_faults(
-        study, speeds=speeds or requested is not None or ruled, frequencies=frequencies
-    )
-    if speeds and not study.has_mean_torque:
-        yield from _mean_torque_faults(study)
-
-
-def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[Fault]:
-    """A torque at every frequency needs frequencies; all others need speeds, which is said once."""
-    for torque in study.train.torques:
+    # A torque at every frequency needs frequencies; all others need speeds, which is said once.
+    lacks_speeds = not (speeds or requested is not None or ruled)
+    for torque in train.torques:
         if torque.order is None and torque.frequency is None:
             if not frequencies:
                 hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
                 message = "this torque acts at every frequency, and no frequencies are requested"
                 yield Fault(torque.path, message, hint)
-        elif not speeds:
+        elif lacks_speeds:
             message = "this excitation needs the speeds at which the train runs"
             yield Fault(torque.path, message, _SPEEDS)
-            speeds = True
-
-
-def _mean_torque_faults(study: Study) -> Iterator[Fault]:
-    """The first value that needs the mean torque, where it is not known."""
-    needs = [torque.path for torque in study.train.torques if torque.of_mean]
-    parts, stations = study.train.parts, study.train.stations
-    needs += [
-        (*parts[stations[damper.station].part].path, "damping")
-        for damper in study.train.dampers
-        if damper.needs_torque
-    ]
-    for path in needs[:1]:
-        yield Fault(path, "this needs the mean torque, and the rated power is not given", _RATED)
-
-
-def _needs_motion(study: Study) -> bool:
-    method = study.setting("analyses", "response", "method")
-    return "stability" in study.analyses or method == "harmonic-balance"
+            lacks_speeds = False
+    if speeds and not study.has_mean_torque:
+        needs = [torque.path for torque in train.torques if torque.of_mean]
+        needs += [
+            (*train.parts[train.stations[damper.station].part].path, "damping")
+            for damper in train.dampers
+            if damper.needs_torque
+        ]
+        for path in needs[:1]:
+            message = "this needs the mean torque, and the rated power is not given"
+            yield Fault(path, message, _RATED)
 
 
 _CHECKS = (
@@ -182,7 +167,10 @@ _CHECKS = (
     _Check(
         "analyses.stability.requested_motion:requested_motion_faults",
         "train links operation analyses",
-        _needs_motion,
+        lambda study: (
+            "stability" in study.analyses
+            or study.setting("analyses", "response", "method") == "harmonic-balance"
+        ),
     ),
     _Check(
         "analyses.modes.coupling_tables:table_faults",

@@ -20,10 +20,10 @@ from torsion.schema.aliases import aliases_of
 from torsion.schema.declaration_reader import items_of, keys_of
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.other_words import key_for
-from torsion.schema.shaft_sections import SECTIONS
 from torsion.schema.yaml_source import is_number, parse_source, resolved
 from torsion.tables import FORMULA_ERROR, Cell, Table, head_of, unit_fault
 
+SECTIONS = "sections"  # of a shaft
 TRAIN, KIND = "train", "kind"  # the column of a train that says the kind of every row
 LIBRARY, ROW = (
     "coupling",
