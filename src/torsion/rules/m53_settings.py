@@ -118,22 +118,13 @@ class M53Settings(UseSettings):
     @property
     def throw(self) -> Throw:
         """In mm; raises ValueError where a size is missing."""
-        sizes = [getattr(self, key) for key in SIZES[:7]]
-        if None in sizes:
+        if None in [getattr(self, key) for key in SIZES[:7]]:
             raise ValueError("a size of the throw is missing")
-        bores = (
-            self.oil_bore or 0.0,
-            self.pin_bore,
-            self.journal_bore,
-            self.pin_recess,
-            self.journal_recess,
-        )
-        throw = [size * MM for size in (*sizes, *bores)]
-        if (
-            self.built == "semi-built" and self.strokes == 2
-        ):  # W_red: the recess reaches below the fillet
-            throw[4] -= max(0.0, self.pin_recess - (self.pin_fillet or 0.0)) * MM
-        return Throw(*throw)
+        sizes = {key: (getattr(self, key) or 0.0) * MM for key in Throw.__dataclass_fields__}
+        if self.built == "semi-built" and self.strokes == 2:
+            # W_red: the recess reaches below the fillet.
+            sizes["web_thickness"] -= max(0.0, sizes["pin_recess"] - sizes["pin_fillet"])
+        return Throw(**sizes)
 
     @property
     def factor(self) -> float:

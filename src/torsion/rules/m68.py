@@ -20,7 +20,7 @@ from torsion.rules.m68_shafts import (
     M68Settings,
 )
 from torsion.rules.rule_over_speed import rated_speed
-from torsion.rules.shaft_limits import ROUNDING, LimitedShaft, unknown_strengths
+from torsion.rules.shaft_limits import ROUNDING, LimitedShaft, unknown_strengths, with_role
 from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Verdict, verdict_of
 from torsion.study import Study
@@ -48,7 +48,7 @@ class M68(ShaftStress):
     def faults(self, study: Study) -> list[Fault]:
         """Return what the file lacks for this rule."""
         path, roles = self.path(study), self.has_limits_of
-        shafts = {part.name: shaft for part, shaft in m68_shafts.judged(study.train, roles)}
+        shafts = {part.name: shaft for _, part, shaft in with_role(study.train, *roles)}
         if not shafts:
             hint = f"role: {', '.join(roles[:-1])} or {roles[-1]}; a shaft with a `section` is not judged"
             message = f"no round shaft has a `role`, so {self.name} has nothing to judge"
@@ -98,7 +98,7 @@ class M68(ShaftStress):
             if not has_diameters:
                 about = "minimum diameter", shaft.name, DIAMETER, NO_POWER
                 rows.append(unjudged(self.name, *about, TO_BE_VERIFIED))
-        round_shafts = {part.name for part, _ in m68_shafts.judged(train, self.has_limits_of)}
+        round_shafts = {part.name for _, part, _ in with_role(train, *self.has_limits_of)}
         what = f"{SUBJECT}, section that is not round"
         rows += (
             unjudged(self.name, "section", bar.name, what, NOT_ROUND)

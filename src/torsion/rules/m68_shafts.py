@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.model.parts import Part, ShaftRecord
+from torsion.model.parts import ShaftRecord
 from torsion.rules.demands import BARRED_BELOW
 from torsion.rules.shaft_limits import (
     MM,
@@ -31,8 +31,8 @@ from torsion.rules.shaft_limits import (
 )
 from torsion.rules.verdict_line import RuleSettings, refuse_blank
 from torsion.study import Study
-from torsion.train import Train
 
+Drive = Literal["turbine", "electric", "slip coupling", "other"]
 Role = Literal["intermediate", "thrust", "propeller"]
 ROLES = get_args(Role)
 Ends = tuple[tuple[float, float], tuple[float, float]]
@@ -175,9 +175,7 @@ class M68Settings(RuleSettings):
     alloy: Annotated[tuple[str, ...], OneOrMany] = given(
         "shafts of alloy steel; others are carbon or C-Mn steel", ()
     )
-    drive: Literal["turbine", "electric", "slip coupling", "other"] = given(
-        "what drives, for F", "other"
-    )
+    drive: Drive = given("what drives, for F", "other")
     tachometer: fields.Tolerance = given(
         "tolerance of the tachometer, added to both ends of a barred range", 0.0
     )
@@ -226,11 +224,6 @@ class ClassedShaft(LimitedShaft):
     def k(self) -> float:
         """The greatest k of the shaft's features, for the least diameter."""
         return max(detail.k for _, detail in self.details)
-
-
-def judged(train: Train, roles: tuple[str, ...] = ROLES) -> list[tuple[Part, ShaftRecord]]:
-    """Return the shafts with a role whose stress and diameters are known."""
-    return [(part, shaft) for _, part, shaft in with_role(train, *roles)]
 
 
 def classed_shafts(

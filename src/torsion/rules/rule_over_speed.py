@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,15 @@ from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import needed, of_study
 from torsion.rules.demands import BARRED_BELOW, distinct, in_rpm, with_reach
-from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, Verdict, verdict_of
+from torsion.rules.verdict_line import (
+    Check,
+    Rule,
+    RuleSettings,
+    Settings,
+    Standing,
+    Verdict,
+    verdict_of,
+)
 from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
@@ -78,9 +86,6 @@ class UseSettings(RuleSettings):
     """Settings of a rule with a range of continuous use."""
 
     continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
-
-
-Settings = TypeVar("Settings", bound=RuleSettings)
 
 
 class RuleOverSpeed(Rule[Settings]):

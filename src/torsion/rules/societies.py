@@ -24,7 +24,7 @@ from torsion.rules import rule_over_speed, society_limits
 from torsion.rules.demands import MISFIRE, coverage, stiffness_row, unjudged, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.m68 import M68
-from torsion.rules.m68_shafts import M68Settings
+from torsion.rules.m68_shafts import Drive, M68Settings
 from torsion.rules.rule_over_speed import Clause, rated_speed
 from torsion.rules.shaft_limits import (
     MM,
@@ -46,7 +46,7 @@ DUTIES: Mapping[str | None, Duty] = {
     "propeller": "propulsion",
     "generator": "generator set",
 }  # by role of what is driven
-DRIVES = {"motor": "electric", "turbine": "turbine"}  # by kind of component, as `drive` has them
+DRIVES: Mapping[str, Drive] = {"motor": "electric", "turbine": "turbine"}  # by kind of component
 AGREEMENT = "limits by agreement with KR, values of 202.1: 202.2 has none for `drive: {}`"
 
 
@@ -110,7 +110,11 @@ class SocietyRule(M68):
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Yield line shafts by the formulas of M68 under the society's names, others by the society's own table."""
-        society, drive = self.society, _drive(study, self.settings)
+        # A train without an engine is driven by the motor or turbine of the file, if the rule does not state another.
+        society, drive = self.society, self.settings.drive
+        kinds = {part.kind for part in study.train.parts}
+        if drive == "other" and "engine" not in kinds and not any(with_role(study.train, "crank")):
+            drive = next((word for kind, word in DRIVES.items() if kind in kinds), drive)
         agreed = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
         for shaft in super().shafts(study):
             standing = shaft.standing if society.mark == "rule text" else society.mark
@@ -315,12 +319,3 @@ class EngineSocietyRule(SocietyRule):
         if len(engines) != 1 or len(engines[0].throws) != len(engines[0].cylinders):
             return 0
         return len(engines[0].cylinders)
-
-
-def _drive(study: Study, settings: M68Settings) -> str:
-    """Return what drives, as the rule states it, else of a train without an engine a motor or turbine of the file."""
-    kinds = {part.kind for part in study.train.parts}
-    has_engine = "engine" in kinds or any(True for _ in with_role(study.train, "crank"))
-    if settings.drive != "other" or has_engine:
-        return settings.drive
-    return next((word for kind, word in DRIVES.items() if kind in kinds), settings.drive)

@@ -144,15 +144,7 @@ def _section(name: str) -> str:
     """Return the page of a section of the file."""
     steel = f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
     steel += f"rho {STEEL.density:g} kg/m**3"
-    declarations_of_sections: dict[str, type[Declared]] = {
-        "operation": Operation,
-        "materials": Material,
-        "document": FrontMatter,
-        "damping": ModalDamping,
-        "excitations": Excitation,
-        "cases": CaseKeys,
-    }
-    declared = declarations_of_sections.get(name)
+    declared = declarations().get(name.removesuffix("s"))  # of entries by the word for one
     table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
     return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(
         SECTIONS_BY_ALIAS.get(name, {})

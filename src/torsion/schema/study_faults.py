@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import Any
 
@@ -15,39 +14,26 @@ _SPEEDS = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
 _RATED = "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
 
 
-@dataclass(frozen=True)
-class _Check:
-    """A check between sections: a function, or one of an analysis (module:name) that is imported where it applies."""
-
-    function: str | Callable[..., Iterable[Fault]]
-    reads: str  # sections
-    # An analysis that the file names, or what holds.
-    applies: str | Callable[[Study], Any] = lambda study: True
-    arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,)
-
-    def faults(self, study: Study) -> Iterable[Fault]:
-        """Return the faults of a study."""
-        needed = self.applies
-        if not (needed in study.analyses if isinstance(needed, str) else needed(study)):
-            return ()
-        function = self.function
-        if isinstance(function, str):
-            function = resolve_name(f"torsion.{function}")
-        faults: Iterable[Fault] = function(*self.arguments(study))
-        return faults
-
-
 def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
     """Faults between sections: speeds, frequencies, mean torque and what the rules need.
 
     faulty: sections that have faults of their own; what reads one of them is not judged.
     """
-    return [
-        fault
-        for check in _CHECKS
-        if not set(check.reads.split()) & set(faulty)
-        for fault in check.faults(study)
-    ]
+    faults = list[Fault]()
+    for reads, applies, check in _CHECKS:
+        is_named = applies in study.analyses if isinstance(applies, str) else applies(study)
+        if is_named and not set(reads.split()) & set(faulty):
+            faults += (_analysis(check) if isinstance(check, str) else check)(study)
+    return faults
+
+
+def _analysis(function: str) -> Any:
+    """Import a check of an analysis, module:name, where it applies."""
+    return resolve_name(f"torsion.{function}")
+
+
+def _always(study: Study) -> bool:
+    return True
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -96,7 +82,7 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
 def _growth_faults(study: Study) -> Iterator[Fault]:
     """Stability of a train in which nothing has an inertia."""
     lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
-    if "stability" in study.analyses and not (lumps or study.train.has_shafts):
+    if not (lumps or study.train.has_shafts):
         message = "the train has no component with an inertia, and without one nothing can grow"
         yield Fault(("analyses", "stability"), message, "leave it out, or give an inertia")
 
@@ -140,60 +126,65 @@ def _response_faults(study: Study) -> Iterator[Fault]:
             yield Fault(path, message, _RATED)
 
 
-_CHECKS = (
-    _Check(lambda study: fixed_point_faults(study.train), "train links"),
-    _Check(_model_faults, "train links analyses"),
-    _Check(_damping_faults, "train links damping materials analyses rules"),
-    _Check(
-        "analyses.compare.shaft_divisions:loop_faults",
+Check = Callable[[Study], Iterable[Fault]]
+# Sections that a check reads; an analysis that the file names for it, or what holds; and the check.
+_CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
+    ("train links", _always, lambda study: fixed_point_faults(study.train)),
+    ("train links analyses", _always, _model_faults),
+    ("train links damping materials analyses rules", _always, _damping_faults),
+    (
         "train links analyses",
         "check",
-        lambda study: (study, ("analyses", "check")),
+        lambda study: _analysis("analyses.compare.shaft_divisions:loop_faults")(
+            study, ("analyses", "check")
+        ),
     ),
-    _Check(_response_faults, "train operation analyses rules"),
-    _Check("analyses.response.over_speed:order_faults", "train excitations analyses", "response"),
-    _Check("analyses.steady:power_faults", "train operation", lambda study: study.has_mean_torque),
-    _Check(
-        "analyses.law_slopes:drive_faults",
+    ("train operation analyses rules", _always, _response_faults),
+    ("train excitations analyses", "response", "analyses.response.over_speed:order_faults"),
+    ("train operation", lambda study: study.has_mean_torque, "analyses.steady:power_faults"),
+    (
         "train operation analyses",
         lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
+        "analyses.law_slopes:drive_faults",
     ),
-    _Check(
-        "analyses.joints.joint_analysis:settings_faults",
+    (
         "train analyses",
         "joints",
-        lambda study: (study.train, study.analyses["joints"]),
+        lambda study: _analysis("analyses.joints.joint_analysis:settings_faults")(
+            study.train, study.analyses["joints"]
+        ),
     ),
-    _Check(
-        "analyses.stability.requested_motion:requested_motion_faults",
+    (
         "train links operation analyses",
         lambda study: (
             "stability" in study.analyses
             or study.setting("analyses", "response", "method") == "harmonic-balance"
         ),
+        "analyses.stability.requested_motion:requested_motion_faults",
     ),
-    _Check(
-        "analyses.modes.coupling_tables:table_faults",
+    (
         "train links operation analyses damping",
         lambda study: study.train.has_tables,
+        "analyses.modes.coupling_tables:table_faults",
     ),
-    _Check(_growth_faults, "train links operation analyses"),
-    _Check(
-        "analyses.engine.engine_analysis:engine_faults",
+    ("train links operation analyses", "stability", _growth_faults),
+    (
         "train operation",
         lambda study: any(part.engine for part in study.train.parts),
+        "analyses.engine.engine_analysis:engine_faults",
     ),
-    _Check(
-        "analyses.motion.transient_settings:transient_faults",
+    (
         "train operation analyses",
         "transient",
+        "analyses.motion.transient_settings:transient_faults",
     ),
-    _Check("what_if.fit.fit_faults:fit_faults", "train operation analyses excitations", "fit"),
-    _Check(
-        "analyses.lateral.shaft_bending:lateral_faults",
+    ("train operation analyses excitations", "fit", "what_if.fit.fit_faults:fit_faults"),
+    (
         "train materials operation analyses",
         lambda study: "lateral" in study.analyses or study.has_supports,
-        lambda study: (study.train, study.analyses.get("lateral")),
+        lambda study: _analysis("analyses.lateral.shaft_bending:lateral_faults")(
+            study.train, study.analyses.get("lateral")
+        ),
     ),
-    _Check(lacking, "train links materials operation analyses rules excitations"),
+    ("train links materials operation analyses rules excitations", _always, lacking),
 )

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Annotated, Any
@@ -32,7 +32,26 @@ from torsion.model.engine.gas_laws import (
 from torsion.primitives import Torque
 from torsion.two_columns import Columns, named
 
+HEAD: End = "head end"
+CRANK: End = "crank end"
 SMALL = 1e-9  # of the largest harmonic: a mean torque that is rounding
+SWEPT = 0.01  # relative: how far the volumes or the travel of a file may be from the swept ones
+_HEAD = (
+    "volume [dm3], pressure [bar]; or travel [mm], stroke [%] or angle [deg] in the first column"
+)
+VOLUME, TRAVEL, SHARE = (
+    Columns(
+        (name, "pressure"),
+        (unit, "Pa"),
+        _HEAD,
+        "12.5, 3.4",
+        f"a finite pressure at a {name}",
+        0.0,
+        is_loop=True,
+    )
+    for name, unit in (("volume", "m**3"), ("travel", "m"), ("stroke", "1"))
+)
+ANGLE = Columns(COLUMNS.names, COLUMNS.units, _HEAD, COLUMNS.row, COLUMNS.meant)
 
 
 def _pressures(value: Any) -> Any:
@@ -138,34 +157,65 @@ class Compressor(Crankshaft, keyword="compressor"):
         owner = build.part
         stations, _ = self.lower_throws(build)
         path, faults = build.parts[owner].path, len(build.faults)
-        throws = tuple(
-            self._throw(number, station, tuple(self._ends(build, owner, number)))
-            for number, station in enumerate(stations)
-        )
-        record = CompressorRecord(owner, throws, self.mechanical_efficiency)
+        throws = []
+        for number, (throw, station) in enumerate(zip(self.throws, stations, strict=True)):
+            ends, at_throw = list[EndRecord](), (*path, "throws", number)
+            for end, pressure, rod in (
+                (HEAD, throw.head_end, throw.tail_rod),
+                (CRANK, throw.crank_end, throw.piston_rod),
+            ):
+                if pressure is None:
+                    continue
+                cylinder = Cylinder(self.slider, piston_area(throw.bore, rod), 1)
+                try:
+                    ends.append(self._end(FilePath(build.folder), end, pressure, cylinder))
+                except GasFault as fault:
+                    key = (*at_throw, end.replace(" ", "_"))
+                    build.faults.append(Fault(key, fault.message, fault.hint))
+            throws.append(self._throw(number, station, tuple(ends)))
+        record = CompressorRecord(owner, tuple(throws), self.mechanical_efficiency)
         build.parts[owner] = build.parts[owner].with_records(record)
         if len(build.faults) == faults:
-            self._refuse_driving(build, record)
+            build.faults += _driving_ends(record, path)
             build.add(*self._torques(build, record, path))
 
-    def _ends(self, build: Lowering, owner: int, number: int) -> Iterator[EndRecord]:
-        """The working sides of a piston; a fault is noted where the file's figures give none."""
-        throw = self.throws[number]
-        pressures = Pressures(
-            FilePath(build.folder), bool(self.absolute), self.surroundings, self.tdc, self.orders
+    def _end(self, folder: FilePath, end: End, given: str | float, cylinder: Cylinder) -> EndRecord:
+        """The working side of a piston with its diagram and harmonics; raises GasFault."""
+        clearance: float | None = None
+        around = 0.0 if self.absolute else self.surroundings
+        if isinstance(given, str):
+            diagram, clearance = self._diagram(folder / given, end, cylinder)
+        else:
+            ends = np.full(2, given + around)
+            diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
+        sense = 1.0 if end == HEAD else -1.0
+        torque = sense * diagram.torque(cylinder, self.orders, self.surroundings)
+        if not isinstance(given, str):
+            torque[0] = 0.0  # what it takes it gives back
+        words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
+        return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)
+
+    def _diagram(
+        self, file: FilePath, end: End, cylinder: Cylinder
+    ) -> tuple[Diagram, float | None]:
+        """Return the diagram of a file of pressures, and the clearance if the file has volumes; raises GasFault."""
+        columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
+        first, pressure = absolute_pressures(
+            file, columns, is_absolute=bool(self.absolute), around=self.surroundings
         )
-        sides: tuple[tuple[End, Any, float], ...] = (
-            ("head end", throw.head_end, throw.tail_rod),
-            ("crank end", throw.crank_end, throw.piston_rod),
-        )
-        for end, pressure, rod in sides:
-            if pressure is None:
-                continue
-            cylinder = Cylinder(self.slider, piston_area(throw.bore, rod), 1)
-            try:
-                yield end_of(end, pressure, cylinder, pressures)
-            except GasFault as fault:
-                build.faults.append(_located(build, owner, number, end, fault))
+        if columns is ANGLE:
+            if self.tdc is None:
+                message = f"'{file}' is over the angle, and `tdc` is missing"
+                raise GasFault(message, "angle of the dead centre of the head end")
+            return over_cycle(file, first - self.tdc, pressure, 2.0 * math.pi, "revolution"), None
+        travel, clearance = _travel(file, first, columns, cylinder)
+        if end == CRANK:
+            travel = cylinder.crank.stroke - travel
+        try:
+            return of_loop(cylinder.crank, travel, pressure, ENDS_MEET), clearance
+        except NoLoop as fault:
+            row = "" if fault.row is None else f", row {fault.row + 1} below the units"
+            raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
 
     def _throw(self, number: int, station: int, ends: tuple[EndRecord, ...]) -> ThrowRecord:
         throw, slider = self.throws[number], self.slider
@@ -180,22 +230,6 @@ class Compressor(Crankshaft, keyword="compressor"):
             slider.inertia_harmonics(VARYING, throw.reciprocating),
         )
 
-    def _refuse_driving(self, build: Lowering, record: CompressorRecord) -> None:
-        """A throw that gives work: its rows run backwards, or the ends are exchanged."""
-        for throw in record.throws:
-            for end in throw.ends:
-                drives = float(end.torque[0].real)
-                if drives > SMALL * float(np.abs(end.torque).max()):
-                    message = f"the {end.end} of throw {throw.number} drives the shaft: {drives:.5g} N m on the mean"
-                    hint = (
-                        "rows follow the motion of the piston; volume and travel count from the dead centre of "
-                        "the same end"
-                    )
-                    fault = GasFault(message, hint)
-                    build.faults.append(
-                        _located(build, record.part, throw.number - 1, end.end, fault)
-                    )
-
     def _torques(self, build: Lowering, record: CompressorRecord, path: Path) -> Iterator[Torque]:
         """One primitive for every throw and order that is there."""
         for throw in record.throws:
@@ -207,14 +241,8 @@ class Compressor(Crankshaft, keyword="compressor"):
                     cylinder = CylinderOrder(
                         law, order, inertia, phasor, station, 1.0, engine=record.part
                     )
-                    yield Torque(
-                        name,
-                        station,
-                        Fraction(order),
-                        path=path,
-                        source=self.source,
-                        cylinder=cylinder,
-                    )
+                    torque = Torque(name, station, Fraction(order), path=path, source=self.source)
+                    yield replace(torque, cylinder=cylinder)
 
     def data_sheet(self) -> Iterator[tuple[str, str]]:
         yield "Throws", str(len(self.throws))
@@ -223,81 +251,19 @@ class Compressor(Crankshaft, keyword="compressor"):
         yield "Pressure outside of the cylinders", f"{self.surroundings / 1e5:.5g} bar"
 
 
-def _located(build: Lowering, owner: int, throw: int, end: End, fault: GasFault) -> Fault:
-    """The fault of the pressures of an end, at its key."""
-    path = (*build.parts[owner].path, "throws", throw, end.replace(" ", "_"))
-    return Fault(path, fault.message, fault.hint)
-
-
-SWEPT = 0.01  # relative: how far the volumes or the travel of a file may be from the swept ones
-_HEAD = (
-    "volume [dm3], pressure [bar]; or travel [mm], stroke [%] or angle [deg] in the first column"
-)
-VOLUME, TRAVEL, SHARE = (
-    Columns(
-        (name, "pressure"),
-        (unit, "Pa"),
-        _HEAD,
-        "12.5, 3.4",
-        f"a finite pressure at a {name}",
-        0.0,
-        is_loop=True,
-    )
-    for name, unit in (("volume", "m**3"), ("travel", "m"), ("stroke", "1"))
-)
-ANGLE = Columns(COLUMNS.names, COLUMNS.units, _HEAD, COLUMNS.row, COLUMNS.meant)
-
-
-@dataclass(frozen=True)
-class Pressures:
-    """What the file says to all ends."""
-
-    folder: FilePath
-    is_absolute: bool
-    around: float  # Pa, absolute, outside of the cylinders
-    tdc: float | None  # rad, in files over the angle
-    count: int  # harmonics
-
-
-def end_of(end: End, given: str | float, cylinder: Cylinder, pressures: Pressures) -> EndRecord:
-    """An end with its diagram and harmonics; raises GasFault."""
-    clearance: float | None = None
-    if not isinstance(given, str):
-        ends = np.full(2, given + (0.0 if pressures.is_absolute else pressures.around))
-        diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
-    else:
-        diagram, clearance = _of_file(end, given, cylinder, pressures)
-    sense = 1.0 if end == "head end" else -1.0
-    torque = sense * diagram.torque(cylinder, pressures.count, pressures.around)
-    if not isinstance(given, str):
-        torque[0] = 0.0  # what it takes it gives back
-    words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
-    return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)
-
-
-def _of_file(
-    end: End, name: str, cylinder: Cylinder, pressures: Pressures
-) -> tuple[Diagram, float | None]:
-    """Return the diagram of a file of pressures, and the clearance where the file has volumes; raises GasFault."""
-    file = pressures.folder / name
-    columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
-    first, pressure = absolute_pressures(
-        file, columns, is_absolute=pressures.is_absolute, around=pressures.around
-    )
-    if columns is ANGLE:
-        if pressures.tdc is None:
-            message = f"'{file}' is over the angle, and `tdc` is missing"
-            raise GasFault(message, "angle of the dead centre of the head end")
-        angle = first - pressures.tdc
-        return over_cycle(file, angle, pressure, 2.0 * math.pi, "revolution"), None
-    travel, clearance = _travel(file, first, columns, cylinder)
-    if end == "crank end":
-        travel = cylinder.crank.stroke - travel
-    try:
-        return of_loop(cylinder.crank, travel, pressure, ENDS_MEET), clearance
-    except NoLoop as fault:
-        row = "" if fault.row is None else f", row {fault.row + 1} below the units"
-        raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
+def _driving_ends(record: CompressorRecord, path: Path) -> Iterator[Fault]:
+    """Yield the fault of each end that gives work: its rows run backwards, or the ends are exchanged."""
+    for throw in record.throws:
+        for end in throw.ends:
+            drives = float(end.torque[0].real)
+            if drives > SMALL * float(np.abs(end.torque).max()):
+                message = f"the {end.end} of throw {throw.number} drives the shaft: {drives:.5g} N m on the mean"
+                hint = (
+                    "rows follow the motion of the piston; volume and travel count from the dead centre of "
+                    "the same end"
+                )
+                key = "throws", throw.number - 1, end.end.replace(" ", "_")
+                yield Fault((*path, *key), message, hint)
 
 
 def _travel(

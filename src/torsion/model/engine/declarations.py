@@ -228,15 +228,13 @@ class Stated(Declared):
     torque: fields.PositiveTorque | None = given("mean torque of the engine")
 
 
-class TableAt(Declared):
+class TableAt(Stated):
     """A table of harmonics at a load or speed."""
 
     clashes = (
         exclusive("imep", "torque", "speed", hint="{imep: 5 bar, rows: [...]}", needed=True),
     )
 
-    imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
-    torque: fields.PositiveTorque | None = given("mean torque of the engine")
     speed: fields.Speed | None = given("speed of the engine; the table then includes the load")
     rows: Rows = required(f"rows {ROW}")
 

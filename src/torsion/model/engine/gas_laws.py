@@ -13,7 +13,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.engine.gas_law import GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder, Diagram
 from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted
-from torsion.model.engine.declarations import Gas, Row, Stated, TableAt
+from torsion.model.engine.declarations import Gas, Row, Stated
 from torsion.model.engine.record import PressureCurve
 from torsion.sources import source
 from torsion.two_columns import Columns, pairs
@@ -64,7 +64,7 @@ class Frame:
         """Number of the highest harmonic of a cycle."""
         return self.highest * self.revolutions
 
-    def load(self, stated: Stated | TableAt) -> float:
+    def load(self, stated: Stated) -> float:
         """Return the mean gas torque (N m) of a cylinder at a stated load."""
         if stated.torque is not None:
             return stated.torque / self.cylinders / self.efficiency
