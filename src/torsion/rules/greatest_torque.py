@@ -11,6 +11,7 @@ from torsion.analyses.motion.acting_torques import LEFT_OUT
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.parts import Part
 from torsion.rules.demands import restricted
@@ -54,30 +55,29 @@ def _checks(
     note = "" if is_sound else f"{motion.status}; such a motion is never a pass"
     if motion.switching is not None and motion.switching.scatter is not None and is_sound:
         note = "the larger of two motions that impacts set apart, and their difference added"
-    rows = list[tuple[str, str, float, float, bool, str, Standing]]()
-
-    def judge(clause: str, what: str, torque: float, limit: float) -> None:
-        rows.append((clause, what, torque, limit, torque <= limit, "N m", "maker"))
-
-    if (rated := part.greatest_torque(is_rare=motion.is_rare)) is not None:
-        judge(rated[0], "Greatest torque over time", float(motion.peak[spans].max()), rated[1])
-    widest = None if part.ratings is None or motion.is_rare else part.ratings.max_torque_range
-    if widest is not None:
-        judge("dT_max", "Range of torque over time", float(motion.range[spans].max()), widest)
-    if motion.damage is not None and spans.size and not np.isnan(motion.damage[spans]).all():
-        damage = float(motion.damage[spans].max())
-        is_met = damage < WHOLE_LIFE
-        rows.append(("D", "Damage of one event", damage, WHOLE_LIFE, is_met, "1", "setting"))
-
     without = [words for words in motion.not_acting if words.endswith(LEFT_OUT)]
-    conditions = [f"does not act: {'; '.join(without)}"] if without else []
-    if rows and (early := _early_end(evidence, motion)):
-        conditions.append(early)
-    for clause, what, value, limit, is_met, unit, standing in rows:
+    left_out = f"does not act: {'; '.join(without)}" if without else ""
+    conditions = left_out, _early_end(evidence, motion)
+
+    def judge(
+        clause: str, what: str, values: FloatArray, limit: float, unit: str, standing: Standing
+    ) -> Check:
+        value = float(values[spans].max())
+        is_met = value < limit if standing == "setting" else value <= limit
         compared = f"{what}: {motion.name}" if motion.name else what
         about, verdict = ("transient", clause + mark), verdict_of(is_sound and is_met, standing)
         check = Check(*about, part.name, compared, value, limit, unit, verdict, standing, note=note)
-        yield restricted(check, *conditions)
+        return restricted(check, *conditions)
+
+    if (rated := part.greatest_torque(is_rare=motion.is_rare)) is not None:
+        clause, limit = rated
+        yield judge(clause, "Greatest torque over time", motion.peak, limit, "N m", "maker")
+    widest = None if part.ratings is None or motion.is_rare else part.ratings.max_torque_range
+    if widest is not None:
+        yield judge("dT_max", "Range of torque over time", motion.range, widest, "N m", "maker")
+    if motion.damage is not None and spans.size and not np.isnan(motion.damage[spans]).all():
+        # A life that is used up fails.
+        yield judge("D", "Damage of one event", motion.damage, WHOLE_LIFE, "1", "setting")
 
 
 def _early_end(evidence: Results, motion: TransientMotion) -> str:
