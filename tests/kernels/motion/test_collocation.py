@@ -21,8 +21,10 @@ from torsion.kernels.motion.polynomial_torques import (
     NODES,
     POINTS,
     SERIES,
+    TURNED,
     answers,
-    second_integral,
+    cut_short,
+    value,
 )
 from torsion.kernels.motion.torque_history import Piece, history
 
@@ -81,9 +83,8 @@ def one_disc(
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: float) -> None:
     series = SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES))
-    found = answers(
-        np.array([[root * share]]), np.array([share]), np.ones((1, 1)), series[:, None, None]
-    )[0, 0]
+    cut = cut_short(series[:, None, None], np.array([share]))[:, 0, 0]
+    found = cut @ answers(np.array([root * share]))[:, 0]
     with mpmath.workdps(60):
         of = [mpmath.mpf(float(one)) for one in series]
         step = mpmath.mpf(share)
@@ -98,21 +99,25 @@ def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: flo
     assert abs(found - exact) <= 5e-14 * abs(exact)
 
 
-def test_slow_and_fast_modes_answer_together_as_each_to_its_own_force() -> None:
-    root, share = np.array([-1 + 3j, -0.5 + 40j, -10 + 1e4j]), np.array([0.05, 0.3, 0.9])
-    force = np.array([[1.0, -2.0], [0.5j, 3.0], [2.0, 1j]])
-    series = np.sin(np.arange(POINTS * 6.0)).reshape(POINTS, 2, 3)
-    together = answers(np.multiply.outer(root, share), share, force, series)
+def test_slow_and_fast_modes_answer_together_as_each_alone() -> None:
+    z = np.multiply.outer([-1 + 3j, -0.5 + 40j, -10 + 1e4j], [0.05, 0.3, 0.9])
+    together = answers(z)
     for mode, time in np.ndindex(3, 3):
-        own = np.einsum("r,kr->k", force[mode], series[:, :, time])[:, None, None]
-        alone = answers(root[[mode], None] * share[time], share[[time]], np.ones((1, 1)), own)[0, 0]
-        assert together[mode, time] == pytest.approx(complex(alone), rel=1e-13)
+        alone = answers(z[[mode], [time]])[:, 0]
+        assert together[:, mode, time] == pytest.approx(alone, rel=1e-13, abs=1e-16)
 
 
-def test_the_second_integral_of_a_series_over_its_step() -> None:
-    series = (SERIES @ NODES**3)[:, None]  # x**3
-    twice = second_integral(series, np.array([0.5]))
-    assert twice[0] == pytest.approx(0.5**5 / 20.0, rel=1e-14)
+def test_a_series_that_is_cut_short_is_the_same_polynomial() -> None:
+    series, share = np.sin(np.arange(POINTS * 6.0)).reshape(POINTS, 2, 3), np.array([0.05, 0.3, 1])
+    cut, inside = cut_short(series, share), np.array([0.1, 0.6, 1.0])
+    for torque in range(2):
+        values = value(cut[:, torque], inside)
+        assert values == pytest.approx(value(series[:, torque], inside * share), abs=1e-13)
+
+
+def test_a_motion_without_root_turns_by_the_second_integral_of_its_torque() -> None:
+    cubic = cut_short((SERIES @ NODES**3)[:, None, None], np.array([0.5]))[:, 0, 0]
+    assert 0.5**2 * (TURNED @ cubic[:2]) == pytest.approx(0.5**5 / 20.0, rel=1e-14)
 
 
 class MotorWithPulsation(laws.InductionMotor):

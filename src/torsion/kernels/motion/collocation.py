@@ -297,7 +297,7 @@ def _try_step(state: _March, time: float, length: float, guess: FloatArray) -> _
 
 
 def _points_under(
-    times: FloatArray, free: Turning, influence: Turning, torque: FloatArray
+    times: FloatArray, free: Turning, influence: FloatArray, torque: FloatArray
 ) -> Points:
     """At the ENDS of a step, from how it goes on without torques and what torques (interfaces, nodes) add."""
     angle, speed, acceleration = (

@@ -7,8 +7,6 @@ and where |d t| is small I_k = t**(k + 1) exp(r t) (1/(k + 1) + d t/(k + 2) + ..
 digit.
 """
 
-from math import factorial
-
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
@@ -16,6 +14,7 @@ from torsion.arrays import ComplexArray, FloatArray
 
 SMALL = 0.5  # |d t| below which the series are taken; their TERMS are exact to rounding there
 TERMS = 14
+FACTORIALS = np.cumprod([1.0, *range(1, TERMS)])
 
 
 def exponential_answers(
@@ -42,8 +41,19 @@ def exponential_answers(
     return answers
 
 
+def answers_and_turning(
+    root: ComplexArray, rate: complex, time: FloatArray, count: int, decay: ComplexArray
+) -> tuple[list[ComplexArray], list[np.ndarray]]:
+    """The answers, and `count` positions (times,) of motions without root, whose speeds answer."""
+    if rate == 0.0:
+        turned = [time ** (k + 2) / ((k + 1) * (k + 2)) for k in range(count)]
+    else:
+        none, alone = np.zeros(1, dtype=complex), np.ones((1, len(time)), dtype=complex)
+        speed = exponential_answers(none, rate, time, count + 1, alone)
+        turned = [time * speed[k][0] - speed[k + 1][0] for k in range(count)]
+    return exponential_answers(root, rate, time, count, decay), turned
+
+
 def _series(z: ComplexArray, power: int) -> ComplexArray:
     """Integral over 0 <= u <= 1 of u**power exp(z u), for |z| < SMALL."""
-    return np.asarray(
-        polyval(z, [1.0 / (factorial(term) * (term + 1 + power)) for term in range(TERMS)])
-    )
+    return np.asarray(polyval(z, 1.0 / (FACTORIALS * (np.arange(1.0, TERMS + 1.0) + power))))

@@ -15,15 +15,15 @@ import numpy as np
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.motion.damped_modes import Roots, roots_of
-from torsion.kernels.motion.exponential_answers import exponential_answers
+from torsion.kernels.motion.exponential_answers import answers_and_turning
 from torsion.kernels.motion.modal_loads import LoadedModes, Start, inputs_at
 from torsion.kernels.motion.piecewise_elements import Law
-from torsion.kernels.motion.polynomial_torques import POINTS, answers, second_integral
+from torsion.kernels.motion.polynomial_torques import TURNED, answers, cut_short
 
 Modes = tuple[int, ...]  # the regime of every element
 HELD = 1e-10  # relative: rigid motions that springs and dampers twist by less are free
 TINY = float(np.finfo(float).tiny)
-MOST_KEPT = 64  # answers to exponentials and to steps of a length
+BLOCK = 20_000  # answers at a time
 NOTHING = 1e-12  # of the fastest: a slower mode stands still
 
 
@@ -35,11 +35,6 @@ class Moved:
     turned: FloatArray  # (motions that nothing holds, times)
     inputs: FloatArray  # (inputs, times)
     input_rates: FloatArray  # (inputs, times, orders) of as many derivatives as are requested
-
-
-Kept = dict[
-    object, list[ComplexArray]
-]  # answers at certain times to exponentials, by rate, and to steps, by length
 
 
 @dataclass(frozen=True)
@@ -93,88 +88,42 @@ class Regime:
         held = _times(roots.of_speed, v[:, None]) + _times(roots.of_position, q[:, None])
         return np.concatenate([self.free.T @ speed, held[:, 0]]), self.free.T @ position
 
-    def moved(
-        self, start: Start, time: FloatArray, kept: Kept | None = None, orders: int = 1
-    ) -> Moved:
-        """The motion at times since its start, (times,) s, with some derivatives of its inputs.
-
-        kept: answers that are the same in every call.
-        """
+    def moved(self, start: Start, time: FloatArray, orders: int = 1) -> Moved:
+        """The motion at times since its start, (times,) s, with some derivatives of its inputs."""
         train, root, number = self.train, self.root, self.free.shape[1]
-        is_kept, kept = kept is not None, {} if kept is None else kept
-        if None not in kept:
-            kept[None] = [np.exp(np.multiply.outer(root, time))]
-        decay = kept[None][0]
+        acting = train.acting[start.interval]
+        decay = np.exp(np.multiply.outer(root, time))
         y = start.y * decay
         turned = start.turned + start.y[:number].real * time
-        loads, none = slice(1, train.following.start), np.zeros((1, 1), dtype=complex)
         steady = self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset
-        acting = [(0.0 + 0.0j, steady, none)]
-        late = start.time - train.history.begin[start.interval]
-        for rate, level, slope in train.rates[start.interval]:
-            levels = self.force[:, loads] @ np.stack([level, slope], axis=1)
-            growth = np.exp(rate * late)
-            slopes = levels[:, 1:] * growth if slope.any() else none
-            acting.append((rate, levels[:, :1] * growth + slopes * late, slopes))
-        for rate, level, slope in acting:
-            count = 1 if slope is none else 2
-            if len(kept.get(rate, [])) < 2 * count + 1:
-                alone = np.ones((1, len(time)), dtype=complex)  # a motion that nothing holds
-                kept[rate] = [
-                    *exponential_answers(np.zeros(1, dtype=complex), rate, time, count + 1, alone),
-                    *exponential_answers(root, rate, time, count, decay),
-                ]
-            terms = kept[rate]
-            free, held = terms[: (len(terms) + 1) // 2], terms[(len(terms) + 1) // 2 :]
-            y += level * held[0]
-            turned = turned + (level[:number] * (time * free[0] - free[1])).real
-            if count == 2:
-                y += slope * held[1]
-                turned = turned + (slope[:number] * (time * free[1] - free[2])).real
+        loads = [(0.0 + 0.0j, [steady])]
+        columns = acting.later(start.time - train.history.begin[start.interval])
+        for rate, terms, count in acting.by_rate:
+            force = self.force[:, 1 + acting.load[terms]]
+            loads.append((rate, [force @ column[terms] for column in columns[:count]]))
+        for rate, forces in loads:
+            answers, turning = answers_and_turning(root, rate, time, len(forces), decay)
+            for force, answer, once in zip(forces, answers, turning, strict=True):
+                y += force * answer
+                turned = turned + (force[:number] * once).real
         if start.series.any():
-            basis = self._kept_basis(time, start.length, kept) if is_kept else None
-            added = self.under(time, start.length, start.series, basis)
+            added = self._under(time, cut_short(start.series, time / start.length))
             y, turned = y + added[0], turned + added[1]
         inputs = inputs_at(train, start, time, orders)
         return Moved(y, turned, inputs[:, :, 0], inputs[:, :, 1:])
 
-    def under(
-        self,
-        time: FloatArray,
-        length: FloatArray,
-        series: FloatArray,
-        basis: ComplexArray | None = None,
-    ) -> tuple[ComplexArray, FloatArray]:
+    def _under(self, time: FloatArray, series: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """Coordinates and positions of what nothing holds, from rest, under torques that follow the motion.
 
-        These have series (coefficients, interfaces, times) over lengths (s). basis: (coordinates, coefficients, times)
-        answers to a coefficient of 1, of one series.
+        These have series (coefficients, interfaces, times) from the begin to each of the times (s).
         """
-        share = time / length
         force, number = self.force[:, self.train.following], self.free.shape[1]
-        acts = np.einsum("mr,krt->kmt", force[:number].real, series)
-        twice = second_integral(acts, share) * np.square(length)
-        if basis is not None:
-            return np.einsum("nk,nkt->nt", force @ series[:, :, 0].T, basis), twice
-        z = np.asarray(self.root[:, None] * time, dtype=complex)
-        series = np.broadcast_to(series, (*series.shape[:2], len(time)))
-        return time * answers(z, share, force, series), twice
-
-    def _kept_basis(self, time: FloatArray, length: FloatArray, kept: Kept) -> ComplexArray | None:
-        """(coordinates, coefficients, times) answers to a coefficient of 1, from the second step of a length on."""
-        key, count, size = ("step", float(length[0])), len(time), len(self.root)
-        if key not in kept:
-            if len(kept) > MOST_KEPT:
-                kept.clear()
-            kept[key] = []
-            return None
-        if not kept[key]:
-            late = np.tile(time, POINTS)
-            z = np.asarray(np.multiply.outer(self.root, late), dtype=complex)
-            series, unit = np.repeat(np.eye(POINTS), count, axis=1)[:, None], np.ones((size, 1))
-            answer = late * answers(z, late / length, unit, series)
-            kept[key] = [answer.reshape(size, POINTS, count)]
-        return kept[key][0]
+        y = np.empty((len(force), len(time)), dtype=complex)
+        for block in np.array_split(np.arange(len(time)), 1 + y.size // BLOCK):
+            answer = answers(self.root[:, None] * time[block])
+            y[:, block] = time[block] * np.sum(force @ series[:, :, block] * answer, axis=0)
+        turned = np.tensordot(TURNED, force[:number].real @ series[:2], 1)
+        return y, np.square(time) * turned
 
     def rates_of(self, moved: Moved) -> ComplexArray:
         """(coordinates, times) rates of the coordinates."""

@@ -7,6 +7,7 @@ another regime. Every element keeps a twist of its own, so that no twist is a di
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -14,27 +15,43 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.kernels.motion.endless_events import Chatter, refuse_too_many
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
-from torsion.kernels.motion.linear_regime import Kept, Layout, Modes, Moved, Regime, regime_of
-from torsion.kernels.motion.modal_loads import SAME_TIME, LoadedModes, Start, Turning
+from torsion.kernels.motion.linear_regime import Layout, Modes, Moved, Regime, regime_of
+from torsion.kernels.motion.modal_loads import SAME_TIME, LoadedModes, Start, Turning, inputs_at
 from torsion.kernels.motion.piecewise_elements import OPEN, Friction
-from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES, value
+from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES
 from torsion.kernels.motion.regime_events import BLOCK, RADIANS, Watch, looks
+from torsion.kernels.motion.sampled_rows import Rows, features, rates_of, rows_of, sample, together
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
 NEWS = 100  # events and looks between two reports of progress
 # events, after two times of which those of the whole motion are judged by their pace
 WATCHED = 10_000
-MOST_KEPT = 256  # influences
+MOST_KEPT = 4_000_000  # numbers in matrices of samples
 LONGEST = 64.0  # parts of a motion, at least
 
 
-@dataclass(frozen=True)
-class Influence:
-    """What torques at the nodes of a step of one length do to the interfaces, and what its start goes on with."""
+def _coordinate_rows(regime: Regime) -> Rows:
+    """Real and imaginary parts of all coordinates, and positions of what nothing holds."""
+    size, number = len(regime.root), regime.free.shape[1]
+    by_y = np.concatenate([np.eye(size), -1j * np.eye(size), np.zeros((number, size))])
+    by_turned = np.eye(2 * size + number, number, -2 * size)
+    return Rows(by_y, by_turned, np.zeros((3, len(by_y), regime.train.inputs)))
 
-    turning: Turning  # each (interfaces, ENDS, interfaces, nodes), rad/(N m) and so on
-    kept: Kept
+
+def _interface_rows(regime: Regime) -> Rows:
+    """Angles, speeds and accelerations of the interfaces."""
+    layout, shape = Layout(regime.train), regime.train.shape
+    values = np.zeros((2, len(shape), layout.size))
+    values[0, :, layout.position] = values[1, :, layout.speed] = shape
+    angle, speed = (rows_of(regime, row) for row in values)
+    return together(angle, speed, rates_of(regime, speed))
+
+
+def _event_rows(regime: Regime) -> Rows:
+    """Switching functions and their rates."""
+    functions = rows_of(regime, regime.events)
+    return together(functions, rates_of(regime, functions))
 
 
 @dataclass
@@ -62,8 +79,8 @@ class March:
     last: float = -math.inf  # s, when there was some
     done: int = 0  # events and looks
     regimes: dict[Modes, Regime] = field(default_factory=dict)
-    watches: dict[tuple[Modes, float], Watch] = field(default_factory=dict)
-    influences: dict[tuple[Modes, float], Influence] = field(default_factory=dict)
+    watches: dict[Modes, Watch] = field(default_factory=dict)
+    kept: dict[tuple[object, ...], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         rigid = self.train.modes.rigid
@@ -126,6 +143,7 @@ class March:
             np.ones(1),
             self.begun[:, None],
         )
+        self.features = features(train, self.start)
 
     def rearm(self, time: float) -> None:
         """At a break: the torques that begin, and friction whose capacity ends or begins."""
@@ -135,8 +153,8 @@ class March:
         self.interval = int(np.searchsorted(train.history.begin, time, side="right")) - 1
         for number, element in enumerate(train.elements):
             if isinstance(element, Friction) and element.signal is not None:
-                rates = train.rates[self.interval]
-                acts = any(part[element.signal] for rate in rates for part in rate[1:])
+                acting = train.acting[self.interval]
+                acts = bool((acting.load == element.signal).any())
                 if acts == (self.modes[number] != OPEN):
                     continue
                 self.twist[number] = 0.0 if acts else self.twist[number]
@@ -176,11 +194,16 @@ class March:
         regime, start = self.regime, self.start
         numbers = {modes: number for number, modes in enumerate(self.regimes)}
         self.steps.append((numbers[self.modes], start))
-        late, function, moved = self._first_event(time, end - time)
-        reached = end if function is None else time + late
-        own = (self.train.ends @ (position := regime.positions(moved)[:, 0])) - start.offset[:, 0]
+        event = self._first_event(time, end - time)
+        if event is None:
+            function, reached, moved = None, end, self._moved(end - time, end - time)
+        else:
+            late, function, moved = event
+            reached = time + late
+        position, speed = regime.positions(moved)[:, 0], regime.speeds(moved.y)[:, 0]
+        own = self.train.ends @ position - start.offset[:, 0]
         self.twist = np.where(regime.moves, own + regime.offset, self.twist)
-        self.position, self.speed = position, regime.speeds(moved.y)[:, 0]
+        self.position, self.speed = position, speed
         if function is not None:
             self.enter(reached, *regime.switches[function])
             part = self._part(regime, math.inf)
@@ -204,17 +227,56 @@ class March:
         longest = min(self.duration / LONGEST, length)
         return self.fineness * min(longest, RADIANS / fastest if fastest else math.inf)
 
-    def _first_event(self, time: float, length: float) -> tuple[float, int | None, Moved]:
+    def _first_event(self, time: float, length: float) -> tuple[float, int, Moved] | None:
         """When (s from a time on) the first event is within a length, of which function, and the motion then."""
-        part = self._part(self.regime, length / 4.0 if self.number else math.inf)
-        watch = self.watches.setdefault((self.modes, part), Watch(self.regime, part))
-        for first, last in looks(math.ceil(length / part) if len(self.regime.events) else 0):
-            event = watch.first_event(self.start, first, last, length)
+        regime = self.regime
+        if not len(regime.events):
+            return None
+        part = self._part(regime, length / 4.0 if self.number else math.inf)
+        watch = self.watches.setdefault(self.modes, Watch(regime))
+        for first, last in looks(math.ceil(length / part)):
+            times = part * np.arange(first, last + 1.0)
+            values = self._samples(_event_rows, times, length)
+            event = watch.first_event(partial(self._moved, length), times, values, length)
             if event is not None:
                 return event
             if last % BLOCK == 0:
                 self._tell(time + last * part)
-        return length, None, self.regime.moved(self.start, np.array([length]))
+        return None
+
+    def _moved(self, length: float, late: float, orders: int = 1) -> Moved:
+        """The motion in a step of a length at a time since its begin (s), with some derivatives of its inputs."""
+        size, time = len(self.start.y), np.array([late])
+        samples = self._samples(_coordinate_rows, time, length)
+        real, imaginary, turned = np.split(samples, [size, 2 * size])
+        inputs = inputs_at(self.train, self.start, time, orders)
+        return Moved(real + 1j * imaginary, turned, inputs[:, :, 0], inputs[:, :, 1:])
+
+    def _samples(
+        self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
+    ) -> FloatArray:
+        """(rows, times) of the step that begins, at times since then (s)."""
+        begin = np.concatenate([self.features, self.start.series.ravel()])
+        return np.asarray(self._sampled(rows, times, length) @ begin)
+
+    def _sampled(
+        self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
+    ) -> FloatArray:
+        """(rows, times, features)"""
+        regime, acting = self.regime, self.train.acting[self.interval]
+        span = float(times[0]), float(times[-1]), len(times)
+        key = rows, *span, length if self.number else 0.0
+        return self._kept(key, lambda: sample(regime, acting, rows(regime), times, length))
+
+    def _kept(self, key: tuple[object, ...], build: Callable[[], FloatArray]) -> FloatArray:
+        """A matrix of the present regime, built once."""
+        key = self.modes, self.train.acting[self.interval].kind, *key
+        if key not in self.kept:
+            matrix = build()
+            if sum(matrix.size for matrix in self.kept.values()) > MOST_KEPT:
+                self.kept.clear()
+            self.kept[key] = matrix
+        return self.kept[key]
 
     def _tell(self, time: float) -> None:
         self.done += 1
@@ -251,71 +313,47 @@ class March:
         force = self.regime.force[:, self.train.following]
         return np.asarray(self.train.shape @ self.regime.speeds(force))
 
-    def influence(self, length: float) -> Turning:
-        """What torques of 1 at the nodes of a step (s) add, each (interfaces, ENDS, interfaces, nodes)."""
-        return self._influence(length).turning
+    def influence(self, length: float) -> FloatArray:
+        """What torques of 1 at the nodes of a step (s) add, (kinds of a turning, interfaces, ENDS, interfaces, nodes)."""
 
-    def _influence(self, length: float) -> Influence:
-        key = self.modes, length
-        if key not in self.influences:
-            if len(self.influences) > MOST_KEPT:
-                self.influences.clear()
-            self.influences[key] = Influence(self._find_influence(length), {})
-        return self.influences[key]
+        def by_nodes() -> FloatArray:
+            sampled = self._sampled(_interface_rows, length * ENDS, length)
+            shape = 3, self.number, len(ENDS), POINTS, self.number
+            by_series = sampled[:, :, -POINTS * self.number :].reshape(shape)
+            return np.asarray(np.einsum("dgekf,kn->dgefn", by_series, SERIES))
 
-    def _find_influence(self, length: float) -> Turning:
-        # A torque of 1 at each interface and node, to all ends.
-        number, ends = self.number, len(ENDS)
-        series = np.einsum("kn,fg->kgfn", SERIES, np.eye(number)).reshape(POINTS, number, -1)
-        series, share = np.repeat(series, ends, axis=2), np.tile(ENDS, number * POINTS)
-        y, turned = self.regime.under(length * share, np.array([length]), series)
-        inputs = np.zeros((self.train.inputs, len(share)))
-        inputs[self.train.following] = value(series, share)
-        angle, speed, rate = (
-            rows.reshape(number, number, POINTS, ends).transpose(0, 3, 1, 2)
-            for rows in self._interfaces(Moved(y, turned, inputs, np.zeros((0, 0, 0))))
-        )
-        return angle, speed, rate
+        return self._kept(("influence", length), by_nodes)
 
-    def _interfaces(self, moved: Moved) -> Turning:
-        """Angles, speeds and accelerations of the interfaces."""
-        shape, regime = self.train.shape, self.regime
-        rates = regime.rates_of(moved)
-        return (
-            shape @ regime.positions(moved),
-            shape @ regime.speeds(moved.y),
-            shape @ regime.speeds(rates),
-        )
-
-    def _turning(
-        self,
-        time: float,
-        start: Start,
-        late: FloatArray,
-        kept: Kept | None = None,
-    ) -> Turning:
-        """Whole angles, speeds and accelerations of the interfaces at times since a start."""
-        turning = self._interfaces(self.regime.moved(start, late, kept))
+    def _turning(self, time: FloatArray, samples: FloatArray) -> Turning:
+        """Whole angles, speeds and accelerations of the interfaces at times, of their samples since the step began."""
+        angle, speed, acceleration = samples.reshape(3, self.number, len(time))
         begun = (self.train.shape[:, : len(self.begun)] @ self.begun)[:, None]
-        none = np.zeros((self.number, len(late)))
-        carried = (none,) * 3 if self.carrier is None else self.carrier(time + late)
-        return turning[0] + carried[0] + begun, turning[1] + carried[1], turning[2] + carried[2]
+        if self.carrier is None:
+            return angle + begun, speed, acceleration
+        carried = self.carrier(time)
+        return angle + begun + carried[0], speed + carried[1], acceleration + carried[2]
 
     def going_on(self, time: float, length: float) -> Turning:
         """At the ENDS of a step, with no torques in it."""
-        kept = self._influence(length).kept
-        turning = self._turning(time, self.start, length * ENDS, kept)
+        samples = self._samples(_interface_rows, length * ENDS, length)
+        turning = self._turning(time + length * ENDS, samples)
         sizes = np.abs(self.train.shape) @ np.abs(self.speed)
         self.parts = np.abs(turning[1]).max(axis=1, keepdims=True) + sizes[:, None]
         return turning
 
     def at_begin(self, time: float) -> Turning:
         """At the begin of a step."""
-        return self._turning(time, self.start, np.zeros(1))
+        return self._turning_at(time, self.start, np.zeros(1))
+
+    def _turning_at(self, time: float, start: Start, late: FloatArray) -> Turning:
+        moved, shape, regime = self.regime.moved(start, late), self.train.shape, self.regime
+        rates = regime.speeds(regime.rates_of(moved))
+        motions = regime.positions(moved), regime.speeds(moved.y), rates
+        return self._turning(time + late, np.stack([shape @ motion for motion in motions]))
 
     def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
         """At shares of a step under torques (interfaces, nodes)."""
-        return self._turning(time, self._under(torque, length), share * length)
+        return self._turning_at(time, self._under(torque, length), share * length)
 
     def _under(self, torque: FloatArray, length: float) -> Start:
         series = (SERIES @ torque.T)[:, :, None]

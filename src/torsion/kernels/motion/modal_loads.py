@@ -21,7 +21,34 @@ ROUNDING = 1e-12  # of an element's largest relative angle
 SAME_TIME = 4e-16  # relative: times that are one
 # Angle, speed and acceleration of the interfaces' own stations, whole, each (interfaces, times).
 Turning = tuple[FloatArray, FloatArray, FloatArray]
-Rates = list[tuple[complex, ComplexArray, ComplexArray]]  # rate, levels and slopes of all loads
+
+
+@dataclass(frozen=True)
+class Acting:
+    """Terms (level + slope t) exp(rate t) of loads that act together, t from the begin of an interval: each (terms,)."""
+
+    load: IntArray
+    level: ComplexArray  # N m
+    slope: ComplexArray  # N m/s
+    rate: ComplexArray  # 1/s
+
+    @cached_property
+    def kind(self) -> tuple[object, ...]:
+        """Loads and rates, the same for terms that differ in their levels and slopes alone."""
+        return *self.load.tolist(), *self.rate.tolist()
+
+    @cached_property
+    def by_rate(self) -> list[tuple[complex, IntArray, int]]:
+        """Every rate with its terms, and 2 where one of them has a slope, else 1."""
+        rates = dict.fromkeys(self.rate.tolist())
+        chosen = [(rate, np.flatnonzero(self.rate == rate)) for rate in rates]
+        return [(rate, terms, 1 + int(self.slope[terms].any())) for rate, terms in chosen]
+
+    def later(self, since: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Levels and slopes (terms, times) as they are counted from times since the begin of the interval (s)."""
+        growth = np.exp(np.multiply.outer(self.rate, since))
+        slope = self.slope[:, None]
+        return (self.level[:, None] + slope * since) * growth, slope * growth
 
 
 @dataclass(frozen=True)
@@ -38,18 +65,18 @@ class LoadedModes:
     # (elements, loads + interfaces) rad/(N m): their answer to what acts
     higher_answer: FloatArray | None = None
 
-    @property
+    @cached_property
     def motions(self) -> int:
         """How many rigid motions and modes there are."""
         return len(self.modes.viscous)
 
-    @property
+    @cached_property
     def following(self) -> slice:
         """Where the torques that follow the motion stand among the inputs."""
         first = 1 + len(self.loads)
         return slice(first, first + len(self.shape))
 
-    @property
+    @cached_property
     def inputs(self) -> int:
         """How many inputs there are."""
         return int(self.following.stop) + len(self.elements)
@@ -103,30 +130,29 @@ class LoadedModes:
         return max(rates, default=0.0)
 
     @cached_property
-    def rates(self) -> list[Rates]:
+    def acting(self) -> list[Acting]:
         """What acts in each interval of the history."""
-        intervals = list[Rates]()
+        intervals = list[Acting]()
         for terms in self.history.terms:
-            by_rate = dict[complex, ComplexArray]()
+            sums = dict[tuple[int, complex], ComplexArray]()
             for term in terms:
-                levels = by_rate.setdefault(
-                    term.rate, np.zeros((2, len(self.loads)), dtype=complex)
-                )
-                levels[:, term.load] += term.level, term.slope
-            intervals.append([(rate, *levels) for rate, levels in by_rate.items()])
+                levels = sums.setdefault((term.load, term.rate), np.zeros(2, dtype=complex))
+                levels += term.level, term.slope
+            load, rate = (np.array([key[k] for key in sums]) for k in (0, 1))
+            level, slope = np.array(list(sums.values())).reshape(-1, 2).T
+            intervals.append(Acting(load.astype(np.int64), level, slope, rate.astype(complex)))
         return intervals
 
     def loads_at(self, interval: int, since: FloatArray, orders: int = 1) -> FloatArray:
         """(loads, times, orders) N m and derivatives of it, at times since the begin of an interval (s)."""
-        total, order = np.zeros((len(self.loads), len(since), orders)), np.arange(orders)
-        for rate, level, slope in self.rates[interval]:
-            powers = rate**order
-            gained = np.concatenate([[0.0], order[1:] * powers[:-1]])
-            growth = np.exp(rate * since)
-            level_now = (level[:, None] + np.multiply.outer(slope, since)) * growth
-            total += (level_now[..., None] * powers).real
-            total += (np.multiply.outer(slope, growth)[..., None] * gained).real
-        return total
+        acting, order = self.acting[interval], np.arange(orders)
+        level, slope = acting.later(since)
+        powers = acting.rate[:, None] ** order
+        values = level[:, :, None] * powers[:, None]
+        values[:, :, 1:] += slope[:, :, None] * (order[1:] * powers[:, :-1])[:, None]
+        is_of_load = acting.load == np.arange(len(self.loads))[:, None]
+        total = is_of_load @ values.real.reshape(len(values), len(since) * orders)
+        return np.asarray(total.reshape(len(self.loads), len(since), orders))
 
 
 @dataclass(frozen=True)
@@ -169,11 +195,11 @@ def inputs_at(train: LoadedModes, start: Start, time: FloatArray, orders: int = 
     since = start.time + time - train.history.begin[start.interval]
     inputs[1 : train.following.start] = train.loads_at(start.interval, since, orders)
     if len(train.shape):
-        shape = (*start.series.shape[:2], len(time))
+        order = np.arange(min(orders, POINTS))[:, None, None, None]
+        series = (
+            np.tensordot(DERIVED[: len(order)], start.series, 1) * (2.0 / start.length) ** order
+        )
         basis = legendre.legvander(2.0 * time / start.length - 1.0, POINTS - 1)
-        for order in range(min(orders, POINTS)):
-            series = np.tensordot(DERIVED[order], start.series * (2.0 / start.length) ** order, 1)
-            values = np.einsum("tk,kit->it", basis, np.broadcast_to(series, shape))
-            inputs[train.following, :, order] = values
+        inputs[train.following, :, : len(order)] = np.einsum("tk,okit->ito", basis, series)
     inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
     return inputs

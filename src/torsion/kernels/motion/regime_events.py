@@ -5,17 +5,17 @@ of it, or a tangent at one end is below zero at the other; there the functions a
 exact to rounding.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.kernels.motion.first_root import first_root
-from torsion.kernels.motion.linear_regime import Kept, Moved, Regime
-from torsion.kernels.motion.modal_loads import Start, inputs_at
+from torsion.kernels.motion.linear_regime import Moved, Regime
+from torsion.kernels.motion.sampled_rows import Rows, rows_of
 
 LOOKS = (0, 16, 64, 256)  # parts that are looked at together: most events come soon
 BLOCK = LOOKS[-1]
@@ -25,6 +25,8 @@ ORDERS = np.arange(float(TERMS))
 FACTORIALS = np.cumprod([1.0, *range(1, TERMS)])
 ROUNDING = 1e-13  # of the largest coefficient: a function below zero by less is at zero
 EXACT = 2e-15  # of the terms of a function, whose sum it knows no better
+
+Motion = Callable[[float, int], Moved]
 
 
 def looks(number: int) -> Iterator[tuple[int, int]]:
@@ -37,24 +39,14 @@ def looks(number: int) -> Iterator[tuple[int, int]]:
 
 @dataclass
 class Watch:
-    """The switching functions of a regime in parts of a length (s)."""
+    """The switching functions of a regime."""
 
     regime: Regime
-    part: float
-    kept: dict[int, Kept] = field(default_factory=dict)
 
     @cached_property
-    def rows(self) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray]:
-        """(functions, ..) by coordinates, by what nothing holds, by inputs and by their rates."""
-        regime, n, m = self.regime, self.regime.train.motions, self.regime.train.inputs
-        position, speed, inputs, rates = np.split(regime.events, [n, 2 * n, 2 * n + m], axis=1)
-        by_inputs = inputs + position @ regime.constraint
-        return regime.reading(position, speed), position @ regime.free, by_inputs, rates
-
-    @cached_property
-    def has_rates(self) -> bool:
-        """A function is of rates of inputs."""
-        return bool(self.rows[3].any())
+    def rows(self) -> Rows:
+        """(functions, ...)"""
+        return rows_of(self.regime, self.regime.events)
 
     @cached_property
     def sizes(self) -> FloatArray:
@@ -62,59 +54,44 @@ class Watch:
         return np.abs(self.regime.events)
 
     def first_event(
-        self, start: Start, first: int, last: int, length: float
+        self, motion: Motion, time: FloatArray, values: FloatArray, length: float
     ) -> tuple[float, int, Moved] | None:
-        """When (s since the start, up to a length) a function falls below zero within some parts, and which.
+        """When (s since the start, up to a length) a function falls below zero between some times, and which.
 
-        Last stands the motion then.
+        values: (2 functions, times) functions and their rates. motion: gives the motion at a time, with so many
+        derivatives of its inputs. Last stands the motion at the event.
         """
-        regime, (by_y, by_turned, by_inputs, by_rates) = self.regime, self.rows
-        time = self.part * np.arange(first, last + 1.0)
-        # Answers of a whole look are the same from every start.
-        is_whole = (first, last) in pairwise(LOOKS)
-        kept = self.kept.setdefault(first, {}) if is_whole else None
-        moved = regime.moved(start, time, kept, 3)
-        number = len(moved.turned)
-        rates = moved.input_rates
-        value = (by_y @ moved.y).real + by_turned @ moved.turned + by_inputs @ moved.inputs
-        rise = (by_y @ regime.rates_of(moved)).real + by_turned @ moved.y[:number].real
-        rise += by_inputs @ rates[:, :, 0]
-        if self.has_rates:
-            value += by_rates @ rates[:, :, 0]
-            rise += by_rates @ rates[:, :, 1]
-        rise *= self.part
+        part = float(time[1] - time[0])
+        value, rise = values[: len(values) // 2], values[len(values) // 2 :] * part
         below = (value[:, :-1] <= 0.0) | (value[:, 1:] <= 0.0)
         below |= (value + rise)[:, :-1] <= 0.0
         below |= (value - rise)[:, 1:] <= 0.0
-        for part in np.flatnonzero(below.any(axis=0)).tolist():
-            functions = np.flatnonzero(below[:, part]).tolist()
-            column = Moved(moved.y[:, part], moved.turned[:, part], moved.inputs[:, part], rates)
-            root = self._root(start, column, float(time[part]), functions)
-            if root is not None and (late := float(time[part]) + root[0] * self.part) <= length:
+        for number in np.flatnonzero(below.any(axis=0)).tolist():
+            functions = np.flatnonzero(below[:, number]).tolist()
+            root = self._root(motion(float(time[number]), TERMS + 1), part, functions)
+            if root is not None and (late := float(time[number]) + root[0] * part) <= length:
                 return late, *root[1:]
         return None
 
     def _root(
-        self, start: Start, moved: Moved, time: float, functions: list[int]
+        self, moved: Moved, part: float, functions: list[int]
     ) -> tuple[float, int, Moved] | None:
-        """The first root of some of the functions within a part, in shares of it; the motion there."""
-        regime, (by_y, by_turned, by_inputs, by_rates) = self.regime, self.rows
-        inputs = inputs_at(regime.train, start, np.array([time]), TERMS + 1)[:, 0]
-        y = np.empty((len(moved.y), TERMS), dtype=complex)
-        y[:, 0], pushed = moved.y, regime.force @ inputs[:, : TERMS - 1]
+        """The first root of some of the functions within a part that begins so, in shares of it; the motion there."""
+        regime, rows = self.regime, self.rows
+        inputs = np.concatenate([moved.inputs, moved.input_rates[:, 0]], axis=1)
+        pushed = (regime.force @ inputs[:, : TERMS - 1]).T
+        derivatives = np.empty((TERMS, len(moved.y)), dtype=complex)
+        derivatives[0] = moved.y[:, 0]
         for order in range(1, TERMS):
-            y[:, order] = regime.root * y[:, order - 1] + pushed[:, order - 1]
-        turned = np.concatenate([moved.turned[:, None], y[: len(moved.turned), :-1].real], axis=1)
-        terms = (by_y @ y).real + by_turned @ turned + by_inputs @ inputs[:, :TERMS]
-        column = Moved(
-            moved.y[:, None], moved.turned[:, None], moved.inputs[:, None], moved.input_rates
-        )
-        values = [regime.positions(column), regime.speeds(column.y), inputs[:, :1], inputs[:, 1:2]]
-        size = EXACT * (self.sizes @ np.abs(np.concatenate(values))[:, 0])
-        size += EXACT * (np.abs(by_y) @ np.abs(moved.y))
-        if self.has_rates:
-            terms += by_rates @ inputs[:, 1:]
-        weight = self.part**ORDERS / FACTORIALS
+            derivatives[order] = regime.root * derivatives[order - 1] + pushed[order - 1]
+        y = derivatives.T
+        turned = np.concatenate([moved.turned, y[: len(moved.turned), :-1].real], axis=1)
+        terms = (rows.by_y @ y).real + rows.by_turned @ turned
+        terms += rows.by_inputs[0] @ inputs[:, :TERMS] + rows.by_inputs[1] @ inputs[:, 1:]
+        values = [regime.positions(moved), regime.speeds(moved.y), inputs[:, :1], inputs[:, 1:2]]
+        size = EXACT * (self.sizes @ np.abs(np.concatenate(values)))[:, 0]
+        size += EXACT * (np.abs(rows.by_y) @ np.abs(moved.y))[:, 0]
+        weight = part**ORDERS / FACTORIALS
         terms *= weight
         best: tuple[float, int] | None = None
         for function in functions:
