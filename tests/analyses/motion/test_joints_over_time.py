@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from scipy.integrate import solve_ivp
 from tests.analyses.motion.test_given_cases import moved
 
 import torsion
+from torsion.analyses.motion.joint_laws import exact_map, turned
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.assembly import assemble
@@ -273,6 +275,43 @@ def test_a_rigid_joint_beside_fast_modes_without_damping_is_given_up_soon(
     ) as refused:
         transient(study, assemble(study.train, model=model), settings, path=place)
     assert refused.value.path == place
+
+
+def test_a_spindle_of_many_masses_between_rigid_joints_against_runge_kutta() -> None:
+    """Modes of up to 13,000 rad/s that nothing damps stand at joints that carry their accelerations."""
+    masses = 18
+    parts = (
+        "disc: {name: motor, inertia: 60000}, joint: {name: first, angle: 8 deg}, "
+        f"shaft: {{name: spindle, length: 9 m, diameter: 800 mm, segments: {masses}}}, "
+        "joint: {name: second, angle: 8 deg}, disc: {name: roll, inertia: 8000}"
+    )
+    hit = {"at": "roll", "time": "0.05 s", "step": {"torque": -1.5e6, "length": "20 ms"}}
+    body = {"duration": 0.2, "initial": {"speed": "20 rad/s"}, "events": [hit], "samples": 100}
+    found = moved(parts, body)
+    maps = [exact_map(found.system, span) for span in found.system.spans[:2]]
+    inertia = found.system.lumped_inertia[[0, 1, *range(4, 3 + masses), 2, 3]]
+    stiffness = 1.0 / found.system.flexibility[2:]
+
+    def rates(time: float, state: np.ndarray) -> np.ndarray:
+        """Coordinates: the motor, which turns the first mass of the spindle, and its other masses."""
+        angle, speed = np.split(state, 2)
+        (begin, f1, f2, _), (_, g1, g2, _) = map(turned, maps, angle[[0, -1]])
+        torque = stiffness * np.diff(np.append(begin, angle[1:]))
+        hit = -1.5e6 if 0.05 <= time < 0.07 else 0.0
+        acting = np.append(torque[1:], g1 * (hit - g2 * inertia[-1] * speed[-1] ** 2)) - torque
+        acting = np.append(f1 * (torque[0] - f2 * inertia[1] * speed[0] ** 2), acting)
+        turning = np.append(inertia[0] + f1**2 * inertia[1], inertia[2:-1])
+        turning[-1] += g1**2 * inertia[-1]
+        return np.append(speed, acting / turning)
+
+    begin, ratio, _, _ = turned(maps[0], np.zeros(1))
+    state = np.repeat([0.0, *begin, 20.0, *(20.0 * ratio)], [1, masses, 1, masses])
+    for begin, end in pairwise((0.0, 0.05, 0.07, 0.2)):
+        inner = np.nextafter(end, 0.0)
+        state = solve_ivp(rates, (begin, inner), state, "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    speed = found.speed[[0, *range(4, 3 + masses), 2], -1]
+    assert speed == pytest.approx(state[masses + 1 :], rel=1e-8)
+    assert found.residual < 1e-12
 
 
 def test_two_joints_that_are_nearly_straight_move_as_none_with_a_damper_to_ground() -> None:
