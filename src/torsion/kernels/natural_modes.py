@@ -60,7 +60,7 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
         frequency = lower = upper = np.empty(0)
         shapes = Shapes.empty(tree, 0)
     else:
-        frequency, shapes = _polish(solved, *_start(tree, solved, bodies, wanted))
+        frequency, shapes = _polish(solved, *start_frequencies(tree, solved, bodies, wanted))
         frequency, lower, upper, wrong = _enclosed(solved, frequency, rigid, shapes.passed)
         if wrong.any():  # what bisection has corrected has another shape
             shapes = shapes_at(solved, frequency)
@@ -74,7 +74,7 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     )
 
 
-def _start(
+def start_frequencies(
     tree: Tree, solved: Tree, bodies: Rigidity, wanted: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frequencies (wanted,) rad/s to begin with, ascending, and bounds within which steps from them are trusted.

@@ -13,7 +13,8 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.elimination import EPS, Layout, layout
-from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.natural_modes import start_frequencies
+from torsion.kernels.reduction import cut, rigidity
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 
@@ -65,7 +66,10 @@ def number_of_roots(train: DampedTree) -> tuple[int, int]:
 def rough_roots(train: DampedTree, number: int) -> ComplexArray:
     """Return as many starts (number,): a pair for each undamped frequency, others spread over the rates of its parts."""
     tree = train.tree
-    w = tree_modes(tree.cut(np.isinf(tree.flexibility))).frequency
+    springs, w = tree.cut(np.isinf(tree.flexibility)), np.empty(0)
+    bodies = rigidity(springs)
+    if bodies.elastic:
+        w = start_frequencies(springs, cut(springs, bodies), bodies, bodies.elastic)[0]
     c, inertia = np.abs(np.concatenate([train.ground, train.viscous])), tree.inertia
     flexibility = tree.flexibility[np.isfinite(tree.flexibility)]
     c, inertia, flexibility = (values[values > 0] for values in (c, inertia, flexibility))
