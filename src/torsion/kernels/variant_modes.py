@@ -66,7 +66,7 @@ def variant_modes(
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
         trains = replace(tree, flexibility=flexibility[:, part], inertia=inertia[:, part])
-        start = ritz_values(trains, middle, middle_modes)[:count]
+        start = ritz_values(trains, middle, middle_modes, count + FURTHER)[:count]
         settled = [_settled(trains, mode_start) for mode_start in start]
         bounds[:, :, part], proven = _proven(trains, settled, middle_modes.rigid)
         for column in (part.start + np.flatnonzero(~proven)).tolist():
@@ -88,9 +88,10 @@ def ritz_values(
     trains: Tree,
     middle: Tree,
     modes: TreeModes,
+    number: int,
     chords: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray:
-    """Frequencies (modes, trains) rad/s by Ritz's method, from modes and rigid motions of the `middle` train.
+    """Frequencies (number, trains) rad/s by Ritz's method, from modes and rigid motions of the `middle` train.
 
     chords: flexibility of spans that close loops, (chords, trains) and of the middle train.
     """
@@ -99,9 +100,10 @@ def ritz_values(
         torque = np.vstack([torque, modes.loop_torque])
         flexibility = np.concatenate([flexibility, chords[0]])
         middle_flexibility = np.append(middle_flexibility, chords[1])
-    twist = np.pad(torque * middle_flexibility[:, None], ((0, 0), (modes.rigid, 0)))
+    twist = torque[:, :number] * middle_flexibility[:, None]
+    twist = np.pad(twist, ((0, 0), (modes.rigid, 0)))
     stiffness = np.divide(1.0, flexibility, out=np.zeros_like(flexibility), where=flexibility > 0.0)
-    angle = np.hstack([modes.rigid_angle, modes.angle])
+    angle = np.hstack([modes.rigid_angle, modes.angle[:, :number]])
     potential, kinetic = (
         np.einsum("ia,ib,it->tab", shape, shape, weight, optimize=True)
         for shape, weight in ((twist, stiffness), (angle, trains.moving_inertia))
@@ -117,6 +119,8 @@ def parts(size: int, trains: int) -> Iterator[slice]:
 
 
 def _columns(trains: Tree, chosen: Selection) -> Tree:
+    if isinstance(chosen, slice):
+        return trains
     return replace(
         trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen]
     )
@@ -145,7 +149,13 @@ def _proven(
     passed = np.take_along_axis(np.stack([hertz for _, hertz in settled]), order, axis=0)
     bounds, proven = np.stack([frequency] * 3), np.ones(frequency.shape[1], dtype=np.bool_)
     for mode, hertz in enumerate(frequency):
-        bounds[1:, mode], is_proven = _enclosed(trains, hertz, passed[mode], mode + rigid)
+        bounds[1:, mode], is_proven = enclosed(
+            lambda some, w, lean: count_below(_columns(trains, some), w, bound=lean),
+            hertz,
+            expected_width(trains, hertz, passed[mode]),
+            mode + rigid,
+            _WIDENED,
+        )
         proven &= is_proven
     return bounds, proven
 
@@ -173,19 +183,6 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
         left = left[going]
         some = _columns(trains, left)
     return frequency, np.where(np.isfinite(passed), passed, 0.0)
-
-
-def _enclosed(
-    trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int
-) -> tuple[FloatArray, BoolArray]:
-    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
-
-    def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
-        return count_below(
-            trains if isinstance(left, slice) else _columns(trains, left), w, bound=lean
-        )
-
-    return enclosed(counted, frequency, expected_width(trains, frequency, passed), mode, _WIDENED)
 
 
 def enclosed(

@@ -69,31 +69,33 @@ def network_modes(
         replace(tree, flexibility=flexibility, inertia=inertia), pairs(tree.size, *ends), chord
     )
     mean = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    middle_modes = counted_modes(mean, *ends, middle_of(chord), count + FURTHER)
-    if len(middle_modes.frequency) < count:
-        raise ValueError(
-            f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
-        )
+    middle_modes = graph_modes(mean, *ends, middle_of(chord))
+    elastic, rigid = len(middle_modes.frequency), middle_modes.rigid
+    if elastic < count:
+        raise ValueError(f"the trains have {elastic} elastic modes, not {count}")
     torn, rows = _torn(many, mean, ends)
-    energy = (mean.moving_inertia[:, None] * middle_modes.angle**2).sum(axis=1)
-    root, rigid = int(rows[np.argmax(energy)]), middle_modes.rigid
+    energy = (mean.moving_inertia[:, None] * middle_modes.angle[:, :count] ** 2).sum(axis=1)
+    root = int(rows[np.argmax(energy)])
     passed = np.abs(middle_modes.torque * middle_modes.angle[mean.parent]).sum(axis=0)
     passed = passed / middle_modes.frequency**2
+    is_counted = torn.tree.parents.count(-1) == 1 and len(chord) <= _MOST_CHORDS
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)) * count, trains):
-        some = many.chosen(part)
-        start = ritz_values(some.tree, mean, middle_modes, (some.chord, middle_of(chord)))[:count]
-        proven = np.zeros(start.shape[1], dtype=np.bool_)
-        if torn.tree.parents.count(-1) == 1 and len(chord) <= _MOST_CHORDS:
+        # All modes of the middle train, with which a start is exact, are for those that fewer do not prove.
+        left = np.arange(part.start, part.stop)
+        for further in sorted({min(count + FURTHER, elastic), elastic}) if is_counted else ():
+            some = many.chosen(left)
+            chords = some.chord, middle_of(chord)
+            start = ritz_values(some.tree, mean, middle_modes, further, chords)[:count]
+
             # Every mode of every train is a column.
             mode, column = (index.ravel() for index in np.indices(start.shape))
-            some = torn.chosen(part.start + column)
-            each_bounds, each_proven = enclosed_each(
-                some, start.ravel(), passed[mode], mode + rigid, root
+            each_bounds, proven = enclosed_each(
+                torn.chosen(left[column]), start.ravel(), passed[mode], mode + rigid, root
             )
-            bounds[:, :, part] = each_bounds.reshape(3, *start.shape)
-            proven = np.asarray(each_proven.reshape(start.shape).all(axis=0))
-        for column in (part.start + np.flatnonzero(~proven)).tolist():
+            bounds[:, :, left] = each_bounds.reshape(3, *start.shape)
+            left = left[~proven.reshape(start.shape).all(axis=0)]
+        for column in left.tolist():
             train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
             modes_alone = counted_modes(train, *ends, chord[:, column], count)
             bounds[:, :, column] = modes_alone.frequency, modes_alone.lower, modes_alone.upper
