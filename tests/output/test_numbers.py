@@ -132,21 +132,6 @@ def test_a_range_that_ends_at_a_round_speed_is_not_rounded_by_the_conversion_of_
             assert band_words((near, near)) == f"{speed} to {speed} rpm"
 
 
-@for_all(
-    ("values", "texts"),
-    [
-        ([337.62], ["337.62"]),
-        ([337.62, 337.62], ["337.62", "337.62"]),
-        ([1.0, 2.0], ["1.0000", "2.0000"]),
-        ([337.62021, 337.62024], ["337.62021", "337.62024"]),
-        ([300.0, 300.002], ["300.000", "300.002"]),
-        ([1.0, math.nextafter(1.0, 2.0)], ["1.00000000000000"] * 2),
-    ],
-)
-def test_different_values_read_differently(values: list[float], texts: list[str]) -> None:
-    assert numbers.distinct_texts(values) == texts
-
-
 def test_a_count_has_its_noun_in_the_right_number() -> None:
     assert [numbers.counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
 

@@ -20,7 +20,6 @@ from torsion.output.numbers import (
     DIGITS,
     ROUNDING,
     cell,
-    distinct_texts,
     given,
     number,
     order,
@@ -31,7 +30,7 @@ from torsion.output.selection import NO_VALUE
 
 HEAD = re.compile(
     r"(?:(?P<name>[\w.@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
-    r"(?::(?P<digits>\d*)(?P<form>[gdopsu?+]*))?"
+    r"(?::(?P<digits>\d*)(?P<form>[gl+opsu?]*))?"
 )
 EMPTY, INFINITE = {None, ""}, "no finite value"
 SHOWN = {  # unit of a column: the unit of its values, and the factor between them
@@ -89,18 +88,10 @@ class Column:
     unit: str = ""
     align: Literal["left", "right", "center"] = "right"
     short: str = ""  # its title on the terminal; '' where it is left out there
-    is_files: bool = False  # its cells name files beside the report, to which they lead on a page
     digits: int = DIGITS  # significant ones of a number
     form: str = ""  # letters that `head` explains
     factor: float = 1.0  # from a value in SI units to the unit
     name: str = ""  # of the declared quantity that stands in it
-
-    def texts(self, values: Sequence[Value]) -> list[str]:
-        """Return the values as a page shows them."""
-        if "d" in self.form and all(isinstance(value, float) for value in values):
-            sizes = [value * self.factor for value in values if isinstance(value, float)]
-            return distinct_texts(sizes, self.digits)
-        return [self.text(value) for value in values]
 
     def text(self, value: Value) -> str:
         """Return a number in the unit to its digits; anything else in words."""
@@ -128,8 +119,10 @@ class Table:
     @cached_property
     def rows(self) -> tuple[tuple[str, ...], ...]:
         """The texts that a page shows, (rows, columns)."""
-        columns = zip(self.columns, zip(*self.values, strict=True), strict=False)
-        return tuple(zip(*(column.texts(values) for column, values in columns), strict=True))
+        return tuple(
+            tuple(column.text(value) for column, value in zip(self.columns, row, strict=True))
+            for row in self.values
+        )
 
 
 @dataclass(frozen=True)
@@ -169,12 +162,12 @@ def head(titles: str) -> tuple[Column, ...]:
     """Return the columns of a table: 'mode: Mode | < Shaft -> | Critical speed [rpm]:6 -> rpm'.
 
     'mode:' names the quantity of a record, '<' marks words, which stand to the left, and ':6' are digits, behind them
-    letters: g for an input value (no zeros that nobody wrote), + for a sign, d for as many digits as keep values apart,
-    o for an order, p for the phase of a complex number (without it the amplitude), s for 0 if rounding may be the value
-    beside the largest of the column, u for words if no value is reliable, ? for no column if no row has a value. A value
-    in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the largest prefix that leaves no
-    such column of the table below 1. After '->' is the title on the terminal, by itself the same in small letters, with
-    '~' for that unit, as in `short`.
+    letters: g for an input value (no zeros that nobody wrote), + for a sign, l for files that a page leads to, o for an
+    order, p for the phase of a complex number (without it the amplitude), s for 0 if rounding may be the value beside the
+    largest of the column, u for words if no value is reliable, ? for no column if no row has a value. A value in SI units
+    is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the largest prefix that leaves no such column
+    of the table below 1. After '->' is the title on the terminal, by itself the same in small letters, with '~' for that
+    unit, as in `short`.
 
     >>> head("< Shaft | Critical speed [rpm]:6 -> rpm")[1].text(math.pi)
     '30.0000'

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 DIGITS = 5  # significant digits of a figure in a table
-MOST_DIGITS = 15  # that distinguish two floating-point numbers
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SIGNS = (
     (r"\btau_", "τ_"),
@@ -70,27 +69,9 @@ def _power(exponent: int) -> str:
     return f"·10{str(exponent).translate(SUPERSCRIPT)}"
 
 
-def distinct_texts(values: Sequence[float], digits: int = DIGITS) -> list[str]:
-    """Return the values with the same number of significant digits: as many as keep different ones from reading alike."""
-    for precision in range(digits, MOST_DIGITS):
-        texts = [number(value, precision) for value in values]
-        if len(set(texts)) == len(set(values)):
-            return texts
-    return [number(value, MOST_DIGITS) for value in values]
-
-
 def counted(count: int, noun: str) -> str:
     """Return a number with its noun: '1 line', '4 lines', '1,000 lines'."""
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
-
-
-def settled(value: float, largest: float) -> float:
-    """Return the value, or 0 if it is less than ROUNDING of the largest of its kind and so may be rounding.
-
-    >>> settled(9e-19, 1.0), settled(9e-19, 1e-9), settled(-3.0, 5.0)
-    (0.0, 9e-19, -3.0)
-    """
-    return 0.0 if abs(value) < ROUNDING * largest else value
 
 
 def given(value: float | None, digits: int = DIGITS) -> str:

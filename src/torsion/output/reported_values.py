@@ -121,16 +121,6 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
     return np.where(response.status == Status.OK, size, np.nan)
 
 
-def speed_axis(findings: Findings) -> dict[str, Any]:
-    """Return what every curve of the response over the speed has: speeds, unreliable ones, rated speed, barred ranges."""
-    return {
-        "speed": findings.need(Response).speed * RPM,
-        "bad": unreliable(findings),
-        "rated": rated_rpm(findings),
-        "barred": barred_rpm(findings),
-    }
-
-
 def harmonic_name(response: Response, index: int, word: str = "") -> str:
     """Return the name of a component: '2' of an order, after a word where one is given, or '40 Hz'."""
     line = response.lines[index]

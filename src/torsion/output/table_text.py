@@ -8,14 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from torsion.output.blocks import Column, Table
-from torsion.output.numbers import NONE, cell
+from torsion.output.numbers import cell
 
-PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 _NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
 _FORMULA = re.compile(
     rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})"
 )  # also behind what parts cells elsewhere
-FIGURE = re.compile(r"−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 WRITTEN = (1980, 1, 1, 0, 0, 0)  # date of every file in an archive: equal results, equal bytes
 
 
@@ -57,7 +55,9 @@ def figures(table: Table) -> list[list[str]]:
         [
             repr(value * column.factor)
             if isinstance(value, float)
-            else plain_figure(NONE if value is None else cell(value))
+            else ""
+            if value is None
+            else one_line(cell(value))
             for column, value in zip(table.columns, row, strict=True)
         ]
         for row in table.values
@@ -73,17 +73,6 @@ def column_title(column: Column) -> str:
     """Return title and unit of a column without the marks of subscripts."""
     title = column.title.replace("_{", "_").replace("}", "")
     return f"{title} [{column.unit}]" if column.unit else title
-
-
-def plain_figure(text: str) -> str:
-    """Return a cell with its number as programs write it, 1.2346e-07; words unchanged, and nothing for '–'.
-
-    >>> plain_figure("−1.2346·10⁻⁷"), plain_figure("–"), plain_figure("5 × screw")
-    ('-1.2346e-7', '', '5 × screw')
-    """
-    if text == NONE:
-        return ""
-    return text.translate(PLAIN).replace("·10", "e") if FIGURE.fullmatch(text) else one_line(text)
 
 
 def inert(text: str) -> str:

@@ -285,7 +285,7 @@ def test_a_link_leads_to_a_file_and_a_name_is_text() -> None:
     assert '<a href="a-b-x-_-1-y/report.html">' in page
     table = overview(found.each)
     assert [row[1] for row in table.rows] == ["–", "a-b-x-_-1-y/report.html"]
-    assert [column.title for column in table.columns if column.is_files] == ["Report"]
+    assert [column.title for column in table.columns if "l" in column.form] == ["Report"]
     assert {case_verdict(one) for one in found.each.values()} == {"not judged"}
 
 

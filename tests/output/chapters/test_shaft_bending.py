@@ -24,8 +24,7 @@ from torsion.analyses.lateral.whirl import Critical, Whirl
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
-from torsion.output.chapters.shaft_bending import AXES, chapter, sense
-from torsion.output.figures.curves_over_speed import STANDING
+from torsion.output.chapters.shaft_bending import AXES, STANDING, chapter, sense
 from torsion.rules.verdict_line import Checks
 from torsion.study import SpeedRange
 

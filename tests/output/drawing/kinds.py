@@ -4,14 +4,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from tests.output.drawing import curves_by_hand
 
-from torsion.output.figures import (
-    curves_over_speed,
-    curves_over_time,
-    frequencies_over_speed,
-    joint_curves,
-    mode_shape,
-)
+from torsion.output.figures import curves_over_speed, curves_over_time, joint_curves, mode_shape
 from torsion.output.figures.figure import Axis, Cells, Disc, Figure, Link, Panel, Sketch
 
 SPEED = np.linspace(300.0, 1800.0, 61)
@@ -60,13 +55,13 @@ def torque(name: str = "torque", **changes: Any) -> Figure:
         "unit": "N m",
         "limits": [("T_{KW}", 80.0)],
     }
-    return curves_over_speed.torque(name, "torque in <a> & b", **{**values, **changes})
+    return curves_by_hand.torque(name, "torque in <a> & b", **{**values, **changes})
 
 
 def frequency(**changes: Any) -> Figure:
     """Torque over the frequency."""
     values = {"frequency": SPEED, "lines": [("<disc>", BUMP)], "bad": BAD, "natural": [900.0]}
-    return curves_over_speed.frequency(
+    return curves_by_hand.frequency(
         "f", "c", **{**values, **changes}, quantity="torque amplitude", unit="N m"
     )
 
@@ -92,7 +87,7 @@ KINDS: dict[str, Figure] = {
         stations=["motor", "<wheel>", "end", "ring"],
         spans=["shaft", "coupling", "tie"],
     ),
-    "campbell": frequencies_over_speed.campbell(
+    "campbell": curves_by_hand.campbell(
         "campbell",
         "c",
         frequencies=[10.0, 40.0],
@@ -102,7 +97,7 @@ KINDS: dict[str, Figure] = {
         rated=1500.0,
     ),
     "torque": torque(),
-    "stress": curves_over_speed.stress(
+    "stress": curves_by_hand.stress(
         "stress-1",
         "c",
         **OVER_SPEED,
@@ -110,7 +105,7 @@ KINDS: dict[str, Figure] = {
         continuous=BUMP + 1,
         transient=np.full(61, np.nan),
     ),
-    "small stress": curves_over_speed.stress(
+    "small stress": curves_by_hand.stress(
         "stress-2",
         "c",
         **OVER_SPEED,
@@ -118,7 +113,7 @@ KINDS: dict[str, Figure] = {
         lines=[("order 2", BUMP / 2)],
         continuous=np.full(61, 2000.0),
     ),
-    "gear": curves_over_speed.gear(
+    "gear": curves_by_hand.gear(
         "g", "c", **OVER_SPEED, vibratory=BUMP, mean=BUMP * 0 + 50, unit="N m", limit=70.0
     ),
     "frequency": frequency(),
@@ -139,7 +134,7 @@ KINDS: dict[str, Figure] = {
         np.where(BAD[:, None], np.nan, np.outer(BUMP, [0.5, 1.0, 1.5]) - 50),
         1500.0,
     ),
-    "whirl": frequencies_over_speed.whirl(
+    "whirl": curves_by_hand.whirl(
         "whirl-1",
         "c",
         speed=SPEED,
@@ -150,7 +145,7 @@ KINDS: dict[str, Figure] = {
         orders=[(30.0, "order 1 <a>"), (60.0, "order 2")],
         crossings=[(1500.0, 55.0, True, "x"), (1900.0, 60.0, False, "y")],
     ),
-    "bending": curves_over_speed.bending(
+    "bending": curves_by_hand.bending(
         "bending-1",
         "c",
         speed=[SPEED, SPEED],

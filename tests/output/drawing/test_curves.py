@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import torsion
+from torsion.output.chapters.couplings_by_table import input_and_modes
 from torsion.output.drawing.curves import MOST_POINTS, area, decimated, path
 from torsion.output.drawing.frame import WIDTH
-from torsion.output.figures.coupling_table import coupling_table
-from torsion.output.figures.figure import Axis
+from torsion.output.figures.figure import Figure
 
 
 def points(drawn: str) -> list[np.ndarray]:
@@ -111,11 +112,14 @@ def test_what_is_far_outside_stays_a_number_that_a_browser_can_draw(far: float) 
 
 
 def test_a_coupling_by_table_has_room_for_the_symbols_of_its_first_and_last_point() -> None:
-    over, at = Axis("vibratory torque", "N m"), np.array([0.0, 300.0, 1600.0])
-    figure = coupling_table(
-        "t", "c", over=over, at=at, stiffness=at + 9.0, unit="kN m/rad", loss_factor=0.1 + at
+    scene = (
+        "name: x\ntrain: [motor: {inertia: 1}, coupling: {table: {over: mean torque, "
+        "at: [0, 300, 1600], stiffness: [1e4, 1.2e4, 2e4], loss_factor: [0.1, 0.1, 0.2]}}, disc: {inertia: 2}]\n"
+        "operation: {rated: {speed: 1000 rpm, power: 10 kW}}\n"
     )
-    for panel in figure.panels:
+    found = torsion.run(torsion.parse(scene))
+    (figure,) = (block for block in input_and_modes(found) if isinstance(block, Figure))
+    for panel in figure.plots:
         shown = (panel.x.high - panel.x.low) / WIDTH  # N m for each px, at most
         assert panel.x.low <= -4.0 * shown
         assert panel.x.high >= 1600.0 + 4.0 * shown

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from tests.for_all import for_all
+from tests.output.drawing import curves_by_hand
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED, torque, waterfall
 from tests.output.drawn import named
 
@@ -15,7 +16,7 @@ from torsion.output.drawing.page_data import LEFT_OUT, MOST_POINTS, THINNED, Pag
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import plain
 from torsion.output.figure_csv import Cells, csv_of, pieces
-from torsion.output.figures import curves_over_speed, mode_shape
+from torsion.output.figures import mode_shape
 from torsion.output.figures.curves_over_time import over_time
 from torsion.output.figures.figure import Axis, Figure
 
@@ -157,7 +158,7 @@ def test_a_mode_of_too_many_stations_says_that_it_has_neither_cursor_nor_motion(
 def test_lines_over_one_coordinate_keep_the_same_points_in_all_plots_of_a_figure() -> None:
     speed = np.linspace(300.0, 1800.0, 3001)
     small = 1.0 / (1.0 + ((speed - 900.0) / 3.0) ** 2)
-    figure = curves_over_speed.stress(
+    figure = curves_by_hand.stress(
         "s",
         "c",
         speed=speed,

@@ -186,7 +186,7 @@ def test_a_limit_off_the_scale_is_named_with_its_value() -> None:
 
 def test_crossings_lie_on_the_lines_of_their_orders_and_modes() -> None:
     """Orders 1 and 3 meet 2 Hz at 120 and 40 rpm and 5 Hz at 100 rpm: px are linear in both."""
-    from torsion.output.figures.frequencies_over_speed import campbell
+    from tests.output.drawing.curves_by_hand import campbell
 
     found = [(120.0, 2.0, True, "a"), (40.0, 2.0, True, "b"), (100.0, 5.0, True, "c")]
     figure = campbell(

@@ -2,10 +2,10 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from torsion.output import check_words
-from torsion.output.blocks import Table, head, table
+from torsion.output.blocks import Table, table
 from torsion.output.headline import Cases, case_verdict, lines_of, omitted_rules
 from torsion.output.numbers import NONE, symbols
 from torsion.results import listed
@@ -32,12 +32,9 @@ def overview(cases: Cases) -> Table:
         failed = sum(check.fails for check in checks)
         rows.append((name, report, len(checks), failed, used, where, text))
         marks.append(word if findings.is_judged else "")
-    columns = head(
-        "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%]:4 -> util., % | "
-        "< Component and clause -> component | < Verdict ->"
-    )
     return table(
-        tuple(replace(column, is_files=column.title == "Report") for column in columns),
+        "< Case -> | < Report:l | Checks | Failed -> failed | Highest utilisation [%]:4 -> util., % | "
+        "< Component and clause -> component | < Verdict ->",
         rows,
         "Cases of the model file",
         marks=marks,

@@ -12,24 +12,37 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures import curves_over_speed
+from torsion.output.figures.curves_over_speed import TOTAL
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel, Role
+from torsion.output.figures.ranges import (
+    SPEED,
+    amplitudes,
+    barred_bands,
+    rated_level,
+    span,
+    unanswered,
+)
+from torsion.output.figures.ranges import orders as lines_of_orders
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
+    barred_rpm,
     harmonic_name,
     orders_together,
+    rated_rpm,
     responds,
-    speed_axis,
     synthesis,
     unreliable,
 )
-from torsion.output.selection import elements, highest, torques
+from torsion.output.selection import Element, elements, highest, torques
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm² of 1 Pa
 MOST_FIGURES = 3  # of shafts
+SMALL = 0.1  # of the limit: a smaller stress has a plot of its own, as it would lie on the axis
+STRESS = ("shear stress amplitude", "N/mm²")
 
 
 @dataclass(frozen=True)
@@ -75,23 +88,48 @@ def shafts(findings: Findings) -> Iterator[Block]:
             value = f"{number(load.stress * PA)} N/mm² at {rpm(load.speed)} rpm"
             yield Paragraph(f"{words}: {value}.")
     for name in (name for name in curves if name in drawn):
-        curve, response = curves[name], findings.need(Response)
-        bands = (
-            (band.lower * RPM, band.upper * RPM) for band in barred(findings) if band.shaft == name
-        )
-        figure = curves_over_speed.stress(
-            f"stress-{findings.study.train.position(name)}",
-            f"Vibratory shear stress of {name}",
-            **{**speed_axis(findings), "barred": tuple(bands)},
-            synthesis=curve.stress,
-            continuous=curve.continuous,
-            transient=curve.transient,
-            lines=[
-                (harmonic_name(response, line, "order "), stress)
-                for line, stress in enumerate(curve.orders.T)
-            ],
-        )
+        figure = _stress_figure(findings, name, curves[name])
         yield of_torsion(findings, figure)
+
+
+def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
+    """Draw the stress of one shaft; a stress far below its limit has a plot of its own below the other."""
+    response, speed = findings.need(Response), curve.speed * RPM
+    hidden, bands = unanswered(speed, unreliable(findings))
+    total = Line("total stress", speed, np.where(hidden, np.nan, curve.stress), "synthesis")
+    orders = [
+        (harmonic_name(response, line, "order "), stress)
+        for line, stress in enumerate(curve.orders.T)
+    ]
+    stresses = (total, *lines_of_orders(speed, orders, hidden))
+    given: tuple[tuple[str, FloatArray | None, Role], ...] = (
+        ("limit τ_{C}, continuous", curve.continuous, "limit"),
+        ("limit τ_{T}, passing rapidly", curve.transient, "second limit"),
+    )
+    limits = tuple(
+        Line(words, speed, values, pen)
+        for words, values, pen in given
+        if values is not None and np.any(np.isfinite(values))
+    )
+    ranges = tuple(
+        (band.lower * RPM, band.upper * RPM) for band in barred(findings) if band.shaft == name
+    )
+    x, levels, behind = (
+        span(SPEED, speed),
+        rated_level(rated_rpm(findings)),
+        barred_bands(ranges) + bands,
+    )
+    lowest = min((float(np.nanmin(line.y)) for line in limits), default=0.0)
+    y = amplitudes(*STRESS, [total.y], [highest(line.y) for line in limits])
+    panels = [Panel(x, y, stresses + limits, levels, behind)]
+    if highest(total.y) < SMALL * lowest:
+        both, y = Axis("stress and limits", "N/mm²", low=0.0), amplitudes(*STRESS, [total.y])
+        panels = [
+            Panel(x, both, (total, *limits), levels, behind, height=75.0),
+            Panel(x, y, stresses, levels, behind, height=105.0),
+        ]
+    name_of_figure = f"stress-{findings.study.train.position(name)}"
+    return Figure(name_of_figure, f"Vibratory shear stress of {name}", tuple(panels))
 
 
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
@@ -136,19 +174,34 @@ def gears(findings: Findings) -> Iterator[Block]:
         if check.rule == "gear-hammer" and check.unit == "N m" and np.isfinite(check.limit)
     }
     for mesh in (mesh for mesh in elements(findings.system) if mesh.kind == "gear"):
-        torque, limit = synthesis(findings, mesh.spans), limits.get(mesh.name)
-        mean = np.abs(findings.need(Response).mean[:, mesh.spans[0]])
-        unit = torques([torque, mean] if has_mean else [torque])
-        figure = curves_over_speed.gear(
-            f"gear-{mesh.part}-{mesh.spans[0]}",
-            f"Vibratory and mean torque in {mesh.name}",
-            **speed_axis(findings),
-            vibratory=torque * unit.factor,
-            mean=mean * unit.factor if has_mean else None,
-            unit=unit.unit,
-            limit=None if limit is None else limit * unit.factor,
-        )
-        yield of_torsion(findings, figure)
+        yield of_torsion(findings, _gear_figure(findings, mesh, limits.get(mesh.name)))
+
+
+def _gear_figure(findings: Findings, mesh: Element, limit: float | None) -> Figure:
+    """Draw vibratory and mean torque in one gear mesh; limit: N m."""
+    response, torque = findings.need(Response), synthesis(findings, mesh.spans)
+    speed, has_mean = response.speed * RPM, findings.get(Steady) is not None
+    mean = np.abs(response.mean[:, mesh.spans[0]])
+    unit = torques([torque, mean] if has_mean else [torque])
+    hidden, bands = unanswered(speed, unreliable(findings))
+    total, mean = np.where(hidden, np.nan, torque * unit.factor), mean * unit.factor
+    lines = [Line(TOTAL, speed, total, "synthesis")]
+    if has_mean:
+        lines.append(Line("mean torque", speed, mean, 0))
+        over = np.where(total > mean, total, np.nan)
+        if np.isfinite(over).any():
+            lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
+    limits = [] if limit is None else [limit * unit.factor]
+    levels = [Level("limit of the vibratory torque", value, is_reached=True) for value in limits]
+    panel = Panel(
+        span(SPEED, speed),
+        amplitudes("mesh torque", unit.unit, [total], limits),
+        tuple(lines),
+        (*levels, *rated_level(rated_rpm(findings))),
+        barred_bands(barred_rpm(findings)) + bands,
+    )
+    name = f"gear-{mesh.part}-{mesh.spans[0]}"
+    return Figure(name, f"Vibratory and mean torque in {mesh.name}", (panel,))
 
 
 def _reversal_words(mesh: MeshLoad) -> str:

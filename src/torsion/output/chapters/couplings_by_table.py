@@ -4,16 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.modes.coupling_tables import CouplingTables
+from torsion.analyses.modes.coupling_tables import CouplingTables, Table
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
 from torsion.analyses.response.vibratory_couplings import VibratoryTorque, VibratoryTorques
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures.coupling_table import coupling_table
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel
 from torsion.output.figures.ranges import SPEED
-from torsion.output.numbers import RPM, number, rpm, scale
+from torsion.output.numbers import RPM, Scale, number, rpm, scale
 from torsion.output.records import along
 
 LINEAR = "Stiffness k and loss factor η are interpolated linearly between the points of a table."
@@ -46,6 +45,7 @@ AXES = {
     "mean torque": Axis("mean torque of the coupling", "N m"),
     "vibratory torque": Axis("vibratory torque of the coupling", "N m"),
 }
+ROOM = 0.015  # of the range of a table, free beyond its ends for the symbols
 MOST_SPEEDS, MOST_MODES = 13, 8  # of the table of frequencies
 OVER_SPEED = (
     "Every coupling with a table over mean torque has the tangent stiffness at the mean torque of each speed."
@@ -101,28 +101,17 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
     )
     for count, law in enumerate(tables, 1):
         unit = scale("N m/rad", law.stiffness.tolist())
-        marks = [
-            (
-                mode.frequency,
-                mode.stiffness * unit.factor,
-                f"mode {mode.mode}: {number(mode.frequency)} Hz",
-            )
-            for mode in result.at_modes
-            if mode.coupling == law.coupling
-            and law.over == "frequency"
-            and law.at[0] <= mode.frequency <= law.at[-1]
-        ]
-        axis = AXES[law.over]
-        yield coupling_table(
-            f"coupling-table-{count}",
-            f"{law.coupling}: stiffness and loss factor over {axis.quantity}",
-            over=axis,
-            at=np.asarray(law.at),
-            stiffness=law.stiffness * unit.factor,
-            unit=unit.unit,
-            loss_factor=law.loss_factor,
-            modes=marks,
-        )
+        axis, at = AXES[law.over], np.asarray(law.at)
+        room = ROOM * float(at[-1] - at[0])
+        x = Axis(axis.quantity, axis.unit, float(at[0]) - room, float(at[-1]) + room)
+        curve = Line("stiffness", at, law.stiffness * unit.factor, symbol="box")
+        upper = Axis("stiffness", unit.unit, low=0.0)
+        panels = [Panel(x, upper, (curve,), marks=_modes_of(result, law, unit))]
+        if law.loss_factor.any():
+            lines = (Line("loss factor", at, law.loss_factor, 1, symbol="box"),)
+            panels.append(Panel(x, Axis("loss factor", "", low=0.0), lines, height=95.0))
+        caption = f"{law.coupling}: stiffness and loss factor over {axis.quantity}"
+        yield Figure(f"coupling-table-{count}", caption, tuple(panels))
 
     if result.at_modes:
         yield Paragraph(LOSS + NO_COMPLEX * any(not law.is_complex for law in tables))
@@ -137,6 +126,22 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
             ],
             "Couplings and dampers with tables: values at the modes",
         )
+
+
+def _modes_of(result: CouplingTables, law: Table, unit: Scale) -> tuple[Marks, ...]:
+    """Return the modes on the curve of a table over frequency; nothing where there is none."""
+    modes = [
+        mode
+        for mode in result.at_modes
+        if mode.coupling == law.coupling
+        and law.over == "frequency"
+        and law.at[0] <= mode.frequency <= law.at[-1]
+    ]
+    if not modes:
+        return ()
+    x, y = np.array([(mode.frequency, mode.stiffness * unit.factor) for mode in modes]).T
+    words = tuple(f"mode {mode.mode}: {number(mode.frequency)} Hz" for mode in modes)
+    return (Marks("modes", x, y, "disc", "natural", words=words),)
 
 
 def frequencies(findings: Findings) -> Iterator[Block]:

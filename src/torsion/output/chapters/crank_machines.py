@@ -11,7 +11,8 @@ from torsion.analyses.engine.engine_results import EngineFound, Engines, misfire
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, table
-from torsion.output.figures import crank_curves
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
+from torsion.output.figures.ranges import span
 from torsion.output.numbers import RPM, given, number, rpm, scale
 from torsion.results import listed
 
@@ -21,6 +22,8 @@ SAME_LOAD = (
     0.05  # relative: how far pressure or torque of the data may be from those of the operation
 )
 REACHED = 1.2  # of the speed of the tables: ranges that begin above it are not listed
+MOST_NAMED = 3  # diagrams whose motored pressures have names of their own
+PRESSURE = Axis("pressure, absolute", "bar", low=0.0)
 MOST_CURVES = 13  # in the figure, the first with every cylinder firing
 STATES = {"motored": "motored (misfire)", "cut out": "cut out"}
 SMALL = 1e-3  # of the largest share of the inertia in a mode: less is not listed
@@ -53,10 +56,7 @@ def engines(findings: Findings) -> Iterator[Block]:
         )
         yield from _engine_notes(engine)
         if engine.curves:
-            caption = f"Pressure of a cylinder of {engine.name}, and tangential pressure of its gas (torque / A r)"
-            yield crank_curves.diagram(
-                f"engine-{number_of_machine}-pressure", caption, engine.curves
-            )
+            yield _cycle(engine, number_of_machine)
         yield from _varying_inertia(engine)
         yield from _misfires(findings, engine, number_of_machine)
         if engine.remarks:
@@ -156,6 +156,29 @@ def _engine_sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:
     )
 
 
+def _cycle(engine: EngineFound, number_of_machine: int) -> Figure:
+    """Draw pressures and tangential pressures over the crank angle."""
+    pressures, tangential = list[Line](), list[Line]()
+    for pen, curve in enumerate(engine.curves):
+        title = curve.name.replace("`", "") if len(engine.curves) > 1 else "firing"
+        motored = f"{title}, motored" if 1 < len(engine.curves) <= MOST_NAMED else "motored"
+        angle = np.degrees(curve.angle)
+        pressures += [
+            Line(title, angle, curve.pressure * BAR, pen, weight=1.5),
+            Line(motored, angle, curve.motored * BAR, "pale"),
+        ]
+        tangential.append(Line(title, angle, curve.tangential * BAR, pen, weight=1.5))
+    angles = np.concatenate([line.x for line in tangential])
+    x = span(Axis("crank angle from firing top dead centre", "deg"), angles)
+    lower, zero = Axis("tangential pressure", "bar"), (Level("", 0.0, "zero"),)
+    panels = (
+        Panel(x, PRESSURE, tuple(pressures)),
+        Panel(x, lower, tuple(tangential), zero, height=70.0),
+    )
+    caption = f"Pressure of a cylinder of {engine.name}, and tangential pressure of its gas (torque / A r)"
+    return Figure(f"engine-{number_of_machine}-pressure", caption, panels)
+
+
 def _engine_notes(engine: EngineFound) -> Iterator[Paragraph]:
     """Yield how pressures and torques that go together differ from the values of the file."""
     if engine.mean_torque is None and engine.speed is not None:
@@ -225,14 +248,16 @@ def _misfires(findings: Findings, engine: EngineFound, number_of_machine: int) -
         max(range(len(loads)), key=lambda k: getattr(loads[k], quantity) or 0.0)
         for quantity in ("worst", "ratio")
     ]
+    x, y = span(Axis("speed", "rpm"), speed), Axis("torque amplitude", unit.unit, low=0.0)
     for number_drawn, k in enumerate(dict.fromkeys(most), 1):
-        yield crank_curves.misfires(
-            f"engine-{number_of_machine}-misfires-{number_drawn}",
-            f"Vibratory torque in {loads[k].component} with misfire of one cylinder of {engine.name}",
-            speed,
-            dict(zip(names[:MOST_CURVES], torque[k, :MOST_CURVES] * unit.factor, strict=True)),
-            unit.unit,
-        )
+        lines = [Line(names[0], speed, torque[k, 0] * unit.factor, 0, weight=2.0)]
+        for pen, (words, values) in enumerate(
+            zip(names[1:MOST_CURVES], torque[k, 1:], strict=False), 1
+        ):
+            lines.append(Line(words, speed, values * unit.factor, pen, words, label_at="anywhere"))
+        name = f"engine-{number_of_machine}-misfires-{number_drawn}"
+        caption = f"Vibratory torque in {loads[k].component} with misfire of one cylinder of {engine.name}"
+        yield Figure(name, caption, (Panel(x, y, tuple(lines)),))
 
 
 def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> Iterator[Block]:
@@ -259,23 +284,24 @@ def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> I
             f"Ends of the cylinders of {compressor.name}; absolute pressures; positive imep: the gas absorbs work",
         )
         yield _operation_note(compressor)
-        yield crank_curves.pressures(
+        lines = tuple(
+            Line(
+                f"throw {throw.number}, {end.end}",
+                np.degrees(end.angle),
+                end.pressure * BAR,
+                pen,
+                weight=1.5,
+            )
+            for pen, (throw, end) in enumerate(ends)
+        )
+        x = Axis("crank angle from the dead centre of the head end", "deg")
+        panel = Panel(span(x, np.concatenate([line.x for line in lines])), PRESSURE, lines)
+        name, caption = (
             f"compressor-{number_of_machine}-pressure",
             f"Pressures of {compressor.name}",
-            [
-                (f"throw {throw.number}, {end.end}", np.degrees(end.angle), end.pressure * BAR)
-                for throw, end in ends
-            ],
         )
-    unit = scale("N m", [float(np.abs(compressor.effort).max())])
-    names = [f"throw {throw.number}" for throw in compressor.throws]
-    yield crank_curves.effort(
-        f"compressor-{number_of_machine}-effort",
-        f"Torque of {compressor.name} on the crankshaft{_at_speed(compressor)}, gas and moving masses",
-        np.degrees(compressor.turned),
-        dict(zip(names, compressor.effort * unit.factor, strict=True)),
-        unit.unit,
-    )
+        yield Figure(name, caption, (panel,))
+    yield _effort(compressor, number_of_machine)
     yield table(
         "number: Throw | order: Order | gas: Gas [N m]:s | masses: Masses [N m]:s | total: Both [N m]:s | "
         "total: Phase [deg]:gsp",
@@ -283,6 +309,25 @@ def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> I
         f"Harmonics of {compressor.name}{_at_speed(compressor)}: amplitudes by throw; phase from its dead centre",
     )
     yield from _varying_inertia(compressor)
+
+
+def _effort(compressor: CompressorFound, number_of_machine: int) -> Figure:
+    """Draw the torque of every throw, and their sum with its mean, over the crank angle."""
+    unit = scale("N m", [float(np.abs(compressor.effort).max())])
+    angle, torques = np.degrees(compressor.turned), compressor.effort * unit.factor
+    lines = [
+        Line(f"throw {throw.number}", angle, torque, pen)
+        for pen, (throw, torque) in enumerate(zip(compressor.throws, torques, strict=True), 1)
+    ]
+    total = torques.sum(axis=0)
+    if len(lines) > 1:
+        lines.insert(0, Line("all throws", angle, total, 0, weight=2.0))
+    mean = Level("mean", float(total[:-1].mean()), "rated", label="mean")
+    x = span(Axis("crank angle from reference angle zero", "deg"), angle)
+    panel = Panel(x, Axis("torque", unit.unit), tuple(lines), (Level("", 0.0, "zero"), mean))
+    name, words = f"compressor-{number_of_machine}-effort", _at_speed(compressor)
+    caption = f"Torque of {compressor.name} on the crankshaft{words}, gas and moving masses"
+    return Figure(name, caption, (panel,))
 
 
 def _operation_note(compressor: CompressorFound) -> Paragraph:

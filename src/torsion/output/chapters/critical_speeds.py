@@ -1,7 +1,8 @@
 """Chapter: critical speeds, order by mode, and the Campbell diagram."""
 
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.figures import frequencies_over_speed
+from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Panel
+from torsion.output.figures.frequencies_over_speed import met
+from torsion.output.figures.ranges import MOST_LINES, SPEED, barred_bands, rated_level
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, number, order, rpm
 from torsion.output.reported_values import (
@@ -25,6 +28,9 @@ from torsion.what_if.sweep.sweep_results import Sweep
 
 MOST_IN_SUMMARY = 3  # on the terminal without `-v`
 MOST_ORDERS = 12  # in the figure
+AROUND = (
+    1.12  # times the last speed, and the highest frequency that matters: so far the figure goes
+)
 MOST_ROWS = 60
 IN_RANGE = "Critical speeds in the speed range"
 
@@ -45,49 +51,74 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _in_range(findings, inside)
 
     # Orders that meet a mode in the range come first, then the lowest.
-    met, orders = ({crossing.order for crossing in some} for some in (inside, crossings))
-    shown = sorted(sorted(orders, key=lambda order: (order not in met, order))[:MOST_ORDERS])
+    met_inside, orders = ({crossing.order for crossing in some} for some in (inside, crossings))
+    shown = sorted(sorted(orders, key=lambda order: (order not in met_inside, order))[:MOST_ORDERS])
     capped = f" (lines of {len(shown)} of {len(orders)} orders)" if len(shown) < len(orders) else ""
-    by_torque = findings.get(FrequenciesOverSpeed)
-    yield of_torsion(
-        findings,
-        frequencies_over_speed.campbell(
-            "campbell",
-            f"Campbell diagram{capped}",
-            frequencies=findings.need(Modes).frequency.tolist(),
-            orders=[(float(value), f"order {order(value)}") for value in shown],
-            crossings=[
-                (
-                    crossing.speed * RPM,
-                    crossing.frequency,
-                    crossing.is_inside,
-                    _point_words(crossing, rated_rpm(findings)),
-                )
-                for crossing in crossings
-                if crossing.is_inside or crossing.order in shown
-            ],
-            speeds=(speeds.first * RPM, speeds.last * RPM),
-            rated=rated_rpm(findings),
-            barred=barred_rpm(findings),
-            tolerated=tolerated_rpm(findings),
-            curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
-            **({} if by_torque is not None else _spread(findings)),
-        ),
+    figure = _campbell(findings, (speeds.first * RPM, speeds.last * RPM), shown)
+    yield of_torsion(findings, replace(figure, caption=f"Campbell diagram{capped}"))
+
+
+def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Fraction]) -> Figure:
+    """Draw natural frequencies, the lines of some orders, and critical speeds; speeds: rpm, ends of the range."""
+    crossings = findings.need(CriticalSpeeds).crossings
+    frequencies, by_torque = findings.need(Modes).frequency, findings.get(FrequenciesOverSpeed)
+    inside = max((crossing.frequency for crossing in crossings if crossing.is_inside), default=0.0)
+    reached, right = float(max(orders)) * speeds[1] / 60.0, AROUND * speeds[1]
+    # One mode above what matters.
+    wanted = frequencies[frequencies > inside].min(initial=np.inf)
+    wanted = wanted if np.isfinite(wanted) else inside or reached
+    top = AROUND * max(min(wanted, 1.15 * reached), inside, 0.25 * reached, 1e-9)
+
+    lines, modes, bands = list[Line](), list[Level](), [Band("speed range", *speeds, "range")]
+    moved = "barred range over the tolerances"
+    bands += [Band(moved, *ends, "spread") for ends in tolerated_rpm(findings)]
+    if by_torque is None:
+        shown = frequencies[frequencies <= top][:MOST_LINES].tolist()
+        for k, hertz in enumerate(shown, 1):
+            modes.append(Level("", hertz, "plain", label=f"mode {k}: {number(hertz)} Hz"))
+        of, spread = _spread(findings)
+        bands += [Band(of, *ends, "spread", "y") for ends in spread[: len(shown)]]
+    else:
+        for k, mode in enumerate(by_torque.frequency[:MOST_LINES], 1):
+            hertz, x = np.where(mode <= top, mode, np.nan), by_torque.speed * RPM
+            lines.append(Line("", x, hertz, "plain", f"mode {k}", label_at="end"))
+    for pen, value in enumerate(orders):
+        end = np.array([0.0, min(right, 60.0 * top / float(value))])
+        words = order(value)
+        hertz = float(value) * end / 60.0
+        lines.append(Line(f"order {words}", end, hertz, pen, words, label_at="end"))
+    points = [
+        (
+            crossing.speed * RPM,
+            crossing.frequency,
+            crossing.is_inside,
+            _point_words(crossing, rated_rpm(findings)),
+        )
+        for crossing in crossings
+        if crossing.is_inside or crossing.order in orders
+    ]
+    panel = Panel(
+        replace(SPEED, low=0.0, high=right),
+        Axis("frequency", "Hz", low=0.0, high=top),
+        tuple(lines),
+        (*modes, *rated_level(rated_rpm(findings))),
+        (*bands, *barred_bands(barred_rpm(findings))),
+        tuple(met(points, right, top)),
+        height=210.0,
     )
+    return Figure("campbell", "Campbell diagram", (panel,))
 
 
-def _spread(findings: Findings) -> dict[str, Any]:
-    """Return the band of each mode (Hz): the proven one of tolerances, or that of most variants of a sweep."""
+def _spread(findings: Findings) -> tuple[str, list[tuple[float, float]]]:
+    """Return what the band of each mode (Hz) is: the proven one of tolerances, or that of most variants of a sweep."""
     tolerances, sweep = findings.get(Tolerances), findings.get(Sweep)
     if tolerances is not None:
-        return {"spread": np.transpose([tolerances.lower, tolerances.upper]).tolist()}
+        bands = np.transpose([tolerances.lower, tolerances.upper])
+        return "within the tolerances", bands.tolist()
     if sweep is not None and sweep.method != "grid":
         bands = np.transpose([sweep.low, sweep.high])
-        return {
-            "spread": bands[np.isfinite(bands).all(axis=1)].tolist(),
-            "of": "95 % of the variants",
-        }
-    return {}
+        return "95 % of the variants", bands[np.isfinite(bands).all(axis=1)].tolist()
+    return "", []
 
 
 def matrix(findings: Findings) -> Iterator[Table]:

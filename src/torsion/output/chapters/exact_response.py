@@ -118,7 +118,7 @@ def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
         marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
     if rows:
         yield table(
-            "speed: Speed [rpm]:d | < Periodic motion | growth: Growth rate [1/s]:3 | "
+            "speed: Speed [rpm]:7 | < Periodic motion | growth: Growth rate [1/s]:3 | "
             "truncation: Omitted harmonic:2 | < Reason",
             rows,
             "Speeds with unreliable amplitudes, marked in the figures",

@@ -15,18 +15,30 @@ from torsion.output.blocks import Block, PageEnd
 from torsion.output.chapters import plant
 from torsion.output.chapters.case_verdict import side_by_side
 from torsion.output.check_words import use_of_joint, use_of_part
-from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Use
-from torsion.output.figures.ranges import unanswered
-from torsion.output.figures.speed_range import speed_range
+from torsion.output.drawing.words import fitted
+from torsion.output.figures.figure import (
+    Axis,
+    Band,
+    Figure,
+    Level,
+    Link,
+    Panel,
+    Place,
+    Share,
+    Shares,
+    Use,
+)
+from torsion.output.figures.ranges import SPEED, barred_bands, rated_level, unanswered
 from torsion.output.headline import box, case_name, judged, worst
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, symbols
+from torsion.output.numbers import RPM, number, symbols
 from torsion.output.reported_values import (
     barred_rpm,
     rated_rpm,
     reference,
     unreliable,
     unstable_rpm,
+    widened,
 )
 from torsion.output.station_layout import layout
 from torsion.results import listed
@@ -34,6 +46,8 @@ from torsion.rules.verdict_line import Check, Checks
 
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES = 5  # checks that are drawn
+SPEEDS_HEIGHT, ROOM = 46.0, 0.03  # px; of the range of speeds, free beyond its ends
+LONGEST = 480.0  # px of the names of all orders together
 HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
 KEY = "Train with the utilisation of stress or torque; a red outline marks a failed check. Not to scale"
 ALWAYS_GRADED, GRADED_IF_JUDGED = ("shaft", "coupling", "joint"), ("gear", "crank")  # links
@@ -121,17 +135,23 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     drawn += ["ranges without a reliable response"] if unreliable_bands else []
     drawn += [largest] if critical else []
     caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
-    figure = speed_range(
-        "speeds",
-        caption,
-        speeds=(speeds.first * RPM, speeds.last * RPM),
-        rated=rated_rpm(findings),
-        barred=barred,
-        unstable=unstable,
-        unknown=unreliable_bands,
-        critical=critical,
-    )
-    yield of_torsion(findings, figure)
+    levels, ends = list(rated_level(rated_rpm(findings))), [speeds.first * RPM, speeds.last * RPM]
+    operation = Band("speeds of the operation", ends[0], ends[1], "range")
+    for level in levels:
+        ends.append(level.value)
+        levels[0] = replace(level, label=f"rated {number(level.value, 4)}")
+    for speed, words in critical:
+        label = f"{number(speed, 4)}: {fitted(words, LONGEST / len(critical))}"
+        levels.append(Level("critical speed", speed, "second limit", "x", label))
+    ranges = [
+        replace(band, label=f"{band.kind} {' to '.join(widened((band.low, band.high)))}")
+        for band in barred_bands(barred, unstable)
+    ]
+    room = ROOM * ((max(ends) - min(ends)) or max(ends))
+    x = Axis(SPEED.quantity, SPEED.unit, max(min(ends) - room, 0.0), max(ends) + room)
+    y, bands = Axis("", "", 0.0, 1.0, places=((0.0, ""),)), (operation, *ranges, *unreliable_bands)
+    plot = Panel(x, y, (), tuple(levels), bands, height=SPEEDS_HEIGHT)
+    yield of_torsion(findings, Figure("speeds", caption, (plot,)))
 
 
 def strongest(findings: Findings) -> list[CriticalSpeed]:

@@ -12,18 +12,28 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures import curves_over_speed
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.curves_over_speed import TOTAL
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
+from torsion.output.figures.ranges import (
+    SPEED,
+    amplitudes,
+    barred_bands,
+    rated_level,
+    span,
+    unanswered,
+)
+from torsion.output.figures.ranges import orders as lines_of_orders
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import LESS, Scale, counted, exact, number
+from torsion.output.numbers import LESS, RPM, Scale, counted, exact, number
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
+    barred_rpm,
     harmonic_name,
     joint_model,
     orders_together,
+    rated_rpm,
     reference,
-    speed_axis,
     synthesis,
     unreliable,
     unstable_rpm,
@@ -44,6 +54,7 @@ MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 3  # of couplings and cranks; shafts and gears have theirs in their own chapters
 MOST_LIVE = 12  # figures of the live page
 MOST_PEAKS = 10
+NEAR = 4.0  # times the largest value: a limit up to there is on the axis
 DEGREES = Scale("deg", 180.0 / np.pi)
 NO_PERIOD = " The orders have no common period. The total is the sum of their magnitudes, which is an upper bound."
 SINGULAR = (
@@ -181,24 +192,32 @@ def curves(findings: Findings, element: Element) -> Figure:
     orders, total = amplitude(findings, element.spans), synthesis(findings, element.spans)
     ratings, unit = findings.study.train.parts[element.part].ratings, torques([orders])
     limit = None if ratings is None else ratings.vibratory_torque
-    limits = [("permissible vibratory torque (manufacturer)", (limit or 0.0) * unit.factor)]
     kind = "" if element.kind in element.name else f", {element.kind}"
-    return of_torsion(
-        findings,
-        curves_over_speed.torque(
-            f"torque-{element.part}-{element.spans[0]}",
-            f"Vibratory torque in {element.name}{kind}",
-            **speed_axis(findings),
-            lines=[
-                (harmonic_name(response, k, "order "), values * unit.factor)
-                for k, values in enumerate(orders.T)
-            ],
-            unit=unit.unit,
-            synthesis=total * unit.factor if len(response.lines) > 1 and len(total) else None,
-            limits=[] if limit is None else limits,
-            unstable=unstable_rpm(findings),
-        ),
+    speed = response.speed * RPM
+    hidden, bands = unanswered(speed, unreliable(findings))
+    named = [
+        (harmonic_name(response, k, "order "), values * unit.factor)
+        for k, values in enumerate(orders.T)
+    ]
+    drawn = lines_of_orders(speed, named, hidden)
+    values = [line.y for line in drawn]
+    if len(response.lines) > 1 and len(total):
+        values = [np.where(hidden, np.nan, total * unit.factor)]
+        drawn = (Line(TOTAL, speed, values[0], "synthesis"), *drawn)
+    limits = [] if limit is None else [limit * unit.factor]
+    near = [limit for limit in limits if limit <= NEAR * max(map(highest, values), default=0.0)]
+    words = "permissible vibratory torque (manufacturer)"
+    levels = tuple(Level(words, limit, is_reached=limit in near) for limit in limits)
+    panel = Panel(
+        span(SPEED, speed),
+        amplitudes("torque amplitude", unit.unit, values, near),
+        drawn,
+        levels + rated_level(rated_rpm(findings)),
+        barred_bands(barred_rpm(findings), unstable_rpm(findings)) + bands,
     )
+    name = f"torque-{element.part}-{element.spans[0]}"
+    caption = f"Vibratory torque in {element.name}{kind}"
+    return of_torsion(findings, Figure(name, caption, (panel,)))
 
 
 def over_frequency(findings: Findings) -> Iterator[Block]:
@@ -237,15 +256,23 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
 def _curves_over_frequency(
     findings: Findings, name: str, quantity: str, curves: dict[str, FloatArray], unit: str
 ) -> Figure:
+    """Draw the strongest curves over the frequency."""
     sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
-    lines = list(curves.items())
-    return curves_over_speed.frequency(
-        name,
-        f"{quantity.capitalize()} over the frequency",
-        frequency=sweep.frequency,
-        bad=sweep.status != Status.OK,
-        lines=[lines[k] for k in strongest(np.transpose(list(curves.values())), MOST_CURVES)],
-        quantity=quantity,
-        unit=unit,
-        natural=[] if modes is None else modes.frequency.tolist(),
+    hertz, named = sweep.frequency, list(curves.items())
+    hidden, bands = unanswered(hertz, sweep.status != Status.OK)
+    shown = [named[k] for k in strongest(np.transpose(list(curves.values())), MOST_CURVES)]
+    lines = tuple(
+        Line(words, hertz, np.where(hidden | (values <= 0), np.nan, values), pen)
+        for pen, (words, values) in enumerate(shown)
     )
+    levels = tuple(
+        Level("natural frequencies", frequency, "natural", "x")
+        for frequency in (() if modes is None else modes.frequency.tolist())
+        if hertz[0] <= frequency <= hertz[-1]
+    )
+    x, y = (
+        span(Axis("frequency", "Hz"), hertz),
+        amplitudes(quantity, unit, [line.y for line in lines]),
+    )
+    panel = Panel(x, y, lines, levels, bands, height=150.0)
+    return Figure(name, f"{quantity.capitalize()} over the frequency", (panel,))

@@ -1,17 +1,19 @@
 """Chapter: bending of the shafts: critical speeds, whirl over speed, the answer to the joints' secondary couples."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.lateral.couple_response import extent
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
-from torsion.analyses.lateral.whirl import Critical, WhirlMode, is_unstable
+from torsion.analyses.lateral.whirl import Critical, Whirl, WhirlMode, is_unstable
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
-from torsion.output.figures import curves_over_speed, frequencies_over_speed
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel
+from torsion.output.figures.frequencies_over_speed import highest_shown, met, whirling
+from torsion.output.figures.ranges import SPEED, amplitudes, rated_level, span, unanswered
 from torsion.output.nearest_criticals import of_bending
 from torsion.output.numbers import RPM, Scale, number, rpm, scale
 from torsion.output.reported_values import rated_rpm, reference
@@ -25,6 +27,8 @@ AXES = (
 PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
 FARTHEST = 2.0  # times the highest speed: beyond it only the lowest two critical speeds of an order are printed
 MICRO = 1e6
+STANDING = "nearly singular: next to a resonance that nothing damps"
+NO_ANSWER = "singular: no answer"
 Range = tuple[float, float] | None  # lowest and highest reference speed, rad/s
 Shafts = tuple[ShaftFound, ...]
 
@@ -151,34 +155,53 @@ def _whirl(findings: Findings, shafts: Shafts, speeds: Range) -> Iterator[Block]
         whirl = shaft.whirl
         if whirl is None or speeds is None:
             continue
-        orders = sorted({1, *(critical.order for critical in shaft.critical)})
-        last = float(whirl.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
-        crossings = [
+        yield of_bending(shaft, _whirl_figure(findings, shaft, whirl, speeds, f"whirl-{count}"))
+
+
+def _whirl_figure(
+    findings: Findings, shaft: ShaftFound, whirl: Whirl, speeds: Range, name: str
+) -> Figure:
+    """Draw the frequencies of bending over the speed, by their sense, and the orders that meet them."""
+    x = whirl.speed * RPM
+    first, last = float(x[0]), float(x[-1])
+    orders = {
+        order: order * last / 60.0 * float(shaft.ratio)
+        for order in sorted({1, *(critical.order for critical in shaft.critical)})
+    }
+    crossings = [
+        (
+            critical.speed * RPM,
+            critical.frequency,
+            _inside(critical, speeds),
             (
-                critical.speed * RPM,
-                critical.frequency,
-                _inside(critical, speeds),
-                (
-                    f"critical speed of bending {rpm(critical.speed)} rpm: order {critical.order} excites "
-                    f"{number(critical.frequency)} Hz"
-                ),
-            )
-            for critical in _near(shaft, speeds)
-        ]
-        yield of_bending(
-            shaft,
-            frequencies_over_speed.whirl(
-                f"whirl-{count}",
-                f"Whirl of {shaft.name}: frequency over speed",
-                speed=whirl.speed * RPM,
-                frequency=whirl.frequency,
-                direction=whirl.direction,
-                unstable=is_unstable(whirl.log_decrement),
-                orders=[(order * last, f"order {order}") for order in orders],
-                crossings=crossings,
-                rated=rated_rpm(findings),
+                f"critical speed of bending {rpm(critical.speed)} rpm: order {critical.order} excites "
+                f"{number(critical.frequency)} Hz"
             ),
         )
+        for critical in _near(shaft, speeds)
+    ]
+    right, top = 1.08 * last, highest_shown(whirl.frequency, max(orders.values()), crossings)
+    lines = [
+        piece
+        for column, sense in zip(whirl.frequency.T, whirl.direction.T, strict=True)
+        for piece in whirling(x, column, sense)
+    ]
+    for order, hertz in orders.items():
+        end = np.array([0.0, min(right, top / hertz * last)])
+        words = f"order {order}"
+        lines.append(Line("orders", end, hertz * end / last, "pale", words, label_at="end"))
+    rows, columns = np.nonzero(is_unstable(whirl.log_decrement))
+    grows = Marks("UNSTABLE", x[rows], whirl.frequency[rows, columns], "cross", "unstable")
+    panel = Panel(
+        replace(SPEED, low=0.0, high=right),
+        Axis("frequency of bending", "Hz", low=0.0, high=top),
+        tuple(lines),
+        rated_level(rated_rpm(findings)),
+        (Band("speed range", first, last, "range"),),
+        (grows, *met(crossings, right, top)),
+        height=200.0,
+    )
+    return Figure(name, f"Whirl of {shaft.name}: frequency over speed", (panel,))
 
 
 def _stability_words(mode: WhirlMode) -> str:
@@ -207,36 +230,39 @@ def _answers(shafts: Shafts) -> Iterator[Table]:
 
 
 def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) -> Figure:
-    """Largest displacement, moment and force of the shaft over speed, every order apart."""
-    panels = []
-    for quantity, unit, curves in (
-        ("displacement", "µm", [answer.orbit for answer in shaft.answers]),
-        ("bending moment", "N m", [answer.largest_moment for answer in shaft.answers]),
-        ("force on a joint or support", "N", [extent(answer.force) for answer in shaft.answers]),
-    ):
-        reliable = [
-            answer.reliable(values) for answer, values in zip(shaft.answers, curves, strict=True)
-        ]
-        shown = Scale(unit, MICRO) if unit == "µm" else scale(unit, map(highest, reliable))
-        panels.append(
-            (quantity, shown.unit, [shown.factor * values.max(axis=1) for values in curves])
-        )
-    orders = [answer.order for answer in shaft.answers]
-    return of_bending(
-        shaft,
-        curves_over_speed.bending(
-            name,
-            f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples",
-            speed=[answer.speed * RPM for answer in shaft.answers],
-            orders=[f"order {order}" + ("" if order else ", static") for order in orders],
-            panels=panels,
-            near=[answer.status == Status.NEAR_SINGULAR for answer in shaft.answers],
-            singular=[answer.status == Status.SINGULAR for answer in shaft.answers],
-            crossings=[
-                critical.speed * RPM
-                for critical in shaft.critical
-                if critical.order in orders and _inside(critical, speeds)
-            ],
-            rated=rated_rpm(findings),
-        ),
+    """Draw the maximum displacement, moment and force of the shaft over speed, each order with its own line."""
+    answers = shaft.answers
+    critical = [
+        Level("critical speeds of these orders", critical.speed * RPM, "natural", "x")
+        for critical in shaft.critical
+        if critical.order in [answer.order for answer in answers] and _inside(critical, speeds)
+    ]
+    singular = [answer.status == Status.SINGULAR for answer in answers]
+    bands = tuple(
+        band
+        for answer, is_singular in zip(answers, singular, strict=True)
+        for band in unanswered(answer.speed * RPM, is_singular, NO_ANSWER)[1]
     )
+    x, panels = span(SPEED, np.concatenate([answer.speed * RPM for answer in answers])), []
+    for quantity, unit, curves in (
+        ("displacement", "µm", [answer.orbit for answer in answers]),
+        ("bending moment", "N m", [answer.largest_moment for answer in answers]),
+        ("force on a joint or support", "N", [extent(answer.force) for answer in answers]),
+    ):
+        reliable = [answer.reliable(values) for answer, values in zip(answers, curves, strict=True)]
+        shown = Scale(unit, MICRO) if unit == "µm" else scale(unit, map(highest, reliable))
+        sizes = [shown.factor * values.max(axis=1) for values in curves]
+        lines, marks = [], []
+        for pen, (answer, size) in enumerate(zip(answers, sizes, strict=True)):
+            near, speed = answer.status == Status.NEAR_SINGULAR, answer.speed * RPM
+            sound = np.where(near | singular[pen], np.nan, size)
+            words = f"order {answer.order}" + ("" if answer.order else ", static")
+            lines.append(Line(words, speed, sound, pen, str(answer.order)))
+            marks.append(Marks(STANDING, speed[near], size[near], "cross", "unstable"))
+        levels, y = (
+            (*critical, *rated_level(rated_rpm(findings))),
+            amplitudes(quantity, shown.unit, sizes),
+        )
+        panels.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=90.0))
+    caption = f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples"
+    return of_bending(shaft, Figure(name, caption, tuple(panels)))
