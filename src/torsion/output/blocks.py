@@ -219,21 +219,25 @@ def table(
     columns = tuple(columns[k] for k in kept)
     values = list(zip(*(cells[k] for k in kept), strict=True)) if cells else []
     for unit in {column.unit for column in columns if column.unit.startswith("~")}:
-        places = [k for k, column in enumerate(columns) if column.unit == unit]
-        sizes = [[abs(row[k]) for row in values if isinstance(row[k], float)] for k in places]
-        tops = [top for column in sizes if (top := max(column, default=0.0))]
-        chosen = scale(unit[1:], [min(tops, default=0.0)])
+        sizes = (
+            [abs(row[k]) for row in values if isinstance(row[k], float)]
+            for k, column in enumerate(columns)
+            if column.unit == unit
+        )
+        chosen = scale(
+            unit[1:], [min(filter(None, (max(held, default=0.0) for held in sizes)), default=0.0)]
+        )
         short = short.replace("~", chosen.unit)
         columns = tuple(
-            column
-            if k not in places
-            else replace(
+            replace(
                 column,
                 unit=chosen.unit,
                 factor=chosen.factor,
                 short=column.short.replace("~", chosen.unit),
             )
-            for k, column in enumerate(columns)
+            if column.unit == unit
+            else column
+            for column in columns
         )
     return Table(
         columns,

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from torsion.analyses.discretisation import assembled
@@ -25,7 +26,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
 from torsion.output.numbers import counted, number
 from torsion.output.reported_values import amplitude, harmonic_name
-from torsion.output.selection import NO_VALUE, Element, elements, highest, largest
+from torsion.output.selection import NO_VALUE, Element, elements, highest
 from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study
@@ -104,21 +105,15 @@ def _study(study: Study) -> Iterator[Block]:
     yield from _plant(findings)
     for block in mass_elastic.chapter(findings):
         if isinstance(block, Table):
-            yield _first(block, MOST_ROWS)
-
-
-def _first(shown: Table, most: int) -> Table:
-    """Return the first rows of a table, with a caption that says so if there are more."""
-    if len(shown.values) <= most:
-        return shown
-    caption = f"{shown.caption}; the first {most} of {len(shown.values)}"
-    return replace(shown, values=shown.values[:most], caption=caption)
+            caption, count = block.caption, len(block.values)
+            caption += f"; the first {MOST_ROWS} of {count}" * (count > MOST_ROWS)
+            yield replace(block, values=block.values[:MOST_ROWS], caption=caption)
 
 
 def _modes(modes: Modes) -> Iterator[Block]:
     """Yield the frequencies with their bounds, and the first mode over the train."""
     if modes.frequency.size:
-        yield _first(natural_frequencies.frequencies(modes), MOST_MODES)
+        yield natural_frequencies.frequencies(modes, MOST_MODES)
         yield from natural_frequencies.plots(_alone(modes, modes.system), modes, (0,))
     else:
         yield Paragraph("no elastic modes")
@@ -133,10 +128,10 @@ def _response(response: Response) -> Iterator[Block]:
         if not response.torque[..., list(element.spans)].any():
             continue
         strongest[element] = highest(size) * element.ratio
-        if (peak := largest(size.ravel())) is None:
+        speed, line = divmod(int(np.argmax(size)), size.shape[1])
+        if not np.isfinite(size[speed, line]):  # a value that is not known may be the largest
             rows.append((element.name, NO_VALUE, None, None))
         else:
-            speed, line = divmod(peak, size.shape[1])
             at = float(response.speed[speed])
             rows.append((element.name, size[speed, line], at, harmonic_name(response, line)))
     if not rows:

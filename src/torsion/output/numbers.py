@@ -142,9 +142,6 @@ class Scale:
         return number(None if value is None else value * self.factor, digits)
 
 
-SI = Scale("", 1.0)  # of values that stand as they are
-
-
 def scale(unit: str, values: Iterable[float]) -> Scale:
     """Return the prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""
     sizes = [abs(v) for v in values if math.isfinite(v)]

@@ -13,7 +13,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
 from torsion.output.selection import Element
-from torsion.rules.verdict_line import BarredRange, Check, Checks
+from torsion.rules.verdict_line import BarredRange, Checks
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.shaft_bending import Lateral
@@ -172,11 +172,6 @@ def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":
     lateral: Lateral | None = findings.results.get("lateral")
     shafts = () if lateral is None else lateral.shafts
     return tuple((shaft.name, shaft.tilting) for shaft in shafts if shaft.tilting is not None)
-
-
-def failed(findings: Findings) -> tuple[Check, ...]:
-    """Return the checks of the run that failed."""
-    return tuple(check for check in findings.need(Checks).lines if check.fails)
 
 
 def joint_model(findings: Findings) -> str:

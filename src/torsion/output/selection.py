@@ -87,14 +87,6 @@ class Selection:
         return array
 
 
-def largest(values: FloatArray) -> int | None:
-    """Return where the largest value stands; None where there is none, or one is not known, which may be the largest."""
-    if not values.size:
-        return None
-    peak = int(np.argmax(values))  # the first NaN, where there is one
-    return peak if np.isfinite(values[peak]) else None
-
-
 def highest(values: FloatArray) -> float:
     """Return the largest of the values that are known; 0 where there is none."""
     return float(np.nanmax(np.append(values, 0.0)))

@@ -20,11 +20,11 @@ from torsion.analyses.lateral.shaft_bending import (
     ShaftFound,
 )
 from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
-from torsion.analyses.lateral.whirl import Critical, Whirl
+from torsion.analyses.lateral.whirl import Critical, Whirl, sense
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
-from torsion.output.chapters.shaft_bending import AXES, STANDING, chapter, sense
+from torsion.output.chapters.shaft_bending import AXES, STANDING, chapter
 from torsion.rules.verdict_line import Checks
 from torsion.study import SpeedRange
 

@@ -29,6 +29,17 @@ def is_unstable(decrement: FloatArray) -> BoolArray:
     return decrement < UNSTABLE
 
 
+PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
+
+
+def sense(direction: float) -> str:
+    """Return forward or backward whirl in words."""
+    if abs(direction) < FLAT:
+        return "nearly in a plane"
+    way = "forward" if direction > 0 else "backward"
+    return way if abs(direction) >= PURE else f"{way}, ellipse"
+
+
 @reported
 class WhirlMode:
     """One mode over the speed range."""
@@ -42,6 +53,14 @@ class WhirlMode:
     grows_from: float | None = result(
         "rad/s", "lowest reference speed at which it is unstable; null if it is not"
     )
+
+    @derived(
+        "",
+        (),
+        "whirl at the highest speed: forward or backward, a circle, an ellipse or nearly in a plane",
+    )
+    def whirl(self) -> str:
+        return sense(self.direction)
 
 
 @reported
@@ -99,6 +118,10 @@ class Critical:
         "1",
         "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound",
     )
+
+    @derived("", (), "whirl: forward or backward, a circle, an ellipse or nearly in a plane")
+    def whirl(self) -> str:
+        return sense(self.direction)
 
 
 @source("Genta2005")

@@ -21,7 +21,7 @@ from torsion.assembly.system import System
 from torsion.findings import Results, Work
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Bar
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 
 SMALLEST = 0.02  # of the element's largest amplitude of one order; a lower peak is not listed
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is 0
@@ -51,6 +51,12 @@ class MeshLoad:
         "first and last reference speed at which the load reverses; empty if it does not",
     )
     reverses_everywhere: bool = result("", "the load reverses at every speed computed")
+
+    @derived("", "whether the load reverses: yes, no, or not known")
+    def reverses(self) -> str:
+        if self.ratio is None:
+            return "not known"
+        return ("yes, everywhere" if self.reverses_everywhere else "yes") if self.reversal else "no"
 
 
 @reported

@@ -1,20 +1,23 @@
 """Chapters: all cases of a file side by side, their checks, frequencies and curves; and what one case changes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table
 from torsion.output.chapters.case_verdict import Row, side_by_side
-from torsion.output.figures import case_curves
-from torsion.output.figures.figure import Figure
+from torsion.output.figures.figure import Figure, Line, Panel
+from torsion.output.figures.ranges import MAIN, MOST_LINES, SPEED, amplitudes, span
 from torsion.output.headline import Cases
 from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
-from torsion.output.selection import elements, torques
+from torsion.output.selection import elements, highest, torques
 from torsion.rules import RULES
 from torsion.rules.verdict_line import WORDS
 
@@ -144,8 +147,7 @@ def _loads(cases: Cases) -> Iterator[Figure]:
             for curve in [stress_curves(case, bar)]
         }
         caption = f"Vibratory shear stress of {name} in the cases"
-        content = "case-stress", caption, stresses, "shear stress amplitude", "N/mm²"
-        yield case_curves.curves(*content)
+        yield _curves("case-stress", caption, stresses, "shear stress amplitude", "N/mm²")
     elif parts:
         name = max(parts, key=lambda part: part.torque or 0.0).component
         torque = {
@@ -157,4 +159,23 @@ def _loads(cases: Cases) -> Iterator[Figure]:
         unit = torques(values for _, values in torque.values())
         drawn = {case: (speed, values * unit.factor) for case, (speed, values) in torque.items()}
         caption = f"Total vibratory torque in {name} in the cases"
-        yield case_curves.curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
+        yield _curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
+
+
+def _curves(
+    name: str,
+    caption: str,
+    drawn: Mapping[str, tuple[FloatArray, FloatArray]],
+    quantity: str,
+    unit: str,
+) -> Figure:
+    """Draw one line a case over the speed, rpm, the first heavier; of many cases it and those that reach highest."""
+    first = next(iter(drawn))
+    ranked = sorted(drawn, key=lambda case: (case != first, -highest(drawn[case][1])))[:MOST_LINES]
+    lines = tuple(
+        Line(case, *drawn[case], pen, weight=MAIN if case == first else 1.0)
+        for pen, case in enumerate(case for case in drawn if case in ranked)
+    )
+    x = span(SPEED, np.concatenate([line.x for line in lines]))
+    y = amplitudes(quantity, unit, [line.y for line in lines])
+    return Figure(name, caption, (Panel(x, y, lines),))

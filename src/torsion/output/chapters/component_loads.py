@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.component_loads import ComponentLoads, MeshLoad, stress_of
+from torsion.analyses.response.component_loads import ComponentLoads, stress_of
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
@@ -163,8 +163,9 @@ def gears(findings: Findings) -> Iterator[Block]:
         yield Paragraph(text, "note")
     yield table(
         "mesh: < Mesh | torque: Maximum vibratory torque [~N m]:u | speed: Speed [rpm] | mean: Mean torque [~N m]:? | "
-        "ratio: Maximum vibratory / mean:4? | ratio_speed: Speed [rpm]:? | < Torque reversal",
-        [(mesh, _reversal_words(mesh)) for mesh in loads.meshes],
+        "ratio: Maximum vibratory / mean:4? | ratio_speed: Speed [rpm]:? | reverses: < Torque reversal | "
+        "reversal@1: From [rpm]:? | reversal@2: To [rpm]:?",
+        loads.meshes,
         f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if mesh.reversal else "" for mesh in loads.meshes],
     )
@@ -202,14 +203,6 @@ def _gear_figure(findings: Findings, mesh: Element, limit: float | None) -> Figu
     )
     name = f"gear-{mesh.part}-{mesh.spans[0]}"
     return Figure(name, f"Vibratory and mean torque in {mesh.name}", (panel,))
-
-
-def _reversal_words(mesh: MeshLoad) -> str:
-    if mesh.ratio is None:
-        return "not known"
-    if mesh.reverses_everywhere:
-        return "yes, everywhere"
-    return "yes, between {} and {} rpm".format(*map(rpm, mesh.reversal)) if mesh.reversal else "no"
 
 
 def couplings(findings: Findings) -> Iterator[Block]:

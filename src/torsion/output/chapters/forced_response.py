@@ -24,7 +24,7 @@ from torsion.output.figures.ranges import (
 )
 from torsion.output.figures.ranges import orders as lines_of_orders
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import LESS, RPM, Scale, counted, exact, number
+from torsion.output.numbers import LESS, RPM, counted, exact, number
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -55,7 +55,6 @@ MOST_FIGURES = 3  # of couplings and cranks; shafts and gears have theirs in the
 MOST_LIVE = 12  # figures of the live page
 MOST_PEAKS = 10
 NEAR = 4.0  # times the largest value: a limit up to there is on the axis
-DEGREES = Scale("deg", 180.0 / np.pi)
 NO_PERIOD = " The orders have no common period. The total is the sum of their magnitudes, which is an upper bound."
 SINGULAR = (
     "the equations are singular or nearly singular (undamped resonance). The response has no reliable value there "
@@ -177,15 +176,6 @@ def _peaks(loads: ComponentLoads) -> Block:
     )
 
 
-def _moving_stations(findings: Findings) -> list[tuple[int, str]]:
-    """Return positions and names of the stations that are not the ground."""
-    return [
-        (k, station.name)
-        for k, station in enumerate(findings.study.train.stations)
-        if not station.is_ground
-    ]
-
-
 def curves(findings: Findings, element: Element) -> Figure:
     """Return the torque of an element over the speed: its strongest components, all together, and its limit."""
     response = findings.need(Response)
@@ -246,11 +236,11 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
             findings, "sweep-torque", "torque amplitude", curves, unit.unit
         )
     angle = {
-        name: np.where(bad, np.nan, np.abs(sweep.angle[:, station]))
-        for station, name in _moving_stations(findings)
+        station.name: np.degrees(np.where(bad, np.nan, np.abs(sweep.angle[:, k])))
+        for k, station in enumerate(findings.study.train.stations)
+        if not station.is_ground
     }
-    curves = {name: values * DEGREES.factor for name, values in angle.items()}
-    yield _curves_over_frequency(findings, "sweep-angle", "angular amplitude", curves, DEGREES.unit)
+    yield _curves_over_frequency(findings, "sweep-angle", "angular amplitude", angle, "deg")
 
 
 def _curves_over_frequency(

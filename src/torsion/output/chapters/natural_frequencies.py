@@ -134,8 +134,8 @@ def all_modes(findings: Findings) -> Iterator[Block]:
         yield Paragraph(f"Modes {count + 1} to {len(modes.frequency)} are in results.json.")
 
 
-def frequencies(modes: Modes) -> Table:
-    """Return the table of undamped natural frequencies with their bounds."""
+def frequencies(modes: Modes, most: int | None = None) -> Table:
+    """Return the table of undamped natural frequencies with their bounds, at most so many rows."""
     lowest = ", ".join(number(frequency) for frequency in modes.frequency[:MOST_IN_SUMMARY])
     ellipsis = ", ..." if len(modes.frequency) > MOST_IN_SUMMARY else ""
     return table(
@@ -143,6 +143,7 @@ def frequencies(modes: Modes) -> Table:
         "nodes: Nodes -> | lower: Lower bound [Hz]:10 | upper: Upper bound [Hz]:10",
         along(modes, "mode"),
         "Natural frequencies of the undamped train",
+        most=most,
         short="Natural frequencies",
         summary=f"Natural frequencies: {lowest}{ellipsis} Hz" if lowest else "",
     )

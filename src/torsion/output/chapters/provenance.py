@@ -14,7 +14,6 @@ from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks
-from torsion.study import Study
 from torsion.user_files import LARGEST_SIGNAL, read_file
 
 MOST_CLAUSES = 20  # of a rule
@@ -67,38 +66,24 @@ def _singular(size: str) -> str:
 
 def input_file(findings: Findings) -> Iterator[Block]:
     """Appendix with the text and the checksums of the files; left out where the scene did not come from a file."""
-    study = findings.study
-    text, kinds = study.text, _files(study)
-    if not text:
+    study, folder = findings.study, Path(findings.study.file or "").parent
+    if not study.text:
         return
-    meshes = "".join(
-        f" and its {kind}"
-        + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
-        for kind, files in kinds.items()
-        if files
-    )
-    ending = f"{meshes}."
-    behind = " (with its tables)" if study.tables else ""
-    words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The report was computed from "
-    words += "this text"
-    words += (
-        ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
-    )
+    meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
+    files = [folder / file for file in (*pressure_files(study), *signal_files(study))]
+    named = study.shown_file or "Input"
+    sums = [(f"{named} with its tables" if study.tables else named, checksum(study) or "")]
+    sums += [
+        (without_controls(file), _sha256(file))
+        for file in (*dict.fromkeys(meshes), *map(str, files))
+    ]
     yield Heading("Appendix: the input as read")
-    yield Paragraph(words + ending)
-    yield Verbatim(text)
+    yield Paragraph("The report was computed from these files. SHA-256:")
+    yield KeyValues(tuple(sums))
+    yield Verbatim(study.text)
     for name, table_text in study.tables:
         yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
         yield Verbatim(table_text)
-
-
-def _files(study: Study) -> dict[str, list[str]]:
-    """Paths of the files behind the text, but for its tables."""
-    folder = Path(study.file or "").parent
-    meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
-    pressures = [str(folder / file) for file in pressure_files(study)]
-    signals = [str(folder / file) for file in signal_files(study)]
-    return {"meshes": list(dict.fromkeys(meshes)), "pressures": pressures, "signals": signals}
 
 
 def _sha256(file: str) -> str:

@@ -24,7 +24,6 @@ AXES = (
     "perpendicular to y and to the shaft. Joints hold their shafts in place and let them tilt. Supports are "
     "springs."
 )
-PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
 FARTHEST = 2.0  # times the highest speed: beyond it only the lowest two critical speeds of an order are printed
 MICRO = 1e6
 STANDING = "nearly singular: next to a resonance that nothing damps"
@@ -87,10 +86,7 @@ def _criticals(shafts: Shafts, speeds: Range) -> Table:
         grows = shaft.whirl is not None and bool(is_unstable(shaft.whirl.log_decrement).any())
         grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
         name = f"{shaft.name} (UNSTABLE)" if grows else shaft.name
-        rows += [
-            (critical, name, sense(critical.direction), _inside(critical, speeds))
-            for critical in _near(shaft, speeds)
-        ]
+        rows += [(critical, name, _inside(critical, speeds)) for critical in _near(shaft, speeds)]
     caption = (
         "Critical bending speeds in speeds of the reference; orders per revolution of the shaft (1: unbalance, others: "
         "couples of joints); damping ratio 0: unbounded amplitude"
@@ -99,7 +95,7 @@ def _criticals(shafts: Shafts, speeds: Range) -> Table:
         caption += f"; above {rpm(FARTHEST * speeds[1])} rpm the lowest two of each order"
     return table(
         "< Shaft -> | order: Order -> | mode: Mode | speed: Critical speed [rpm] -> rpm | "
-        "frequency: Frequency [Hz] -> Hz | < Whirl -> | damping_ratio: Damping ratio:3 -> | In the range -> in range",
+        "frequency: Frequency [Hz] -> Hz | whirl: < Whirl -> | damping_ratio: Damping ratio:3 -> | In the range -> in range",
         rows,
         caption,
         marks=["note" if row[-1] else "" for row in rows],
@@ -122,18 +118,10 @@ def _inside(critical: Critical, speeds: Range) -> bool:
     return speeds is not None and speeds[0] <= critical.speed <= speeds[1]
 
 
-def sense(direction: float) -> str:
-    """Return forward or backward whirl in words."""
-    if abs(direction) < FLAT:
-        return "nearly in a plane"
-    way = "forward" if direction > 0 else "backward"
-    return way if abs(direction) >= PURE else f"{way}, ellipse"
-
-
 def _whirl(findings: Findings, shafts: Shafts, speeds: Range) -> Iterator[Block]:
     """Frequencies at both ends of the range, whether the motion dies out; nothing where no speeds are given."""
     rows = [
-        (shaft, mode, sense(mode.direction), _stability_words(mode))
+        (shaft, mode, _stability_words(mode))
         for shaft in shafts
         if shaft.whirl is not None
         for mode in shaft.whirl.modes
@@ -146,7 +134,7 @@ def _whirl(findings: Findings, shafts: Shafts, speeds: Range) -> Iterator[Block]
         yield Paragraph(f"{grown} of the modes below are unstable in the speed range.", "fail")
     yield table(
         "name: < Shaft | number: Mode | first: Frequency at the lowest speed [Hz] | last: at the highest [Hz] | "
-        "< Whirl at the highest | decrement: Minimum log. decrement:3 | speed: Speed [rpm] | < Stability",
+        "whirl: < Whirl at the highest | decrement: Minimum log. decrement:3 | speed: Speed [rpm] | < Stability",
         rows,
         "Whirl over the speed range, by frequency; a negative logarithmic decrement is unstable",
         marks=marks,

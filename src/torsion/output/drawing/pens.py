@@ -14,7 +14,7 @@ DASHES = (
     "3.5 2",
     "9 2 1.6 2 1.6 2",
 )  # with seven colours 42 different lines
-INK, SOFT, GREY, GRID, BAD = "#222222", "#555555", "#777777", "#dddddd", "#b3261e"
+INK, GREY, GRID, BAD = "#222222", "#777777", "#dddddd", "#b3261e"
 
 
 @dataclass(frozen=True)

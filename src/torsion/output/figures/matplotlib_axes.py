@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.errors import refusal
+from torsion.output.drawing.pens import BANDS, stroke
 from torsion.output.figures.figure import Axis, Figure, Panel
 
 if TYPE_CHECKING:
@@ -14,21 +15,6 @@ if TYPE_CHECKING:
 
 INCH = 96.0  # px of a panel's height
 WIDTH = 6.3  # in, the text of A4
-SHADES = {
-    "range": 0.08,
-    "spread": 0.12,
-    "doubt": 0.15,
-    "no answer": 0.15,
-    "barred": 0.25,
-    "unstable": 0.25,
-}
-COLOURS = {
-    "limit": "tab:red",
-    "second limit": "tab:orange",
-    "unstable": "tab:red",
-    "natural": "0.5",
-    "rated": "0.3",
-}
 
 
 def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "tuple[Axes, ...]":
@@ -80,8 +66,7 @@ def _draw(panel: Panel, axes: "Axes") -> None:
         span(
             band.low,
             band.high,
-            color=COLOURS.get(band.kind, "0.3"),
-            alpha=SHADES[band.kind],
+            color=BANDS[band.kind][0],
             label=_text(band.name) or None,
         )
     for line in panel.lines:
@@ -90,7 +75,7 @@ def _draw(panel: Panel, axes: "Axes") -> None:
             line.y,
             linewidth=1.2 * line.weight,
             label=_text(line.name) or None,
-            color=COLOURS.get(line.pen) if isinstance(line.pen, str) else None,
+            color=stroke(line.pen).colour,
         )
         if line.base is not None:
             axes.fill_between(line.x, line.base, line.y, color=drawn.get_color(), alpha=0.2)
@@ -98,7 +83,7 @@ def _draw(panel: Panel, axes: "Axes") -> None:
         rule = axes.axvline if level.axis == "x" else axes.axhline
         rule(
             level.value,
-            color=COLOURS.get(str(level.pen), "0.3"),
+            color=stroke(level.pen).colour,
             linestyle="--",
             linewidth=0.9,
             label=_text(level.name) or None,
