@@ -49,7 +49,7 @@ def test_names_are_escaped_and_nothing_runs_or_is_fetched(train: Findings, kind:
 def test_findings_show_the_ranked_checks_with_their_share_of_the_limit(train: Findings) -> None:
     page = shown(train, "findings")
     checks = train.need(Checks).lines
-    used = [row[5] for row in rows(page) if len(row) == 10]
+    used = [row[6] for row in rows(page) if len(row) == 11]
     assert sorted(used) == sorted(
         "–" if check.utilisation is None else number(100.0 * check.utilisation, 4)
         for check in checks

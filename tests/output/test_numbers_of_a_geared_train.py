@@ -4,7 +4,6 @@ Four discs, referred to the first: 2, 0.5, 1.5/2.5^2 and 14/2.5^2 kg m2 on 300, 
 """
 
 import math
-import re
 from fractions import Fraction
 
 import numpy as np
@@ -194,9 +193,9 @@ def test_critical_speeds_by_order_and_mode(found: Findings) -> None:
         for mode in range(3):
             cell, speed = name[f"Mode {mode + 1}"], w[mode] / order
             assert value(cell) == pytest.approx(speed * RPM, rel=1e-4)
-            assert cell.endswith("*") == (5.0 <= speed <= 40.0)
-            if cell.endswith("*"):
-                row = inside[cell.removesuffix(" *")]
+            assert (cell in inside) == (5.0 <= speed <= 40.0)
+            if cell in inside:
+                row = inside[cell]
                 assert (row["Order"], row["Mode"], row["Excited by"]) == (
                     text,
                     str(mode + 1),
@@ -259,8 +258,9 @@ def test_vibratory_torques_of_elements_meshes_and_couplings(found: Findings) -> 
     assert value(mesh["Mean torque"]) == pytest.approx(40.0 * (SPEED[at] / 30.0) ** 2, rel=3e-3)
     assert value(mesh["Maximum vibratory / mean"]) == pytest.approx(ratio.max(), rel=1e-3)
     reverses = SPEED[ratio > 1.0] * RPM
-    ends = re.findall(r"\d+\.\d+", mesh["Torque reversal"])
-    assert [float(end) for end in ends] == pytest.approx([reverses[0], reverses[-1]], rel=5e-3)
+    assert [value(mesh["From"]), value(mesh["To"])] == pytest.approx(
+        [reverses[0], reverses[-1]], rel=5e-3
+    )
     heat = rows_of(found, "Torque and power loss of the couplings")
     for k, name in ((0, "soft"), (2, "stiff")):
         w = np.array([0.5, 1.6])[:, None] * SPEED

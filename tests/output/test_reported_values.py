@@ -217,17 +217,6 @@ def test_unstable_ranges_in_rpm(silent: Findings) -> None:
     ]
 
 
-def test_the_checks_that_failed(silent: Findings) -> None:
-    lines = [
-        Check("r", one, "x", "x", 1.0, 1.0, "", one, "setting")
-        for one in ("pass", "fail", "not kept", "restricted", "not judged")
-    ]
-    assert [one.clause for one in reported.failed(silent.having(checks=Checks(tuple(lines))))] == [
-        "fail",
-        "not kept",
-    ]
-
-
 @pytest.mark.parametrize(
     ("error", "words"),
     [

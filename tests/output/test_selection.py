@@ -16,8 +16,6 @@ from torsion.output.selection import (
     Selection,
     damps,
     elements,
-    highest,
-    largest,
     strongest,
     torques,
 )
@@ -43,14 +41,6 @@ class Heights:
 
     count: int = result("", (), "how many")
     height: FloatArray = result("m", ("mode",), "of every mode")
-
-
-def test_the_largest_is_unknown_where_one_value_is() -> None:
-    assert largest(np.array([1.0, 5.0, 2.0])) == 1
-    assert largest(np.array([1.0, math.nan, 7.0])) is None
-    assert largest(np.empty(0)) is None
-    assert highest(np.array([1.0, math.nan, 7.0])) == 7.0
-    assert highest(np.array([-3.0])) == 0.0
 
 
 def test_torques_have_the_unit_of_the_largest() -> None:

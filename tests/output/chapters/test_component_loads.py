@@ -206,7 +206,7 @@ def test_torque_in_the_meshes_against_the_mean_torque() -> None:
             "190.99",
             "381.97",
         ),
-        (names[1], "0.050000", "381.97", "0", "∞", "–", "yes, everywhere", "95.493", "477.46"),
+        (names[1], "0.050000", "381.97", "0", "∞", "–", "yes", "95.493", "477.46"),
     )
     assert names[0] == "stage"
     assert made.marks == ("fail", "fail")
