@@ -7,6 +7,7 @@ from types import ModuleType
 
 import pytest
 import yaml
+from docs.site import results_manual
 from tests.for_all import for_all
 from typer.testing import CliRunner
 
@@ -14,7 +15,6 @@ import torsion
 from torsion.cli import app
 from torsion.model import KINDS, component_class
 from torsion.model.component import Component
-from torsion.output import results_manual
 from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS
 from torsion.schema import manual

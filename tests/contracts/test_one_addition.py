@@ -7,18 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from docs.site import results_manual
+from docs.site.results_manual import documented
 from rich.console import Console
 
 import torsion
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis
 from torsion.model import KINDS
-from torsion.output import renderers, results_manual
+from torsion.output import renderers
 from torsion.output.blocks import Heading, KeyValues, Table
 from torsion.output.chapters.plant import _points
 from torsion.output.document import document
 from torsion.output.renderers import Output
-from torsion.output.results_json import documented
 from torsion.output.terminal import show
 from torsion.output.write import write
 from torsion.schema import manual

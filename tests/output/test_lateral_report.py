@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from docs.site.results_manual import documented
 from rich.console import Console
 from tests.contracts.frozen import solved as scene_solved
 from tests.output.drawn import marks
@@ -24,7 +25,7 @@ from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters.shaft_bending import chapter
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
-from torsion.output.results_json import documented, results, text
+from torsion.output.results_json import results, text
 from torsion.output.terminal import screen
 from torsion.rules.stable_motion import bending_checks
 from torsion.rules.verdict_line import Checks

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from docs.site.results_manual import documented
 from rich.console import Console
 
 import torsion
@@ -27,7 +28,7 @@ from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
 from torsion.output.numbers import NONE, RPM, rpm
-from torsion.output.results_json import documented, results
+from torsion.output.results_json import results
 from torsion.output.terminal import show
 from torsion.rules.stable_motion import stability_check
 from torsion.rules.verdict_line import Checks

@@ -5,9 +5,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from docs.site import results_manual
+from docs.site.results_manual import documented
 
-from torsion.output import results_manual
-from torsion.output.results_json import LEGEND, documented
+from torsion.output.results_json import LEGEND
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reference" / "results"
 

@@ -8,7 +8,6 @@ import json
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -20,13 +19,11 @@ from numpy.typing import NDArray
 import torsion
 from torsion.analyses import ANALYSES
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Plan, UsedSource
+from torsion.findings import Findings
 from torsion.output import reports
-from torsion.output.plain import LISTED, plain
-from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
+from torsion.output.plain import plain
+from torsion.output.scene import scene, span_rows, station_rows
 from torsion.output.selection import Selection
-from torsion.results import is_list, parts, quantities
-from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
     from torsion.output.document import Document
@@ -135,46 +132,6 @@ LEGEND = {
     "null is NaN there, words are texts",
     "null": "no value, not a number, or infinite (a fixed station's inertia)",
 }
-POSITIONS = {
-    "named station": "positions in `stations` of the angles reported: those of the stations that the train names",
-    "end span": "positions in `spans` of the torques reported: of an element its first and last",
-    "element": "names of the elements; of each its largest span is reported",
-}
-
-
-@dataclass(frozen=True)
-class Key:
-    """A key of the results; `[]` in its path is every element of a list."""
-
-    path: str
-    unit: str
-    axes: tuple[str, ...]  # of the nested lists that stand there
-    meaning: str
-
-
-FIXED = (
-    Key("format", "", (), "number of this format; a later one may change the meaning of keys"),
-    Key("program.name", "", (), "torsion"),
-    Key("program.version", "", (), "version of the program"),
-    Key("legend", "", (), "conventions in words"),
-    Key(
-        reports.FILES,
-        "",
-        (),
-        "only in files: names of the files of the report, this one among them",
-    ),
-    Key(
-        reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"
-    ),
-)
-
-CASES = Key(
-    "cases",
-    "",
-    (),
-    "of every case by its name all keys of this list but `cases` and those above; a case without an "
-    "answer has `plan` alone, which says why; {} where the file states no case",
-)
 
 
 def results(findings: Findings) -> dict[str, Any]:
@@ -242,48 +199,3 @@ def _of_case(findings: Findings) -> dict[str, Any]:
         no_train: Any = None  # a plan runs over none
         return {"plan": plain(findings.plan, Selection(no_train))}
     return {key: make() for key, make in _made(findings).items() if key not in OF_ALL_CASES}
-
-
-def documented() -> tuple[Key, ...]:
-    """Return every key of the results, as the manual of results lists them."""
-    kinds = {
-        name: kind
-        for analysis in ANALYSES.values()
-        for name, kind in analysis.result_classes().items()
-    }
-    head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    all_kinds = head | kinds | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
-    return (
-        *FIXED,
-        CASES,
-        *(key for path, kind in all_kinds.items() for key in _keys(kind, path, ())),
-    )
-
-
-def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
-    """Yield the keys of a result under a path `modes` or `checks[]`; `above` are the results that it is part of."""
-    declared = quantities(kind)
-    records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
-    shown = {axis for quantity in declared for axis in quantity.printed}
-    for axis, name in LISTED.items():
-        if axis in shown:
-            yield Key(f"{path}.{name}", "", (axis,), POSITIONS[axis])
-    for quantity in declared:
-        inner = parts(kind, quantity)
-        record = next(
-            (axis for axis in quantity.axes if axis in records and records[axis] is not quantity),
-            None,
-        )
-        full_path = path if record is None else f"{path}.{records[record].key}[]"
-        full_path = f"{full_path}.{quantity.key}" if quantity.key else full_path
-        full_path = (
-            f"{full_path}[]"
-            if (inner is not None and is_list(kind, quantity)) or quantity.record
-            else full_path
-        )
-        if inner is None or inner in above:
-            axes = tuple(shown for shown in quantity.printed if shown not in records)
-            key = f"{full_path}.{quantity.record}" if quantity.record else full_path
-            yield Key(key, quantity.unit, axes, quantity.meaning)
-        else:
-            yield from _keys(inner, full_path, (*above, kind, inner))

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from docs.site.results_manual import documented
 from tests.for_all import for_all
 
 import torsion
@@ -12,7 +13,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters.mass_elastic import chapter
 from torsion.output.numbers import number
-from torsion.output.results_json import documented, results
+from torsion.output.results_json import results
 
 TEXT = """
 name: all that has a data sheet

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from docs.site.results_manual import documented
 from rich.console import Console
 
 import torsion
@@ -17,7 +18,7 @@ from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
 from torsion.output.html import html
 from torsion.output.reports import REPORTS
-from torsion.output.results_json import documented, results, text
+from torsion.output.results_json import results, text
 from torsion.output.terminal import screen
 from torsion.output.write import write
 

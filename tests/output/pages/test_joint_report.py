@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from docs.site.results_manual import documented
 from rich.console import Console
 from tests.output.drawn import titles as titles_of
 
@@ -21,7 +22,7 @@ from torsion.output.document import Document, document
 from torsion.output.html import html
 from torsion.output.numbers import number
 from torsion.output.reports import REPORTS
-from torsion.output.results_json import documented, text
+from torsion.output.results_json import text
 from torsion.output.terminal import show
 
 JOINTS = REPORTS["joint"].keys
