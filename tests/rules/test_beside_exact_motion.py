@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.contracts.frozen import solved as solved_scene
 
 import torsion
 from torsion import rules
@@ -18,12 +18,10 @@ from torsion.output.blocks import Table
 from torsion.output.chapters.component_loads import couplings
 from torsion.rules.verdict_line import Check, Checks
 
-SCENE = Path(__file__).parents[2] / "shafting_specs" / "toothed_coupling.yaml"
-
 
 @pytest.fixture(scope="module")
 def found() -> Findings:
-    return torsion.run(torsion.read(SCENE))
+    return solved_scene("toothed_coupling")
 
 
 def judged(found: Findings, *each: NonlinearPeak) -> dict[str, Check]:

