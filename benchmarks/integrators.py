@@ -17,16 +17,16 @@ from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.modes.modal_basis import rigid_shapes
-from torsion.analyses.motion.events import ramps
+from torsion.analyses.motion.events.events import ramps
+from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
-from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
-from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.modal_loads import LoadedModes
+from torsion.kernels.motion.regimes.damped_modes import ModalTrain
+from torsion.kernels.motion.regimes.modal_loads import LoadedModes
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.shaft import Shaft

@@ -378,8 +378,8 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.from_settings(study, settings, variation.figures).words
     if "transient" in study.analyses:
-        from torsion.analyses.motion.acting_torques import acting_torques, expected_steps
-        from torsion.analyses.motion.transient_settings import cases
+        from torsion.analyses.motion.events.acting_torques import acting_torques, expected_steps
+        from torsion.analyses.motion.events.transient_settings import cases
 
         motions = (
             f"{motion.name}: {acting_torques(study, motion).words}{expected_steps(study, system, motion)}"

@@ -9,7 +9,7 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
-from torsion.analyses.motion.following_torques import _size
+from torsion.analyses.motion.train.following_torques import _size
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import amplitude

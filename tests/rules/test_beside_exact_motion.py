@@ -9,8 +9,8 @@ from tests.contracts.frozen import solved as solved_scene
 
 import torsion
 from torsion import rules
-from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
-from torsion.analyses.motion.raised_synthesis import raised_synthesis
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.motion.derived.raised_synthesis import raised_synthesis
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.findings import Findings

@@ -9,7 +9,7 @@ import pytest
 from tests.for_all import for_all
 
 from torsion import rules
-from torsion.analyses.motion.transient_settings import TransientSettings
+from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
 from torsion.rules.verdict_line import Rule, RuleSettings

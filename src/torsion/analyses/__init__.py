@@ -269,9 +269,11 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "nonlinear peaks": Analysis(
         "exact motion at the peaks of nonlinear couplings",
-        "torsion.analyses.motion.raised_synthesis",
+        "torsion.analyses.motion.derived.raised_synthesis",
         needs=("response",),
-        results={"nonlinear_peaks": "torsion.analyses.motion.nonlinear_peaks:NonlinearPeaks"},
+        results={
+            "nonlinear_peaks": "torsion.analyses.motion.derived.nonlinear_peaks:NonlinearPeaks"
+        },
         wanted=lambda study: study.train.has_nonlinear_couplings,
         chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),
@@ -350,7 +352,7 @@ ANALYSES: dict[str, Analysis] = {
     "transient": Analysis(
         "motion over time",
         "torsion.analyses.motion.motion_from_events",
-        settings="torsion.analyses.motion.transient_settings:TransientSettings",
+        settings="torsion.analyses.motion.events.transient_settings:TransientSettings",
         needs=("steady",),
         results={"transient": "Transients"},
         chapters=("motion_over_time",),

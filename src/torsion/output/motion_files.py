@@ -23,7 +23,7 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
     transients = findings.results.get("transient")
     if transients is None:
         return None
-    from torsion.analyses.motion.transient_settings import cases
+    from torsion.analyses.motion.events.transient_settings import cases
 
     forms = {settings.name: settings.export for settings, _ in cases(findings.study)}
     exported = [motion for motion in transients.each if forms[motion.name]]

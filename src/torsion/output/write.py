@@ -126,7 +126,7 @@ def inputs(study: Study) -> list[Path]:
     if study.document is not None and study.document.logo:
         names.append(study.document.logo)
     if "transient" in study.analyses:
-        from torsion.analyses.motion.transient_settings import cases
+        from torsion.analyses.motion.events.transient_settings import cases
 
         events = (event for motion, _ in cases(study) for event in motion.events)
         tables = (getattr(event, "table", None) for event in events)

@@ -23,7 +23,7 @@ def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[Ba
 def _times(
     evidence: Results, transients: "Transients", ranges: tuple[BarredRange, ...]
 ) -> Iterator[BarredTime]:
-    from torsion.analyses.motion.resonances_passed import mean_speed
+    from torsion.analyses.motion.derived.resonances_passed import mean_speed
 
     for motion in transients.each:
         speed = np.abs(mean_speed(evidence.system, motion.speed))

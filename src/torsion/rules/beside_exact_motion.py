@@ -2,8 +2,12 @@
 
 import numpy as np
 
-from torsion.analyses.motion.nonlinear_peaks import NonlinearPeaks
-from torsion.analyses.motion.raised_synthesis import computed_synthesis, surplus, unknown_speeds
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeaks
+from torsion.analyses.motion.derived.raised_synthesis import (
+    computed_synthesis,
+    surplus,
+    unknown_speeds,
+)
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.arrays import BoolArray, IntArray

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.acting_torques import LEFT_OUT
+from torsion.analyses.motion.events.acting_torques import LEFT_OUT
+from torsion.analyses.motion.events.transient_settings import cases
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
-from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Results

@@ -10,10 +10,10 @@ from typing import Annotated
 
 import numpy as np
 
-from torsion.analyses.motion.following_events import Start
-from torsion.analyses.motion.milling_ice import CASES, Ice
+from torsion.analyses.motion.events.following_events import Start
+from torsion.analyses.motion.events.milling_ice import CASES, Ice
+from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
-from torsion.analyses.motion.transient_settings import TransientSettings, cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given

@@ -378,7 +378,7 @@ def exact_share(evidence: Results, spans: IntArray) -> FloatArray:
     """Return (speeds,) by which exact motions of nonlinear couplings exceed the torques in spans; 1 without them."""
     if not (evidence.study.train.has_nonlinear_couplings and spans.size):
         return np.ones(len(evidence.need(Response).speed))
-    from torsion.analyses.motion.raised_synthesis import surplus
+    from torsion.analyses.motion.derived.raised_synthesis import surplus
 
     return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))
 

@@ -176,7 +176,7 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     (
         "train operation analyses",
         "transient",
-        "analyses.motion.transient_settings:transient_faults",
+        "analyses.motion.events.transient_settings:transient_faults",
     ),
     ("train operation analyses excitations", "fit", "what_if.fit.fit_faults:fit_faults"),
     (

@@ -9,14 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import torsion
-from torsion.analyses.motion.events import Point
+from torsion.analyses.motion.events.events import Point
+from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
-from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import SolveError
-from torsion.kernels.motion.torque_history import value
+from torsion.kernels.motion.torques.torque_history import value
 
 
 def moved(

@@ -5,9 +5,9 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
-from torsion.analyses.motion.fatigue import cycles, miner
+from torsion.analyses.motion.derived.fatigue import cycles, miner
+from torsion.analyses.motion.events.transient_settings import Fatigue
 from torsion.analyses.motion.transient_motion import Transients
-from torsion.analyses.motion.transient_settings import Fatigue
 from torsion.errors import InputError
 from torsion.output.blocks import Figure, Heading, Paragraph
 from torsion.output.chapters.motion_over_time import chapter

@@ -109,7 +109,7 @@ analyses: {response: }
 def test_the_truck_by_harmonic_balance(
     ratio: float, rpm: float, friction: float, known: tuple[float, ...]
 ) -> None:
-    from tests.analyses.motion.test_nonlinear_couplings import truck
+    from tests.analyses.motion.train.test_nonlinear_couplings import truck
 
     text = truck(ratio, friction) + (TRUCK % (rpm, rpm + 10, 2)).removeprefix("name: x\n")
     study = torsion.parse(text)
@@ -121,7 +121,7 @@ def test_the_truck_by_harmonic_balance(
 
 
 def test_the_peak_of_the_truck_in_third_gear() -> None:
-    from tests.analyses.motion.test_nonlinear_couplings import truck
+    from tests.analyses.motion.train.test_nonlinear_couplings import truck
 
     text = truck(1.95, 2.851) + (TRUCK % (1500, 2000, 101)).removeprefix("name: x\n")
     study = torsion.parse(text)
@@ -143,7 +143,7 @@ def test_friction_in_a_loop_is_refused() -> None:
 
 
 def test_the_exact_motion_stands_beside_the_response_at_its_peak() -> None:
-    from tests.analyses.motion.test_nonlinear_couplings import truck
+    from tests.analyses.motion.train.test_nonlinear_couplings import truck
 
     findings = torsion.run(torsion.parse(DISC.format("{torque: 20, stiffness: 4e3}", 10)))
     disc, *_ = findings.results["nonlinear_peaks"].each

@@ -3,9 +3,9 @@
 import pytest
 
 import torsion
-from torsion.analyses.motion import compared_band
-from torsion.analyses.motion.built_train import Built
-from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak
+from torsion.analyses.motion.derived import compared_band
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
+from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings
 from torsion.output.chapters.nonlinear_at_peaks import chapter

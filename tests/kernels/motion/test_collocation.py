@@ -7,17 +7,17 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.kernels.motion.test_damped_motion import chain
+from tests.kernels.motion.regimes.test_damped_motion import chain
 
 from torsion.errors import SolveError
-from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.dry_friction import FORWARD, STANDS, DryFriction
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.modal_loads import LoadedModes
-from torsion.kernels.motion.polynomial_torques import (
+from torsion.kernels.motion.regimes.damped_modes import ModalTrain
+from torsion.kernels.motion.regimes.modal_loads import LoadedModes
+from torsion.kernels.motion.torques import torque_laws as laws
+from torsion.kernels.motion.torques.dry_friction import FORWARD, STANDS, DryFriction
+from torsion.kernels.motion.torques.polynomial_torques import (
     NODES,
     POINTS,
     SERIES,
@@ -26,7 +26,7 @@ from torsion.kernels.motion.polynomial_torques import (
     cut_short,
     value,
 )
-from torsion.kernels.motion.torque_history import Piece, history
+from torsion.kernels.motion.torques.torque_history import Piece, history
 
 SYNCHRONOUS = 50.0 * math.pi
 

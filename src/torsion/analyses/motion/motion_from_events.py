@@ -7,21 +7,29 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.motion.acting_torques import acting_torques, without_excluded_torques
-from torsion.analyses.motion.built_train import build_linear
-from torsion.analyses.motion.event_driven_curves import event_driven_curves
-from torsion.analyses.motion.fatigue import damages
-from torsion.analyses.motion.following_events import SpeedProgram
-from torsion.analyses.motion.following_torques import Following, replaced_dampers
-from torsion.analyses.motion.joint_cuts import joint_cuts, parts_of
-from torsion.analyses.motion.loaded_train import LoadedTrain, load_train
-from torsion.analyses.motion.milling_ice import Ice, IceTorque
-from torsion.analyses.motion.modal_train import kept_modes, train_in_modes
-from torsion.analyses.motion.order_tracking import order_tracking, orders_requested
-from torsion.analyses.motion.resonances_passed import passages
-from torsion.analyses.motion.state_before import point, state_before
-from torsion.analyses.motion.times_looked_at import PER_PERIOD
-from torsion.analyses.motion.torque_curves import Curves, Seen, look_at
+from torsion.analyses.motion.curves.event_driven_curves import event_driven_curves
+from torsion.analyses.motion.curves.times_looked_at import PER_PERIOD
+from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at
+from torsion.analyses.motion.derived.fatigue import damages
+from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested
+from torsion.analyses.motion.derived.resonances_passed import passages
+from torsion.analyses.motion.derived.worst_case import FaultScan, worst_motion
+from torsion.analyses.motion.events.acting_torques import acting_torques, without_excluded_torques
+from torsion.analyses.motion.events.following_events import SpeedProgram
+from torsion.analyses.motion.events.milling_ice import Ice, IceTorque
+from torsion.analyses.motion.events.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    PATH,
+    TransientSettings,
+    cases,
+)
+from torsion.analyses.motion.train.built_train import build_linear
+from torsion.analyses.motion.train.following_torques import Following, replaced_dampers
+from torsion.analyses.motion.train.joint_cuts import joint_cuts, parts_of
+from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
+from torsion.analyses.motion.train.modal_train import kept_modes, train_in_modes
+from torsion.analyses.motion.train.state_before import point, state_before
 from torsion.analyses.motion.transient_motion import (
     RESOLVED,
     TINY,
@@ -29,14 +37,6 @@ from torsion.analyses.motion.transient_motion import (
     TransientMotion,
     Transients,
 )
-from torsion.analyses.motion.transient_settings import (
-    DEFAULT_MOST,
-    DEFAULT_PER_PERIOD,
-    PATH,
-    TransientSettings,
-    cases,
-)
-from torsion.analyses.motion.worst_case import FaultScan, worst_motion
 from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from torsion.analyses.motion.curves.event_driven_curves import Switching
+from torsion.analyses.motion.derived.order_tracking import OrderTracking
+from torsion.analyses.motion.derived.resonances_passed import Passage
 from torsion.analyses.motion.element_peaks import ElementPeak, element_peaks
-from torsion.analyses.motion.event_driven_curves import Switching
-from torsion.analyses.motion.milling_ice import IceTorque
-from torsion.analyses.motion.order_tracking import OrderTracking
-from torsion.analyses.motion.resonances_passed import Passage
-from torsion.analyses.motion.transient_settings import DEFAULT_MOST
+from torsion.analyses.motion.events.milling_ice import IceTorque
+from torsion.analyses.motion.events.transient_settings import DEFAULT_MOST
 from torsion.analyses.response.amplitudes import spans_by_name
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System

@@ -192,7 +192,7 @@ def raised(evidence: Results, spans: IntArray, values: FloatArray, power: int = 
     """
     if not evidence.study.train.has_nonlinear_couplings:
         return values
-    from torsion.analyses.motion.raised_synthesis import surplus
+    from torsion.analyses.motion.derived.raised_synthesis import surplus
 
     shape = (-1, *(1,) * (values.ndim - 1))
     is_known = np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])

@@ -16,8 +16,8 @@ from torsion.errors import SolveError
 from torsion.kernels.bracketed_search import find_root
 from torsion.kernels.motion.endless_events import refuse_too_many_steps
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.modal_loads import SAME_TIME, Turning
-from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES, value
+from torsion.kernels.motion.regimes.modal_loads import SAME_TIME, Turning
+from torsion.kernels.motion.torques.polynomial_torques import ENDS, POINTS, SERIES, value
 
 EACH = np.arange(POINTS)
 AT_END = SERIES.sum(axis=0)[:, None]  # (nodes, 1): the torque there, of those at the nodes

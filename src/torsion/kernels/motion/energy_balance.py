@@ -11,7 +11,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, Reading
-from torsion.kernels.motion.linear_regime import Regime
+from torsion.kernels.motion.regimes.linear_regime import Regime
 
 RADIANS = 2.0  # of the fastest motion in a window
 GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 4 rad in it

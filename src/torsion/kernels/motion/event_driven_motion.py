@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.linear_regime import Layout, Regime
-from torsion.kernels.motion.modal_loads import LoadedModes, Start, beside_each_other
+from torsion.kernels.motion.regimes.linear_regime import Layout, Regime
+from torsion.kernels.motion.regimes.modal_loads import LoadedModes, Start, beside_each_other
 
 
 @dataclass(frozen=True)

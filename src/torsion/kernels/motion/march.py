@@ -15,12 +15,25 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.kernels.motion.endless_events import Chatter, refuse_too_many
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
-from torsion.kernels.motion.linear_regime import Layout, Modes, Moved, Regime, regime_of
-from torsion.kernels.motion.modal_loads import SAME_TIME, LoadedModes, Start, Turning, inputs_at
-from torsion.kernels.motion.piecewise_elements import OPEN, Friction
-from torsion.kernels.motion.polynomial_torques import ENDS, POINTS, SERIES
-from torsion.kernels.motion.regime_events import BLOCK, RADIANS, Watch, looks
-from torsion.kernels.motion.sampled_rows import Rows, features, rates_of, rows_of, sample, together
+from torsion.kernels.motion.regimes.linear_regime import Layout, Modes, Moved, Regime, regime_of
+from torsion.kernels.motion.regimes.modal_loads import (
+    SAME_TIME,
+    LoadedModes,
+    Start,
+    Turning,
+    inputs_at,
+)
+from torsion.kernels.motion.regimes.piecewise_elements import OPEN, Friction
+from torsion.kernels.motion.regimes.regime_events import BLOCK, RADIANS, Watch, looks
+from torsion.kernels.motion.regimes.sampled_rows import (
+    Rows,
+    features,
+    rates_of,
+    rows_of,
+    sample,
+    together,
+)
+from torsion.kernels.motion.torques.polynomial_torques import ENDS, POINTS, SERIES
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.order_tracking import TURNS, OrderTracking, TrackedTorque
+from torsion.analyses.motion.derived.order_tracking import TURNS, OrderTracking, TrackedTorque
 from torsion.output.blocks import Block, Paragraph, table
 from torsion.output.figures.figure import Axis, Cells, Figure, Panel
 from torsion.output.figures.ranges import amplitudes, span

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.acting_torques import ActingTorques
-from torsion.analyses.motion.event_driven_curves import Switching
-from torsion.analyses.motion.milling_ice import Ice
-from torsion.analyses.motion.short_circuit import ShortCircuit
+from torsion.analyses.motion.curves.event_driven_curves import Switching
+from torsion.analyses.motion.events.acting_torques import ActingTorques
+from torsion.analyses.motion.events.milling_ice import Ice
+from torsion.analyses.motion.events.short_circuit import ShortCircuit
+from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
-from torsion.analyses.motion.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders

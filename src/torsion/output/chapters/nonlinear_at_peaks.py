@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import chain
 
-from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import number, rpm

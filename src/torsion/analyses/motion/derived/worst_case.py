@@ -1,0 +1,255 @@
+"""The worst of what a file leaves open: phases at which motors are switched on, senses and reclosing of short circuits.
+
+Torques are nearly linear in the cosine and the sine of the phase of a pulsation: three phases give the torque without
+pulsation and what both add at every time, and so the phases at which each span has its greatest torque. These are
+computed. Of short circuits all senses and times of reclosing are computed.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from torsion.analyses.motion.curves.event_driven_curves import Switching
+from torsion.analyses.motion.events.event_kind import Kind
+from torsion.analyses.motion.events.following_events import Start
+from torsion.analyses.motion.events.short_circuit import FINER, ShortCircuit
+from torsion.analyses.motion.events.transient_settings import TransientSettings
+from torsion.analyses.motion.transient_motion import TransientMotion
+from torsion.arrays import FloatArray, IntArray
+from torsion.errors import Fault, InputError, Path
+
+THREE = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
+ALIKE = math.radians(4.0)  # phases nearer than that are one: a cosine there is 1 to 0.25 %
+ADDS = 0.01  # of a peak: a span to which pulsation adds less has no worst phase
+MOST_FAULTS = 500  # motions of one file's motion
+WORST_TIMES = 3  # faults beside whose times of reclosing the scan is finer
+
+
+class Peaks(Protocol):
+    """A motion."""
+
+    @property
+    def torque(self) -> FloatArray:
+        """Torques of the spans at the samples, (spans, samples) N m."""
+
+    @property
+    def peak(self) -> FloatArray:
+        """Largest magnitude of the torque of each span, (spans,) N m."""
+
+
+Moved = TypeVar("Moved", bound=Peaks)
+Phases = tuple[tuple[int, float], ...]  # number of an event, and rad
+
+
+def over_phases(
+    settings: TransientSettings, solve: Callable[[TransientSettings], Moved], limit: FloatArray
+) -> list[tuple[Phases, Moved]]:
+    """The motions of several phases, the worst first: nearest to or farthest above the limits (spans,) N m, or nan."""
+    bodies = enumerate(event.body for event in settings.events)
+    left_open = [k for k, body in bodies if isinstance(body, Start) and body.has_worst_phase]
+    phases, motions = dict.fromkeys(left_open, 0.0), dict[Phases, Moved]()
+
+    def run(number: int, phase: float) -> Moved:
+        key: Phases = tuple({**phases, number: phase}.items())
+        if key not in motions:
+            bodies = {
+                number: settings.events[number].body.model_copy(update={"phase": phase})
+                for number, phase in key
+            }
+            motions[key] = solve(_with_bodies(settings, bodies))
+        return motions[key]
+
+    if not left_open:
+        return [((), solve(settings))]
+    for number in left_open:
+        three = [run(number, phase) for phase in THREE]
+        share = _share_of_limits(limit, three[0].peak)
+        for phase in _worst_phases([motion.torque for motion in three], share):
+            run(number, phase)
+        peaks = {
+            key: float((motion.peak * share).max(initial=0.0)) for key, motion in motions.items()
+        }
+        largest = max(peaks.values())
+        phases = dict(next(key for key, peak in peaks.items() if peak == largest))
+    worst = tuple(phases.items())
+    return [(worst, motions.pop(worst)), *motions.items()]
+
+
+def _with_bodies(settings: TransientSettings, bodies: Mapping[int, Kind]) -> TransientSettings:
+    """The settings with other bodies of some events, by their number."""
+    events = list(settings.events)
+    for number, body in bodies.items():
+        events[number] = events[number].model_copy(update={body.field(): body})
+    return settings.model_copy(update={"events": tuple(events)})
+
+
+def _share_of_limits(limit: FloatArray, peak: FloatArray) -> FloatArray:
+    """(spans,) by which peaks are compared: of their limits, or where there is none of what they are."""
+    scale = np.where(np.isfinite(limit).any(), limit, peak)
+    return np.nan_to_num(1.0 / np.where(scale > 0.0, scale, np.nan))
+
+
+def _worst_phases(torque: Sequence[FloatArray], share: FloatArray) -> Iterator[float]:
+    """Phases (rad) of the greatest magnitudes of every span, from its torques (spans, samples) at THREE phases."""
+    mean = np.sum(np.array(torque), axis=0) / 3.0
+    wave = np.tensordot(2.0 / 3.0 * np.exp(1j * np.array(THREE)), np.array(torque), 1)
+    sizes = np.abs(mean) + np.abs(wave)
+    sample = sizes.argmax(axis=1)
+    rows = np.arange(len(sample))
+    peak, added, sense = sizes[rows, sample], wave[rows, sample], np.sign(mean[rows, sample])
+    phase, computed = np.mod(np.angle(sense * added), 2.0 * math.pi), list(THREE)
+    for span in np.argsort(-peak * share, kind="stable").tolist():
+        distances = [abs(math.remainder(phase[span] - near, 2.0 * math.pi)) for near in computed]
+        if abs(added[span]) > ADDS * peak[span] and min(distances) > ALIKE:
+            computed.append(float(phase[span]))
+            yield computed[-1]
+
+
+@dataclass(frozen=True)
+class FaultScan:
+    """The short circuits of a motion; frequency: (modes,) Hz, the natural ones of the train."""
+
+    settings: TransientSettings
+    frequency: FloatArray
+    path: Path  # of the settings in the file
+
+    @property
+    def faults(self) -> dict[int, ShortCircuit]:
+        """Every short circuit by the number of its event."""
+        bodies = enumerate(event.body for event in self.settings.events)
+        return {number: body for number, body in bodies if isinstance(body, ShortCircuit)}
+
+    @property
+    def scanned(self) -> dict[int, ShortCircuit]:
+        """Those that close again at a time between two."""
+        return {number: fault for number, fault in self.faults.items() if fault.is_scanned}
+
+    def variants(self) -> list[TransientSettings]:
+        """Every combination of the senses and times of reclosing of all faults.
+
+        Raises InputError where these and the finer ones may be more than MOST_FAULTS.
+        """
+        variants = {number: fault.variants(self.frequency) for number, fault in self.faults.items()}
+        count = math.prod(map(len, variants.values()))
+        count += WORST_TIMES * 2 * (FINER - 1) * len(self.scanned)
+        if count > MOST_FAULTS:
+            message = (
+                f"{count} short circuits would be computed, for all senses and times of reclosing: more than "
+                f"{MOST_FAULTS}"
+            )
+            hint = "a narrower range `reclose`, or state `sense`"
+            raise InputError([Fault((*self.path, "events"), message, hint)])
+        combinations = (
+            zip(variants, bodies, strict=True) for bodies in product(*variants.values())
+        )
+        return [_with_bodies(self.settings, dict(bodies)) for bodies in combinations]
+
+    def finer_variants(self, worst: Sequence[TransientSettings]) -> Iterator[TransientSettings]:
+        """Between the times of reclosing of the worst of `variants` and those before and after, each of them once."""
+        seen = list[TransientSettings]()
+        for settings in worst[:WORST_TIMES]:
+            for number, fault in self.scanned.items():
+                fault_now = settings.events[number].body
+                assert isinstance(fault_now, ShortCircuit)
+                assert fault_now.reclose is not None
+                for finer_fault in fault.variants_beside(fault_now.reclose[0], self.frequency):
+                    body = finer_fault.model_copy(update={"sense": fault_now.sense})
+                    finer = _with_bodies(settings, {number: body})
+                    if finer not in seen:
+                        seen.append(finer)
+                        yield finer
+
+
+def worst_motion(
+    scan: FaultScan, solve: Callable[[TransientSettings], TransientMotion], limit: FloatArray
+) -> TransientMotion:
+    """The motion of the worst faults and phases, with the greatest of every span's torques of all.
+
+    limit: (spans,) N m, nan where there is none.
+    """
+
+    def solve_phases(settings: TransientSettings) -> TransientMotion:
+        motions = over_phases(settings, solve, limit)
+        if len(motions) == 1:
+            return motions[0][1]
+        phases = tuple(phase for _, phase in motions[0][0])
+        moved = _greatest([motion for _, motion in motions])
+        return replace(moved, slip_phase=phases, phases_computed=len(motions))
+
+    variants = scan.variants()
+    worst = solve_phases(variants[0])
+    if len(variants) == 1:
+        return worst
+    share = _share_of_limits(limit, worst.peak)
+    worst = replace(worst, worst_fault=_faults_in_words(variants[0]))
+    peaks = [(worst.peak * share).max(initial=0.0)]
+
+    def compare(settings: TransientSettings, worst: TransientMotion) -> TransientMotion:
+        motion = replace(solve_phases(settings), worst_fault=_faults_in_words(settings))
+        peaks.append((motion.peak * share).max(initial=0.0))
+        is_worse = peaks[-1] > (worst.peak * share).max(initial=0.0)
+        return _greatest([motion, worst] if is_worse else [worst, motion])
+
+    for settings in variants[1:]:
+        worst = compare(settings, worst)
+    worst_first = np.argsort(-np.array(peaks), kind="stable").tolist()
+    for settings in scan.finer_variants([variants[number] for number in worst_first]):
+        worst = compare(settings, worst)
+    return replace(worst, faults_computed=len(peaks))
+
+
+def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
+    """The first of the motions, with the greatest of every span's torques of all, as doubtful as the most doubtful."""
+    shown, spans = motions[0], np.arange(len(motions[0].greatest))
+
+    def column(name: str) -> np.ndarray:
+        return np.array([getattr(motion, name) for motion in motions])
+
+    def chosen(which: IntArray, *names: str) -> dict[str, Any]:
+        return {name: column(name)[which, spans] for name in names}
+
+    highest = column("peak").argmax(axis=0).tolist()
+    largest: dict[str, Any] = {
+        name: column(name).max(axis=0) for name in ("unresolved", "reversals")
+    }
+    switchings = [motion.switching for motion in motions if motion.switching is not None]
+    return replace(
+        shown,
+        **chosen(column("greatest").argmax(axis=0), "greatest", "greatest_at"),
+        **chosen(column("least").argmin(axis=0), "least", "least_at"),
+        **largest,
+        residual=max(motion.residual for motion in motions),
+        change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
+        left_in_series=max(motion.left_in_series for motion in motions),
+        switching=_least_certain(switchings),
+        turns=tuple(
+            motions[number].turns[span]
+            for span, number in enumerate(highest)
+            if motions[number].turns
+        ),
+    )
+
+
+def _least_certain(switchings: list[Switching]) -> Switching | None:
+    """The first of the switchings, as doubtful as the most doubtful of all; None without any."""
+    if not switchings:
+        return None
+    scatters = [item.scatter for item in switchings if item.scatter is not None]
+    times = [item.sensitive_after for item in switchings if item.sensitive_after is not None]
+    return replace(
+        switchings[0],
+        band_change=max(item.band_change for item in switchings),
+        sensitive_after=min(times, default=None),
+        scatter=np.max(scatters, axis=0) if scatters else None,
+    )
+
+
+def _faults_in_words(settings: TransientSettings) -> str:
+    """Their senses and times of reclosing, with their points where there are several."""
+    bodies = ((event.at, event.body) for event in settings.events)
+    faults = [(name, body.words) for name, body in bodies if isinstance(body, ShortCircuit)]
+    return "; ".join(f"{words}{f' at {name}' if len(faults) > 1 else ''}" for name, words in faults)

@@ -1,0 +1,238 @@
+"""Torques that follow the speed of their point: starts of motors, loads, and a speed that is prescribed."""
+
+import cmath
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, model_validator
+
+from torsion import fields
+from torsion.analyses.motion.events.event_kind import (
+    Kind,
+    Lack,
+    Length,
+    Pairs,
+    Point,
+    rows_over_time,
+)
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.fields import WrittenRows as SpeedTable
+from torsion.kernels.motion.collocation import Law
+from torsion.kernels.motion.torques import torque_laws
+from torsion.kernels.motion.torques.dry_friction import DryFriction
+from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.model.machine_torques import read_table
+from torsion.sources import note
+
+WORST = "worst"
+SAME_SPEED = 1e-9  # relative, or rad/s
+PullOut = Annotated[float, Quantity("1", above=0, below=1)]
+
+
+def _read_rows(value: Any) -> Any:
+    if not isinstance(value, list | tuple):
+        raise refuse("a table over speed is a list", "[[0 rpm, 900 N*m], [1500 rpm, 0 N*m]]")
+    rows = read_table(value)
+    if rows[0][0] != 0.0:
+        message = "a table over speed for a transient response begins at 0 rpm"
+        raise refuse(message, "add its row [0 rpm, ...]")
+    return rows
+
+
+def _read_law(value: Any) -> Any:
+    if value in ("propeller", "constant"):
+        return value
+    if isinstance(value, str):
+        hint = "propeller, constant, or a table [[speed, torque], ...]"
+        raise refuse(f"unknown load law '{value}'", hint)
+    rows = _read_rows(value)
+    if any(torque < 0.0 for _, torque in rows):
+        hint = "what drives is a `start`, or a `step`"
+        raise refuse("a load brakes: its torques are 0 N*m or more", hint)
+    return rows
+
+
+def _read_phase(value: Any) -> Any:
+    return value if value == WORST else Quantity("rad").read(value)
+
+
+Program = Annotated[
+    Pairs,
+    rows_over_time(
+        Quantity("rad/s", at_least=0), "a program of speed", "[[0 s, 0 rpm], [2 s, 1500 rpm]]"
+    ),
+]
+Rows = Annotated[Pairs, BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)]
+LoadLaw = Literal["propeller", "constant"] | SpeedTable
+Phase = Annotated[Any, BeforeValidator(_read_phase, json_schema_input_type=float | str)]
+
+
+class Pulsation(Declared):
+    """What a direct start adds: torque e^(-t/decay) sin(line t + phase)."""
+
+    torque: fields.Torque = required("its first amplitude: 1 to 5 times the rated torque")
+    decay: Length = required("time in which it falls to 1/e: 0.05 to 0.3 s")
+    phase: fields.Angle = given("phase of its sine as it begins", 0.0)
+
+
+class Start(Kind):
+    """A motor that is switched on: it takes the place of the point's mean torque, by the speed of its shaft."""
+
+    key, drives = "start", True
+    meaning = "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
+
+    torque: Rows | None = given(
+        "[[speed, torque], ...] from 0 rpm on; its last piece is extrapolated"
+    )
+    pull_out: fields.Torque | None = given(
+        "breakdown torque of an induction motor, in place of a table (Kloss)"
+    )
+    slip: PullOut | None = given("slip at which it pulls out")
+    synchronous: fields.Speed | None = given("synchronous speed")
+    pulsation: Pulsation | None = given("{torque, decay} at line frequency")
+    slip_pulsation: Rows | None = given(
+        "[[speed, amplitude], ...] of a synchronous motor that starts: it pulsates at twice the slip frequency"
+    )
+    phase: Phase = given(
+        "initial phase of the cosine of `slip_pulsation`; worst: several phases are computed, and the maximum "
+        "torques are judged",
+        "worst",
+    )
+    line: fields.Frequency = given("line frequency", 50.0)
+    off: Length | None = given("time after which it is switched off (default: never)")
+
+    @model_validator(mode="after")
+    def _curve(self) -> Self:
+        if self.torque is None and None in (self.pull_out, self.slip, self.synchronous):
+            hint = "`torque: [[speed, torque], ...]`, or `pull_out`, `slip` and `synchronous`"
+            raise refuse("a start needs its torque over speed", hint)
+        if self.torque is not None and (self.pull_out is not None or self.slip is not None):
+            message = "`torque` and `pull_out` with `slip` exclude each other"
+            raise refuse(message, "keep one of them", "torque")
+        if self.slip_pulsation is not None and self.synchronous is None:
+            message = "`slip_pulsation` needs `synchronous`, the synchronous speed"
+            raise refuse(message, key="slip_pulsation")
+        if self.slip_pulsation is None and "phase" in self.model_fields_set:
+            hint = "`pulsation: {phase: ...}` has its own"
+            raise refuse("`phase` is that of `slip_pulsation`", hint, "phase")
+        return self
+
+    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
+        if self.pulsation is not None:
+            rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
+            level = -1j * self.pulsation.torque * cmath.exp(1j * self.pulsation.phase)
+            yield Piece(begin, _window(begin, self.off).end, level, rate=rate)
+
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+        window, synchronous = _window(begin, self.off), self.synchronous or 1.0
+        if self.torque is not None:
+            yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
+        else:
+            note("Kloss1916")
+            pull_out, slip = self.pull_out or 0.0, self.slip or 1.0
+            yield torque_laws.InductionMotor(0, pull_out, slip, synchronous, window)
+        if self.slip_pulsation is not None:
+            twice = 4.0 * math.pi * self.line
+            size = torque_laws.table(self.slip_pulsation)
+            phase = 0.0 if self.phase == WORST else self.phase
+            order = -twice / synchronous
+            yield torque_laws.Wave(0, size, order, phase, 1j * twice, window, from_begin=True)
+
+    @property
+    def has_worst_phase(self) -> bool:
+        """Whether the file leaves the phase of its slip pulsation open."""
+        return self.slip_pulsation is not None and self.phase == WORST
+
+
+def _window(begin: float, off: float | None) -> torque_laws.Window:
+    """From the begin to the time after which it is off."""
+    return torque_laws.Window(begin, math.inf if off is None else begin + off)
+
+
+class Load(Kind):
+    """What brakes a point, in place of its mean torque, by the speed of its shaft; alike in both senses of rotation."""
+
+    key, drives = "load", True
+    meaning = "{law, torque, speed, off}: what brakes the point, by its speed; its slope is the damping there"
+
+    law: Annotated[Any, BeforeValidator(_read_law, json_schema_input_type=LoadLaw)] = required(
+        "propeller (T ~ n**2), constant (holds at rest), or [[speed, torque], ...] from 0 rpm on"
+    )
+    torque: fields.Torque | None = given("torque of the law at `speed` (default: the rated torque)")
+    speed: fields.Speed | None = given(
+        "speed of the point at that torque (default: its rated speed)"
+    )
+    off: Length | None = given("time after which it ends (default: never)")
+
+    @model_validator(mode="after")
+    def _no_more_than_its_law(self) -> Self:
+        if not isinstance(self.law, str) and (self.torque is not None or self.speed is not None):
+            hint = "leave `torque` and `speed` out"
+            raise refuse("a table contains torque and speed", hint, "law")
+        return self
+
+    def is_beyond(self, law: Law, regime: int, late: float) -> bool:
+        """In a regime of one of its laws its point outruns its table; late: s since its begin."""
+        if isinstance(self.law, str) or not isinstance(law, torque_laws.BySpeed):
+            return False
+        return 0.0 <= late < (self.off or math.inf) and regime in (0, len(law.parts.edges))
+
+    @property
+    def damps(self) -> bool:
+        """Its torque changes with the speed."""
+        if isinstance(self.law, str):
+            return self.law == "propeller"
+        return len({torque for _, torque in self.law}) > 1
+
+    def acts_throughout(self, begin: float, duration: float) -> bool:
+        """It acts over the whole motion."""
+        return begin == 0.0 and (self.off is None or self.off >= duration)
+
+    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+        window = _window(begin, self.off)
+        torque, speed = self.torque or point.rated, self.speed or point.rated_speed or 1.0
+        if self.law == "propeller":
+            yield torque_laws.BySpeed(0, torque_laws.quadratic(-torque, speed), window)
+            return
+        rows = [(0.0, torque), (speed, torque)] if self.law == "constant" else self.law
+        still = rows[0][1]
+        if still:
+            yield DryFriction(0, (still,), rows[-1][0], (window,))
+        if self.law != "constant":
+            moving = [(turning, still - value) for turning, value in rows]
+            line = torque_laws.mirrored(torque_laws.marked(moving, SAME_SPEED), sign=-1.0)
+            yield torque_laws.BySpeed(0, torque_laws.table(line), window)
+
+    def lacks(self, point: Point) -> Lack:
+        has_size = not isinstance(self.law, str) or self.torque is not None or point.rated
+        if has_size and (self.law != "propeller" or self.speed or point.rated_speed):
+            return None
+        hint = "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`"
+        return "the load has no size", hint
+
+
+class SpeedProgram(Kind):
+    """A speed that a fixed point is made to run at."""
+
+    key, meaning = "speed", "{program: [[s, rpm], ...]}: the speed of a fixed point is prescribed"
+
+    program: Program = required(
+        "[[time, speed], ...] from the begin of the event, straight between; then the last"
+    )
+
+    def rates(self, begin: float) -> list[tuple[float, float, float]]:
+        """Begin and end (s) and rate (rad/s2) of every line of it."""
+        return [
+            (begin + time, begin + end, (later - speed) / (end - time))
+            for (time, speed), (end, later) in pairwise(self.program)
+        ]
+
+    def lacks(self, point: Point) -> Lack:
+        first = self.program[0][1]
+        if math.isclose(first, point.speed, rel_tol=SAME_SPEED, abs_tol=SAME_SPEED):
+            return None
+        begins, runs = (f"{speed * 30.0 / math.pi:.6g} rpm" for speed in (first, point.speed))
+        message = f"the program begins at {begins}, and '{point.name}' runs at {runs}"
+        return message, "begin with that, or give `initial`"

@@ -1,0 +1,322 @@
+"""A train in the modes of its linear parts, with what acts on it and its nonlinear couplings, ready to be moved."""
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from torsion.analyses.motion.events.acting_torques import without_excluded_torques
+from torsion.analyses.motion.events.transient_settings import TransientSettings
+from torsion.analyses.motion.train.following_torques import changes_speed, refuse_beyond_tables
+from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
+from torsion.analyses.motion.train.modal_train import direct_torques, kept_modes, lowest_modes
+from torsion.analyses.motion.train.nonlinear_couplings import (
+    Coupling,
+    Standing,
+    capacity_pieces,
+    couplings,
+    opened,
+    standing,
+)
+from torsion.analyses.motion.train.state_before import State, state_before
+from torsion.analyses.response.harmonic_components import amplitude, excitations
+from torsion.analyses.undamped_modes import Modes, modes_as_discretised
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Path, SolveError
+from torsion.findings import Progress, silent
+from torsion.kernels.motion.collocation import Marched, march
+from torsion.kernels.motion.endless_events import Chatter, TooManyEvents
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.regimes.damped_modes import ModalTrain
+from torsion.kernels.motion.regimes.modal_loads import LoadedModes, Turning
+from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.spanning_forest import connected
+from torsion.study import Study
+
+MOST_OF_ELEMENTS = 200  # modes of a train with finite elements
+LARGEST_ANGLE = 2e7  # rad of the fastest mode within the duration, up to which all modes are kept
+# of the tolerance: events end steps inside, where collocation is not as accurate as at their ends
+CUT_SHORT = 0.1
+
+
+@dataclass(frozen=True)
+class Built:
+    """The train in modes of its linear parts, with its elements, and how it stands at time 0."""
+
+    loaded: LoadedTrain  # without the couplings that can part or slip, in the modes that are kept
+    train: LoadedModes
+    direct: FloatArray  # (spans, loads + interfaces) carried at once
+    position: FloatArray  # (rigid motions + modes,)
+    speed: FloatArray  # (rigid motions + modes,)
+    # (rigid motions + modes,) positions from which angles of the torques that follow count
+    untwisted: FloatArray
+    # (spans, elements) of the torques of elements, carried at once and by themselves
+    of_elements: FloatArray
+    couplings: tuple[Coupling, ...] = ()
+    standing: tuple[Standing, ...] = ()
+    is_band: bool = False  # modes were left out
+
+    def run(
+        self, fineness: float = 1.0, progress: Progress = silent
+    ) -> tuple[EventDrivenMotion, Marched | None]:
+        """The motion, and how it was marched where torques follow it.
+
+        Raises SolveError where a coupling changes its regime without end, or steps become too short.
+        """
+        loaded = self.loaded
+        follows, settings = loaded.follows, loaded.settings
+        if follows is None:
+            (motion,) = self.until([settings.duration], fineness, progress)
+            return motion, None
+        scheme = loaded.scheme(self.train.history.begin)
+        if self.train.elements:
+            tolerance = CUT_SHORT * fineness**4 * scheme.tolerance
+            scheme = replace(scheme, longest=fineness * scheme.longest, tolerance=tolerance)
+        with self._located():
+            marching = self._begin(settings.duration, fineness, progress)
+            shown = partial(progress, "torques that follow")
+            marched = march(marching, follows.laws, scheme, shown)
+        refuse_beyond_tables(follows, settings.events, marched, loaded.path)
+        return marching.finished(settings.duration), marched
+
+    def until(
+        self, ends: Sequence[float], fineness: float = 1.0, progress: Progress = silent
+    ) -> Iterator[EventDrivenMotion]:
+        """The motion up to each of some times (s), ascending, where no torque follows it; raises as `run` does."""
+        with self._located():
+            yield from self._begin(ends[-1], fineness, progress).until(ends)
+
+    def _begin(self, duration: float, fineness: float, progress: Progress) -> March:
+        twist = np.array([element.twist for element in self.standing])
+        regimes = tuple(element.regime for element in self.standing)
+        shown = partial(progress, "from event to event")
+        state = twist, self.position, self.speed, regimes
+        return March(self.train, duration, *state, fineness, shown, self._turning)
+
+    def _turning(self, time: FloatArray) -> Turning:
+        """How the interfaces of what follows the motion turn without any torque."""
+        angle, speed, rate = self.loaded.turning(time)
+        return angle - (self.train.shape @ self.untwisted)[:, None], speed, rate
+
+    @contextmanager
+    def _located(self) -> Iterator[None]:
+        """Errors of a motion with the names and the path that they have in the file."""
+        path = self.loaded.path
+        try:
+            yield
+        except Chatter as chatter:
+            name = self.couplings[self.standing[chatter.element].coupling].part.name
+            message = (
+                f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
+            )
+            hint = "give its contact damping, or its friction a stiffness"
+            raise SolveError(message, hint, path) from None
+        except TooManyEvents as end:
+            hint = f"a `duration` below {end.time:.4g} s"
+            raise SolveError(end.message, hint, (*path, "duration")) from None
+        except SolveError as error:
+            raise SolveError(error.message, error.hint, path) from None
+
+
+def build(
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    path: Path,
+    *,
+    damping_ratio: float | None = None,
+    halved: bool = False,
+    speed: float | None = None,
+) -> Built:
+    """The train in modes of its linear parts.
+
+    halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
+    in place of the operation's.
+    """
+    study, system = without_excluded_torques(study, system, settings)
+    nonlinear = couplings(study.train, system)
+    if speed is not None and changes_speed(system, settings.events):
+        message = "the joints of the train turn unevenly, and a settled vibration with them is not supported yet"
+        raise SolveError(message)
+    before = state_before(study, system, settings, path, vibrates=False, speed=speed)
+    loaded = load_train(
+        study,
+        system,
+        settings,
+        path,
+        before,
+        partial(_all_modes, before=before, path=path),
+        opened=partial(opened, nonlinear=nonlinear),
+        damping_ratio=damping_ratio,
+        is_settled=speed is not None,
+    )
+    if loaded.cuts and before.speeds:
+        message = "parts at different speeds together with uneven joints are not supported yet"
+        hint = "begin with `initial: rest` or `{speed: ...}`"
+        raise SolveError(message, hint, (*path, "initial"))
+
+    turning = _speeds_of_parts(study, loaded)
+    if before.mean is not None:
+        carried, mean = loaded.means(system)
+        loaded = loaded.with_load((Piece(0.0, math.inf, 1.0),), mean, carried)
+    if speed is not None:
+        loaded = _with_steady_orders(system, loaded)
+    nothing, capacities = np.zeros(len(system.stations)), dict[int, tuple[int, bool]]()
+    for number, coupling in enumerate(nonlinear):
+        capacity = capacity_pieces(settings, coupling)
+        if capacity is not None:
+            begins_at_zero = not any(piece.begin == 0.0 for piece in capacity)
+            capacities[number] = len(loaded.loads), begins_at_zero
+            loaded = loaded.with_load(capacity, nothing)
+
+    twists = loaded.twists(np.array([coupling.span for coupling in nonlinear]))
+    torques = before.torque + before.twist
+    elements = list[Standing]()
+    for number, coupling in enumerate(nonlinear):
+        torque = float(torques[coupling.span])
+        linear, stands = standing(
+            number, coupling, twists[number], torque, turning, capacities.get(number)
+        )
+        torques[coupling.span] = linear
+        elements += stands
+    flexibility = loaded.system.flexibility
+    compliance = np.where(np.isfinite(flexibility), flexibility, 0.0)
+    start = loaded.positions(compliance * torques)
+    kept = _kept(loaded.w, settings, halved=halved)
+    return _in_modes(loaded, nonlinear, tuple(elements), kept, start, turning)
+
+
+def build_linear(loaded: LoadedTrain, *, is_band: bool) -> Built:
+    """A train without nonlinear couplings in the modes that are kept, as it deviates from its steady motion.
+
+    is_band: higher modes are left out, and stand at once for what they carry.
+    """
+    acting, shape = loaded.acting_all, loaded.interface_shape
+    direct = direct_torques(loaded.system, loaded.modes, acting, is_band=is_band)
+    force = loaded.shape.T @ loaded.acting
+    train = LoadedModes(loaded.damping, loaded.loads, force, shape)
+    position, speed = loaded.start()
+    none = np.zeros((len(direct), 0))
+    return Built(
+        loaded, train, direct + loaded.carried, position, speed, np.zeros_like(speed), none
+    )
+
+
+def _all_modes(bare: System, before: State, path: Path) -> Modes:
+    """All modes of the linear parts."""
+    if bare.bars is None:
+        return kept_modes(bare, "all", path)[0]
+    if before.torque.any() or before.twist.any():
+        message = "backlash and friction together with finite elements start without torque"
+        hint = "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`"
+        raise SolveError(message, hint, path)
+    modes = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
+    if len(modes.frequency) > MOST_OF_ELEMENTS:
+        message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
+        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", path)
+    return modes
+
+
+def _with_steady_orders(system: System, loaded: LoadedTrain) -> LoadedTrain:
+    """With the periodic torques of a train that vibrates steadily at one speed, of which orders have frequencies."""
+    speed = np.array([loaded.before.speed])
+    for excitation in excitations(system):
+        acting = np.zeros(len(system.stations), dtype=complex)
+        for torque in excitation.torques:
+            acting[torque.station] += amplitude(system, torque, speed, loaded.before.mean)[0]
+        rate = 1j * float(excitation.line.circular_frequency(speed)[0])
+        for factor, column in ((1.0, acting.real), (1j, acting.imag)):
+            loaded = loaded.with_load((Piece(0.0, math.inf, factor, rate=rate),), column)
+    return loaded
+
+
+def _in_modes(
+    loaded: LoadedTrain,
+    nonlinear: tuple[Coupling, ...],
+    stands: tuple[Standing, ...],
+    kept: int,
+    position: FloatArray,
+    speed: FloatArray,
+) -> Built:
+    """With as many modes kept, and the compliance of the others in series with the elements."""
+    bare, modes, rigid, w = loaded.system, loaded.modes, loaded.rigid, loaded.w
+    low, high, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
+    spans = np.array([nonlinear[stand.coupling].span for stand in stands])
+    force = loaded.shape.T @ loaded.acting_all
+    ends = np.array([stand.element.ends for stand in stands])
+    soft, answer = ends[:, high] / w[kept:] ** 2, force[high] / w[kept:, None] ** 2
+    higher = modes.torque[:, kept:]
+    is_fem = bare.bars is not None  # inside its elements the torque is not that of the modes alone
+    direct = direct_torques(bare, modes, loaded.acting_all, is_band=is_fem)
+    of_elements = direct_torques(bare, modes, _reactions(bare, spans), is_band=is_fem)
+    of_elements = of_elements - higher @ soft.T
+    of_elements[spans, np.arange(len(spans))] += 1.0
+    elements = tuple(
+        replace(stand.element, ends=row[low]) for stand, row in zip(stands, ends, strict=True)
+    )
+    damping = loaded.damping
+    train = LoadedModes(
+        ModalTrain(damping.w[:kept], damping.ratio[:kept], damping.viscous[low, low]),
+        loaded.loads,
+        force[low, : len(loaded.loads)],
+        loaded.interface_shape[:, low],
+        elements,
+        soft @ ends[:, high].T if is_band else None,
+        soft @ force[high] if is_band else None,
+    )
+    kept_train = replace(
+        loaded,
+        modes=lowest_modes(modes, kept),
+        shape=loaded.shape[:, low],
+        slowed=loaded.slowed[:, low],
+    )
+    has_mean = loaded.before.mean is not None
+    return Built(
+        kept_train,
+        train,
+        direct + loaded.carried + higher @ answer,
+        position[low],
+        speed[low],
+        has_mean * position[low],
+        of_elements,
+        nonlinear,
+        stands,
+        is_band,
+    )
+
+
+def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
+    """How many modes are kept: as requested, and as the duration allows."""
+    highest = np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration
+    kept, half = np.searchsorted(w, highest).tolist()
+    if settings.modes != "all":
+        kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
+    return max(min(half, kept - 1), 0) if halved else int(kept)
+
+
+def _speeds_of_parts(study: Study, loaded: LoadedTrain) -> FloatArray:
+    """(rigid motions + modes,) of parts that turn at speeds of their own, those of their named points."""
+    bare, turning = loaded.system, np.zeros(len(loaded.shape))
+    finite = np.isfinite(bare.flexibility)
+    part = connected(len(turning), bare.driving[finite], bare.driven[finite])
+    for name, speed in loaded.before.speeds.items():
+        station = study.train.part(name).stations[0]
+        members = part == part[station]
+        turning[members] = speed * bare.speed_ratio[members] / bare.speed_ratio[station]
+    inertia = np.where(bare.held, 0.0, bare.lumped_inertia)
+    return np.asarray(loaded.shape.T @ (inertia * turning))
+
+
+def _reactions(bare: System, spans: IntArray) -> FloatArray:
+    """(stations, elements) N m at own speeds that an element in each span applies to its ends, for 1 N m in it."""
+    column, ratio = np.arange(len(spans)), bare.speed_ratio
+    driving, driven = bare.driving[spans], bare.driven[spans]
+    reactions = np.zeros((len(bare.stations), len(spans)))
+    np.add.at(reactions, (driving, column), -1.0)
+    np.add.at(reactions, (driven, column), ratio[driving] / ratio[driven])
+    return reactions

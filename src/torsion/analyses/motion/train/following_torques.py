@@ -1,0 +1,383 @@
+"""Torques that follow the motion: starts and loads by the speed of a point, orders and ice by its angle, and joints.
+
+They are there where an event changes the speed by itself, a joint does, or a periodic torque has an order.
+"""
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from torsion.analyses.motion.events.event_kind import Point
+from torsion.analyses.motion.events.events import Event
+from torsion.analyses.motion.events.following_events import Load, SpeedProgram
+from torsion.analyses.motion.events.transient_settings import TransientSettings
+from torsion.analyses.motion.train.joint_cuts import JointCut, joint_spans
+from torsion.analyses.motion.train.state_before import State
+from torsion.analyses.power_balance import power_balance
+from torsion.analyses.response.harmonic_components import amplitude
+from torsion.analyses.steady import Steady, steady_if_known
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.kernels.motion.collocation import Law, Marched
+from torsion.kernels.motion.torques import torque_laws as laws
+from torsion.kernels.motion.torques.dry_friction import DryFriction
+from torsion.primitives import Torque
+from torsion.study import Study
+
+AS_ONE = 1e-9  # relative: shapes of stations that turn as one differ by rounding
+PARTS = 64  # of a load by tables, between whose rows the harmonics are no polynomials of the speed
+LOWEST = 0.02  # of the highest speed: down to it a load that is no polynomial of the speed is followed by parts
+
+
+@dataclass(frozen=True)
+class Follower:
+    """A law with the stations of its interfaces, and what it is."""
+
+    law: Law
+    stations: tuple[int, ...]
+    words: str
+    event: int = -1  # number of its event
+    cut: JointCut | None = None  # at which it joins the parts of the train
+
+
+@dataclass(frozen=True)
+class Following:
+    """The laws of all torques that follow the motion; those of joints stand last."""
+
+    followers: tuple[Follower, ...]
+
+    @property
+    def laws(self) -> list[Law]:
+        """The laws in the order of their interfaces."""
+        return [follower.law for follower in self.followers]
+
+    @cached_property
+    def station(self) -> IntArray:
+        """The station at which each interface acts, (interfaces,)."""
+        stations = [station for follower in self.followers for station in follower.stations]
+        return np.array(stations, dtype=np.int64)
+
+    @cached_property
+    def signal(self) -> IntArray:
+        """(interfaces,) which signal each is a part of: one for all laws at a station, one for every side of a joint."""
+        joints = sum(2 for follower in self.followers if follower.cut is not None)
+        free = len(self.station) - joints
+        stations, signal = np.unique(self.station[:free], return_inverse=True)
+        return np.concatenate([signal, len(stations) + np.arange(joints)])
+
+    def carried(self, system: System) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What joints carry at once, (spans, interfaces) for 1 N m, and of mean torques (spans,); those at (stations,)."""
+        carried = np.zeros((len(system.spans), len(self.station)))
+        mean_carried, mean = np.zeros(len(system.spans)), np.zeros(len(system.stations))
+        for follower in self.followers:
+            if (cut := follower.cut) is not None:
+                mean[[cut.front, cut.behind]] += -cut.mean, cut.mean
+                for span, side, factor in cut.carried(system):
+                    carried[span, follower.law.interface + side] += factor
+                    mean_carried[span] += factor * (cut.mean if side else -cut.mean)
+        return carried, mean_carried, mean
+
+
+def changes_speed(system: System, events: Sequence[Event]) -> bool:
+    """An event or a joint changes the speed by itself: dampers to ground then count from the motion as one."""
+    return bool(joint_spans(system).size) or any(event.body.drives for event in events)
+
+
+def torques_follow(study: Study, system: System, events: Sequence[Event]) -> bool:
+    """Torques follow the motion: periodic ones by order, what changes the speed, or events by angle in a program."""
+    has_orders = any(torque.order is not None for torque in study.train.torques)
+    is_swept = any(isinstance(event.body, SpeedProgram) for event in events)
+    by_angle = is_swept and any(event.body.by_angle for event in events)
+    return changes_speed(system, events) or has_orders or by_angle
+
+
+def following(
+    study: Study,
+    system: System,
+    events: Sequence[Event],
+    points: Sequence[Point],
+    before: State,
+    cuts: tuple[JointCut, ...],
+    shape: FloatArray,
+    speeds: FloatArray,
+) -> Following:
+    """Return what follows the motion; shape: (stations, rigid motions + modes); speeds: (stations,) rad/s at time 0."""
+    followers, frictions = list[Follower](), list[Follower]()
+    for number, (event, point) in enumerate(zip(events, points, strict=True)):
+        station, words = _station(study, event), f"{event.body.key} at {event.at}"
+        for law in event.body.laws(event.time, point):
+            group = frictions if isinstance(law, DryFriction) else followers
+            group.append(Follower(law, (station,), words, number))
+
+    cylinders: dict[int, list[Torque]] = {}
+    orders = [torque for torque in system.train.torques if torque.order is not None]
+    for torque in orders:
+        if torque.cylinder is not None:
+            cylinders.setdefault(torque.station, []).append(torque)
+    for throw, torques in cylinders.items():
+        staying = _staying_mean(study, torques[0], events, before)
+        law = _cylinder_law(study, system, torques, staying)
+        followers.append(Follower(law, (throw,), f"cylinders at {system.stations[throw].name}"))
+    for torque in orders:
+        if torque.cylinder is None:
+            staying = _staying_mean(study, torque, events, before)
+            size = _size(study, system, torque, before.speed, staying)
+            law = laws.Wave(0, size, float(torque.order or 0), torque.phase)
+            words = f"order {torque.order} at {torque.name}"
+            followers.append(Follower(law, (torque.station,), words))
+
+    for group in _turning_as_one(frictions, shape):
+        row = shape[group[0].stations[0]]
+        interfaces = (station for follower in followers for station in follower.stations)
+        neighbours = tuple(
+            interface
+            for interface, station in enumerate(interfaces)
+            if _as_one(shape[station], row)
+        )
+        followers.append(_joined_friction(group, neighbours, shape, speeds))
+    for cut in cuts:
+        # The inertia as both sides take a sudden torque.
+        inertia = 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())
+        words = f"joint {system.spans[cut.span].name}"
+        law = cut.law(system, inertia)
+        followers.append(Follower(law, (cut.front, cut.behind), words, cut=cut))
+
+    numbered, interface = list[Follower](), 0
+    for follower in followers:
+        law = replace(follower.law, interface=interface)  # type: ignore[type-var]
+        numbered.append(replace(follower, law=law))
+        interface += law.count
+    return Following(tuple(numbered))
+
+
+def _station(study: Study, event: Event) -> int:
+    return study.train.part(event.at).stations[0]
+
+
+def _turning_as_one(frictions: Sequence[Follower], shape: FloatArray) -> list[list[Follower]]:
+    """Frictions at stations that turn in a constant ratio in every mode stand together."""
+    groups = list[list[Follower]]()
+    for friction in frictions:
+        row = shape[friction.stations[0]]
+        alike = (group for group in groups if _as_one(row, shape[group[0].stations[0]]))
+        group = next(alike, None)
+        if group is None:
+            groups.append([friction])
+        else:
+            group.append(friction)
+    return groups
+
+
+def _as_one(row: FloatArray, reference: FloatArray) -> bool:
+    """Two stations turn in a constant ratio, by their rows of the shapes."""
+    difference = row - reference * (row @ reference) / (reference @ reference)
+    return bool(np.abs(difference).max() <= AS_ONE * np.abs(row).max())
+
+
+def _joined_friction(
+    group: Sequence[Follower], neighbours: tuple[int, ...], shape: FloatArray, speeds: FloatArray
+) -> Follower:
+    """One law of frictions that stand together."""
+    frictions = [follower.law for follower in group if isinstance(follower.law, DryFriction)]
+    stations = tuple(follower.stations[0] for follower in group)
+    row = shape[stations[0]]
+    square = float(row @ row)
+    law = DryFriction(
+        0,
+        tuple(friction.torque[0] for friction in frictions),
+        max(frictions[0].scale, abs(float(speeds[stations[0]]))),
+        tuple(friction.windows[0] for friction in frictions),
+        tuple(float(shape[station] @ row) / square for station in stations),
+        1.0 / square,  # as it takes a sudden torque
+        neighbours,
+    )
+    return Follower(law, stations, ", ".join(dict.fromkeys(follower.words for follower in group)))
+
+
+def refuse_beyond_tables(
+    follows: Following, events: Sequence[Event], marched: Marched, path: Path
+) -> None:
+    """Raises SolveError where a point outruns the table of its load while that acts."""
+    for time, law, regime in sorted((*marched.begun, *marched.changes)):
+        follower = follows.followers[law]
+        if follower.event < 0:
+            continue
+        event = events[follower.event]
+        if isinstance(event.body, Load) and event.body.is_beyond(
+            follower.law, regime, time - event.time
+        ):
+            ends = f"{event.body.law[-1][0] * 30.0 / math.pi:.6g} rpm"
+            raise SolveError(
+                f"at {time:.6g} s the load at '{event.at}' is outrun: its table ends at {ends}",
+                "extend the table; nothing is extrapolated",
+                (*path, "events", follower.event, "load"),
+            )
+
+
+def replaced_dampers(
+    study: Study, system: System, settings: TransientSettings, path: Path
+) -> dict[int, str]:
+    """Stations whose damper to ground stands for the slope of a load that acts over the whole motion, with its point.
+
+    path: of the settings in the file. Raises InputError for such a load that acts at times only.
+    """
+    damped = {damper.station for damper in system.dampers}
+    loads = [
+        (number, event, event.body.acts_throughout(event.time, settings.duration))
+        for number, event in enumerate(settings.events)
+        if isinstance(event.body, Load) and event.body.damps and _station(study, event) in damped
+    ]
+    replaced = {_station(study, event): event.at for _, event, throughout in loads if throughout}
+    faults = [
+        Fault(
+            (*path, "events", number, "load"),
+            f"the damping of '{event.at}' stands for the slope of this load, which its law has while it acts",
+            "give the load from time 0 on without `off`, or no `damping` there",
+        )
+        for number, event, _ in loads
+        if _station(study, event) not in replaced
+    ]
+    if faults:
+        raise InputError(faults)
+    return replaced
+
+
+def without_dampers(system: System, stations: Collection[int]) -> System:
+    """The system without the dampers to ground of some stations."""
+    if not stations:
+        return system
+    dampers = (damper for damper in system.dampers if damper.station not in stations)
+    return replace(system, dampers=tuple(dampers))
+
+
+def program_rates(
+    study: Study, system: System, events: Sequence[Event]
+) -> tuple[tuple[float, float, float], ...]:
+    """Begin, end (s) and rate (rad/s2, of the reference) of every line of the programs of speed."""
+    rates = []
+    for event in events:
+        if isinstance(event.body, SpeedProgram):
+            ratio = abs(float(system.speed_ratio[_station(study, event)]))
+            lines = event.body.rates(event.time)
+            rates += [(begin, end, rate / ratio) for begin, end, rate in lines]
+    return tuple(rates)
+
+
+def _staying_mean(
+    study: Study, torque: Torque, events: Sequence[Event], before: State
+) -> Steady | None:
+    """The mean torques of the begin where the one that a torque is a share of stays; None where it does not."""
+    replaced = {_station(study, event) for event in events if event.body.drives}
+    station = torque.station if torque.cylinder is None else torque.cylinder.station
+    if before.mean is None or station in replaced:
+        return None
+    # A point where no mean torque is applied has that of its spans, and it changes with any that is replaced.
+    return None if replaced and not before.mean.applied[station].any() else before.mean
+
+
+def _cylinder_law(
+    study: Study, system: System, torques: Sequence[Torque], staying: Steady | None
+) -> laws.Wave:
+    """The torques of the cylinders of a throw; beyond the speeds of tables their first and last parts go on.
+
+    staying: mean torques that do not change with the speed, in place of those of the laws of load.
+    """
+    ratio = abs(float(system.speed_ratio[torques[0].station]))
+    highest = (study.operation.speed or math.pi) * ratio
+    ends, is_divided = {0.5 * highest, highest}, False
+    gases = {id(torque.cylinder.gas): torque.cylinder.gas for torque in torques if torque.cylinder}
+    for gas in gases.values():
+        if gas is not None and gas.over == "speed":
+            ends = set(gas.at.tolist())
+        is_divided |= gas is not None and gas.over == "load" and len(gas.at) > 2
+    ends = _with_corners_of_loads(study, ends, ratio)
+    if is_divided:
+        ends |= set(np.linspace(min(ends), max(ends), PARTS + 1).tolist())
+    order = np.array([float(torque.order or 0) for torque in torques])
+    return laws.Wave(0, _by_parts(study, system, torques, ends, ratio, staying), order)
+
+
+def _with_corners_of_loads(study: Study, ends: set[float], ratio: float) -> set[float]:
+    """Ends of parts (rad/s of the own shaft) between which mean torques are polynomials of the speed.
+
+    Where a table ends the parts end too; a law of another power is followed by many parts.
+    """
+    if not study.has_mean_torque:
+        return ends
+    balance = power_balance(study.train, study.operation)
+    if tables := [load.law.table for load in balance.loads if load.law.table]:
+        first = max(table[0][0] for table in tables) * ratio
+        last = min(table[-1][0] for table in tables) * ratio
+        ends = ends | {corner * ratio for corner in balance.corners}
+        ends = {end for end in ends if first <= end <= last}
+    if not balance.is_polynomial:
+        lowest = min(ends) if tables else LOWEST * max(ends)
+        ends |= set(np.geomspace(lowest, max(ends), PARTS + 1).tolist()[:-1])
+    return ends
+
+
+def _by_parts(
+    study: Study,
+    system: System,
+    torques: Sequence[Torque],
+    ends: set[float],
+    ratio: float,
+    staying: Steady | None = None,
+) -> laws.Parts:
+    """Complex amplitudes of torques by parts over the speed of their own shaft, which have ends (rad/s)."""
+    edges = np.array(sorted(ends))
+    speed = laws.ends_and_middles(edges).ravel() / ratio
+    if staying is None:
+        mean = steady_if_known(study, system, speed)
+    else:
+        mean = replace(staying, applied=np.repeat(staying.applied, len(speed), axis=1))
+    values = np.stack([amplitude(system, torque, speed, mean) for torque in torques], axis=-1)
+    polynomial = laws.quadratics(edges, values.reshape(-1, 3, len(torques)))
+    edges, polynomial = laws.without_equal_parts(edges, polynomial)
+    return laws.Parts(edges[1:-1], polynomial, float(edges[-1]))
+
+
+def _size(
+    study: Study, system: System, torque: Torque, begins: float, staying: Steady | None
+) -> laws.Parts:
+    """Amplitude of a periodic torque over the speed of its own shaft; begins: rad/s of the reference.
+
+    staying: mean torques that do not change with the speed. Raises InputError where the mean torque of which it is a
+    share is not known at the speed at which the motion begins.
+    """
+    operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
+    speed = np.array([begins])
+    if begins:  # known there, or refused
+        mean = steady_if_known(study, system, speed) if torque.of_mean else None
+        amplitude(system, torque, speed, mean)
+    if torque.table:
+        return laws.table(torque.table)
+    if not torque.of_mean:
+        return laws.constant(torque.torque)
+    share = replace(torque, torque=0.0, phase=0.0)
+    if staying is not None:
+        return laws.constant(float(amplitude(system, share, speed, staying)[0].real))
+    balance = power_balance(study.train, operation)
+    law = balance.loads[0].law
+    is_plain = law.table or (law.exponent in (0.0, 2.0) and not law.at_rest)
+    if len(balance.loads) > 1 or not is_plain:
+        highest = (operation.speed or 1.0) * ratio
+        ends = _with_corners_of_loads(study, {0.5 * highest, highest}, ratio)
+        parts = _by_parts(study, system, [share], ends, ratio)
+        return replace(parts, polynomial=parts.polynomial[:, :, 0].real)
+
+    # The share is taken where the load is largest: at the lowest speed a table may give no load at all.
+    rows = np.array(law.table, dtype=float)
+    speed = rows[[rows[:, 1].argmax()], 0] if law.table else np.array([operation.speed or 1.0])
+    size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
+    if law.table:
+        largest = float(rows[:, 1].max())
+        return laws.table([(speed * ratio, size * mean / largest) for speed, mean in rows.tolist()])
+    if law.exponent == 0.0:
+        return laws.constant(size)
+    highest = float(speed[0]) * ratio
+    return laws.Parts(np.empty(0), np.array([[0.0, 0.0, size / highest**2]]), highest)

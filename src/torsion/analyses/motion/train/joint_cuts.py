@@ -1,0 +1,215 @@
+"""A train cut at its universal joints: parts that are linear, and what joins them in motion over time.
+
+A joint between two inertias is rigid. Where one side has no inertia, the elastic span there and the joint are one.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsion.analyses.motion.train.joint_laws import ElasticJoint, RigidJoint, exact_map, turned
+from torsion.analyses.stability.mechanism import JointMap
+from torsion.analyses.steady import Steady
+from torsion.analyses.undamped_modes import modes_as_discretised
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.kernels.spanning_forest import connected
+
+NEWTON = 60  # steps that invert a joint's map, which is monotone
+GIVE_YOKES = "`inertia: [driving, driven]`"
+
+
+@dataclass(frozen=True)
+class JointCut:
+    """A joint at which the train is cut, with the elastic span beside it where that is taken along."""
+
+    span: int
+    joint: JointMap  # from `front` on
+    front: int  # station with inertia beside the joint
+    behind: int  # station with inertia on the other side
+    elastic: int | None = None  # span
+    massless: tuple[int, ...] = ()  # stations between the joint and that span
+    mean: float = 0.0  # N m on `behind`
+    viscous: float = 0.0  # N m s/rad of the elastic span, of its loss factor too
+    orders: tuple[int, ...] = ()  # of its error, per revolution of its shaft
+
+    def law(self, system: System, inertia: float) -> ElasticJoint | RigidJoint:
+        """Return its law; inertia: kg m2 of both sides together."""
+        if self.elastic is None:
+            return RigidJoint(0, self.joint, inertia, self.mean)
+        stiffness = 1.0 / float(system.flexibility[self.elastic])
+        return ElasticJoint(0, self.joint, stiffness, self.viscous, self.mean)
+
+    def carried(self, system: System) -> Iterator[tuple[int, int, float]]:
+        """Span, which interface of the law (0, 1), and the factor with which its torque is the span's."""
+        forward = int(system.driving[self.span]) == self.front
+        yield self.span, int(forward or self.elastic is None), 1.0
+        if self.elastic is not None:
+            yield self.elastic, 1, 1.0 if int(system.driven[self.elastic]) == self.behind else -1.0
+
+    def fill_speeds(self, system: System, angle: FloatArray, speed: FloatArray) -> None:
+        """Fill in the speeds (stations, times) of the stations without inertia, from the others' angles and speeds."""
+        inside, ends = list(self.massless), (system.driving, system.driven)
+        forward = int(system.driving[self.span]) == self.front
+        scale = system.speed_ratio[inside] / system.speed_ratio[ends[forward][self.span]]
+        gain = turned(self.joint, angle[self.front])[1] * speed[self.front]
+        speed[inside] = scale[:, None] * gain
+
+
+def joint_spans(system: System) -> IntArray:
+    """Return the spans of joints that turn unevenly, (joints,)."""
+    spans = [number for number, span in enumerate(system.own_spans) if span.error]
+    return np.array(spans, dtype=np.int64)
+
+
+def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
+    """The train without its uneven joints; an elastic span that is taken along stays, and carries nothing."""
+    if not cuts:
+        return system
+    names = ("flexibility", "viscous", "loss_factor")
+    changed = {name: getattr(system, name).copy() for name in names}
+    changed["flexibility"][[cut.span for cut in cuts]] = np.inf
+    for name in names[1:]:
+        changed[name][[cut.elastic for cut in cuts if cut.elastic is not None]] = 0.0
+    return replace(system, **changed)
+
+
+def _refusal(system: System, span: int, message: str, hint: str) -> SolveError:
+    """What is wrong with a joint, at its place in the file."""
+    path = system.train.parts[system.spans[span].part].path
+    joint = f"the joint '{system.spans[span].name}'"
+    return SolveError(message.replace("{}", joint), hint, path)
+
+
+def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
+    """Every uneven joint; raises SolveError where it can be taken neither as rigid nor with an elastic span."""
+    spans = joint_spans(system)
+    if not spans.size:
+        return ()
+    number = len(system.stations)
+    rigid, joined = system.flexibility == 0, np.ones(len(system.spans), dtype=bool)
+    rigid[spans], joined[spans] = False, False
+    body = connected(number, system.driving[rigid], system.driven[rigid])
+    part = connected(number, system.driving[joined], system.driven[joined])
+    if len(np.unique(part)) < len(spans) + 1:
+        message = "joints close a loop, and their transient response is not supported yet"
+        raise _refusal(system, int(spans[-1]), message, "leave one out")
+    weight = np.zeros(len(body))
+    np.add.at(weight, body, system.inertia)
+    return tuple(_cut(system, span, body, weight[body] > 0.0, mean) for span in spans.tolist())
+
+
+def _cut(
+    system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Steady | None
+) -> JointCut:
+    """Cut the train at a joint; body: (stations,) rigid body of each; heavy: whether that has an inertia."""
+    joint = exact_map(system, system.spans[span])
+    driving, driven = int(system.driving[span]), int(system.driven[span])
+    carried = 0.0 if mean is None else float(mean.torque[span, 0])
+    if mean is not None:
+        joint = _shifted(joint, float(mean.twist[driving, 0]))
+    orders = tuple(order for order, _ in system.spans[span].error)
+    if heavy[driving] and heavy[driven]:
+        return JointCut(span, joint, driving, driven, mean=carried, orders=orders)
+    if not heavy[driving] and not heavy[driven]:
+        message = "{} has an inertia on neither side"
+        raise _refusal(system, span, message, f"give one of its yokes an inertia: {GIVE_YOKES}")
+
+    forward = bool(heavy[driving])
+    front, light = (driving, driven) if forward else (driven, driving)
+    inside = np.flatnonzero(body == body[light])
+    beside = np.isin(system.driving, inside) | np.isin(system.driven, inside)
+    spans = np.flatnonzero(beside & (system.flexibility > 0))
+    spans = spans[spans != span]
+    acting = [damper.station for damper in system.dampers]
+    acting += [torque.station for torque in system.train.torques]
+    is_acted_on = bool(np.isin(acting, inside).any())
+    if len(spans) != 1 or is_acted_on or not np.isfinite(system.flexibility[spans]).all():
+        message = "{} needs an inertia or exactly one elastic span next to it"
+        raise _refusal(system, span, message, f"give the yoke there an inertia: {GIVE_YOKES}")
+    elastic = int(spans[0])
+    ends = int(system.driving[elastic]), int(system.driven[elastic])
+    behind = ends[1] if ends[0] in inside else ends[0]
+    if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
+        message = "the elastic span next to {} leads to no inertia of the same speed"
+        hint = f"give the yokes of the joint an inertia: {GIVE_YOKES}"
+        raise _refusal(system, span, message, hint)
+    if not forward and joint.series:
+        message = f"the driving yoke of the tripod '{system.spans[span].name}' has no inertia"
+        raise _refusal(system, span, message, f"give it one: {GIVE_YOKES}")
+    return JointCut(
+        span,
+        joint if forward else joint.undone(),
+        front,
+        behind,
+        elastic,
+        tuple(inside.tolist()),
+        carried if forward else -carried,
+        float(system.viscous[elastic]) + _equivalent_viscous(system, elastic),
+        orders,
+    )
+
+
+def _equivalent_viscous(system: System, span: int) -> float:
+    """N m s/rad: the viscous damping that loses what a loss factor does in the mode with most of its energy there."""
+    if not system.loss_factor[span]:
+        return 0.0
+    modes = modes_as_discretised(system, None)
+    w = 2.0 * np.pi * float(modes.frequency[int(np.argmax(modes.elastic[span]))])
+    return float(system.loss_factor[span] / system.flexibility[span]) / w
+
+
+def _shifted(joint: JointMap, angle: float) -> JointMap:
+    """The map of an angle that begins later."""
+    pairs = joint.series
+    series = tuple((order, amplitude * np.exp(1j * order * angle)) for order, amplitude in pairs)
+    return replace(joint, yoke=joint.yoke + angle, series=series)
+
+
+def standing(
+    system: System, cuts: Sequence[JointCut], speed: float
+) -> tuple[FloatArray, FloatArray]:
+    """Angles (rad) and speeds (stations,) of the own shafts at time 0: no span twisted, the first station as it is.
+
+    speed: rad/s of the reference station.
+    """
+    ratio = system.speed_ratio
+    offset, rate = np.zeros(len(ratio)), np.ones(len(ratio))
+    if cuts:
+        joined = np.ones(len(system.spans), dtype=bool)
+        joined[[cut.span for cut in cuts]] = False
+        part = connected(len(ratio), system.driving[joined], system.driven[joined])
+        settled, left = {int(part[0])}, list(cuts)
+        while left:
+            cut = next(
+                cut for cut in left if {int(part[cut.front]), int(part[cut.behind])} & settled
+            )
+            left.remove(cut)
+            forward = int(part[cut.front]) in settled
+            source, target = (cut.front, cut.behind) if forward else (cut.behind, cut.front)
+            angle = ratio[source] * offset[source]
+            angle, factor = (_through if forward else _back)(cut.joint, angle)
+            members = part == part[target]
+            offset[members] = angle / ratio[target]
+            rate[members] = rate[source] * ratio[source] * factor / ratio[target]
+            settled.add(int(part[target]))
+    return offset * ratio, speed * rate * ratio
+
+
+def _through(joint: JointMap, angle: float) -> tuple[float, float]:
+    """Driven angle, and driven speed / driving speed."""
+    f0, f1, _, _ = turned(joint, np.array([angle]))
+    return float(f0[0]), float(f1[0])
+
+
+def _back(joint: JointMap, driven: float) -> tuple[float, float]:
+    """Driving angle, and driving speed / driven speed."""
+    angle = driven
+    for _ in range(NEWTON):
+        reached, slope = _through(joint, angle)
+        angle -= (reached - driven) / slope
+        if abs(reached - driven) < 1e-15 * max(1.0, abs(driven)):
+            break
+    return angle, 1.0 / _through(joint, angle)[1]

@@ -1,0 +1,83 @@
+"""The sense of a torque: loads in both senses of rotation, and a worst phase beside a mean torque of either sign."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from tests.analyses.motion.test_given_cases import moved
+
+from torsion.analyses.motion.derived.worst_case import over_phases
+from torsion.analyses.motion.events.transient_settings import TransientSettings
+from torsion.arrays import FloatArray
+
+LOADS = {
+    "from nothing": [["0 rpm", 0.0], ["100 rpm", 60.0], ["200 rpm", 300.0]],
+    "falling": [["0 rpm", 20.0], ["50 rpm", 5.0], ["200 rpm", 40.0]],
+}
+
+
+@pytest.mark.parametrize("law", [*LOADS.values(), "propeller"], ids=[*LOADS, "propeller"])
+def test_a_load_brakes_alike_in_both_senses_of_rotation(law: object) -> None:
+    """The mirrored torque makes the mirrored motion."""
+
+    def speed(torque: float) -> FloatArray:
+        load = (
+            {"law": law, "torque": 80.0, "speed": "100 rpm"} if law == "propeller" else {"law": law}
+        )
+        events = [{"at": "d", "step": {"torque": torque, "until": 0.6}}, {"at": "d", "load": load}]
+        body = {"duration": 1.5, "initial": "rest", "events": events, "tolerance": 1e-9}
+        return moved("disc: {name: d, inertia: 5}", body).speed[0]
+
+    forward, backward = speed(90.0), speed(-90.0)
+    assert forward.max() > 5.0
+    np.testing.assert_allclose(backward, -forward, atol=1e-6)
+
+
+def test_a_load_in_proportion_to_the_speed_ends_a_run_up_on_either_side() -> None:
+    """Linear between its rows: J v' = T - c v, from rest to either side."""
+    for sign in (1.0, -1.0):
+        load = {"law": [["0 rpm", 0.0], ["3000 rpm", 100.0 * math.pi * 4.0]]}  # 4 N m s/rad
+        events = [{"at": "d", "step": {"torque": sign * 90.0}}, {"at": "d", "load": load}]
+        body = {"duration": 1.0, "initial": "rest", "events": events, "tolerance": 1e-9}
+        found = moved("disc: {name: d, inertia: 5}", body).speed[0, -1]
+        assert found == pytest.approx(sign * 90.0 / 4.0 * (1.0 - math.exp(-4.0 / 5.0)), rel=1e-9)
+
+
+@dataclass(frozen=True)
+class Superposed:
+    """A motion whose torques (spans, samples) are a mean torque and a wave of the phase."""
+
+    torque: FloatArray
+
+    @property
+    def peak(self) -> FloatArray:
+        """(spans,) N m."""
+        return np.abs(self.torque).max(axis=1)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> None:
+    """Of mean + Re(wave exp(-i phase)) no phase gives more than |mean| + |wave|, and the worst one gives that."""
+    time = np.linspace(0.0, 1.0, 200)
+    mean = sign * np.array([300.0 * time, -500.0 * (1.0 - time)])
+    wave = np.array([80.0 * time * np.exp(9j * time), (50.0 + 20.0j) * np.exp(-4j * time)])
+    start = {
+        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+        "synchronous": "1500 rpm",
+        "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+    }
+    settings = TransientSettings.model_validate(
+        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
+    )
+
+    def solve(given: TransientSettings) -> Superposed:
+        return Superposed(mean + np.real(wave * np.exp(-1j * given.events[0].body.phase)))
+
+    for span in range(2):
+        limit = np.where(np.arange(2) == span, 100.0, np.nan)
+        phases, worst = over_phases(settings, solve, limit)[0]
+        assert worst.peak[span] == pytest.approx(
+            (np.abs(mean) + np.abs(wave))[span].max(), rel=1e-12
+        )
+        assert len(phases) == 1
