@@ -118,8 +118,7 @@ def test_a_range_is_widened_to_tenths_but_not_beyond_the_speeds_requested() -> N
 def test_a_speed_is_unreliable_where_one_harmonic_component_is(
     found: Findings, bare: Findings
 ) -> None:
-    assert reported.unreliable(found).tolist() == [False, True, True, False]
-    assert reported.unreliable(bare).shape == (0,)
+    assert found.need(Response).unreliable.tolist() == [False, True, True, False]
 
 
 def test_the_amplitude_is_the_largest_of_the_spans_where_it_is_known(
@@ -127,12 +126,11 @@ def test_the_amplitude_is_the_largest_of_the_spans_where_it_is_known(
 ) -> None:
     nan = math.nan
     np.testing.assert_allclose(
-        reported.amplitude(found, [0, 2]), [[0.1, 0.3], [0.3, nan], [nan, nan], [0.1, 0.05]]
+        found.need(Response).amplitude([0, 2]), [[0.1, 0.3], [0.3, nan], [nan, nan], [0.1, 0.05]]
     )
     np.testing.assert_allclose(
-        reported.amplitude(found, [1]), [[0.3, 0.01], [0.04, nan], [nan, nan], [0.2, 0.4]]
+        found.need(Response).amplitude([1]), [[0.3, 0.01], [0.04, nan], [nan, nan], [0.2, 0.4]]
     )
-    assert reported.amplitude(bare, [0]).shape == (0, 0)
 
 
 def test_all_lines_together_are_the_largest_half_range_where_every_line_is_known(

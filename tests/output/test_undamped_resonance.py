@@ -13,7 +13,6 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
 from torsion.output.figures.ranges import unanswered
-from torsion.output.reported_values import unreliable
 from torsion.output.results_json import results
 from torsion.output.selection import NO_VALUE
 from torsion.rules.verdict_line import Checks
@@ -92,7 +91,7 @@ def test_without_a_rule_nothing_failed(geared: Findings) -> None:
 
 
 def test_sum_of_all_lines_is_not_finite_where_a_line_is_not_ok(geared: Findings) -> None:
-    bad = unreliable(geared)
+    bad = geared.need(Response).unreliable
     assert bad.any()
     assert not np.isfinite(geared.need(Synthesis).half_range[bad]).any()
     assert np.isfinite(geared.need(Synthesis).half_range[~bad]).all()
@@ -114,7 +113,7 @@ def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     for values in (
         row for key, rows in found["synthesis"].items() if key.endswith("_Nm") for row in rows
     ):
-        assert [value is None for value in values] == unreliable(flagged).tolist()
+        assert [value is None for value in values] == flagged.need(Response).unreliable.tolist()
 
 
 def test_no_curve_runs_inside_the_hatching() -> None:

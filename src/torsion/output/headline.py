@@ -19,7 +19,6 @@ from torsion.output.reported_values import (
     barred_rpm,
     mode_of,
     tilted,
-    unreliable,
 )
 from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict, worst_verdict
@@ -331,8 +330,9 @@ def other_restrictions(findings: Findings) -> tuple[str, ...]:
         if stability is not None:
             sentences += stability_ranges.restrictions(findings, stability)
         sentences += stability_ranges.tilt_restrictions(findings)
-    if np.any(is_bad := unreliable(findings)):
-        speeds = findings.need(Response).speed[is_bad] * RPM
+    response = findings.get(Response)
+    if response is not None and response.unreliable.any():
+        speeds = response.speed[response.unreliable] * RPM
         # Neighbours form one range.
         groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
         ranges = [

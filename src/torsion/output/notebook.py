@@ -25,7 +25,7 @@ from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
 from torsion.output.numbers import counted, number
-from torsion.output.reported_values import amplitude, harmonic_name
+from torsion.output.reported_values import harmonic_name
 from torsion.output.selection import NO_VALUE, Element, elements, highest
 from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
@@ -124,7 +124,7 @@ def _response(response: Response) -> Iterator[Block]:
     findings = _alone(response, response.system)
     rows, strongest = list[tuple[Any, ...]](), dict[Element, float]()
     for element in elements(response.system):
-        size = amplitude(findings, element.spans)
+        size = response.amplitude(element.spans)
         if not response.torque[..., list(element.spans)].any():
             continue
         strongest[element] = highest(size) * element.ratio

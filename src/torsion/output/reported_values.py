@@ -8,9 +8,8 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import nearest_mode
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
 from torsion.output.selection import Element
 from torsion.rules.verdict_line import BarredRange, Checks
@@ -104,23 +103,6 @@ def widened(band: Band, within: Band = (-math.inf, math.inf)) -> tuple[str, str]
     )
 
 
-def unreliable(findings: Findings) -> BoolArray:
-    """Return (speeds,) where any harmonic component of the response is not ok."""
-    response = findings.get(Response)
-    if response is None:
-        return np.zeros(0, dtype=bool)
-    return np.asarray(np.any(response.status != Status.OK, axis=1))
-
-
-def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """Return the largest torque amplitude (speeds, lines) N m in the spans; NaN where the line is not ok."""
-    response = findings.get(Response)
-    if response is None:
-        return np.zeros((0, 0))
-    size = np.abs(response.torque[:, :, list(spans)]).max(axis=2)
-    return np.where(response.status == Status.OK, size, np.nan)
-
-
 def harmonic_name(response: Response, index: int, word: str = "") -> str:
     """Return the name of a component: '2' of an order, after a word where one is given, or '40 Hz'."""
     line = response.lines[index]
@@ -143,7 +125,7 @@ def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
     if findings.get(Synthesis) is None:
         return np.zeros(0)
     size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
-    return np.where(unreliable(findings) | ~np.isfinite(size), np.nan, size)
+    return np.where(findings.need(Response).unreliable | ~np.isfinite(size), np.nan, size)
 
 
 def responds(findings: Findings) -> bool:

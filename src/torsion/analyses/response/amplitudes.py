@@ -247,6 +247,16 @@ class Response(Displayed, Keyed):
         """The speeds or frequencies (points,) at which it was computed."""
         return self.speed
 
+    @property
+    def unreliable(self) -> BoolArray:
+        """(speeds,) whether any harmonic component is not ok."""
+        return np.asarray((self.status != Status.OK).any(axis=1))
+
+    def amplitude(self, spans: Sequence[int]) -> FloatArray:
+        """Return the largest torque amplitude (speeds, lines) N m in the spans; NaN where the line is not ok."""
+        size = np.abs(self.torque[:, :, list(spans)]).max(axis=2)
+        return np.where(self.status == Status.OK, size, np.nan)
+
     def carried(self, span: int) -> FloatArray:
         """Return the torque (speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
         vibratory = {} if self.following is None else self.following.by_span

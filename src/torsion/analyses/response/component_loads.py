@@ -251,7 +251,7 @@ def component_loads(evidence: Results) -> ComponentLoads:
     system = evidence.system
     steady = evidence.get(Steady)
     speed = response.speed
-    unreliable = np.any(response.status != Status.OK, axis=1)
+    unreliable = response.unreliable
 
     def largest(values: FloatArray) -> Largest:
         """Return the largest value and its speed; None where any value is not reliable."""

@@ -13,7 +13,6 @@ from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import FloatArray
 from torsion.assembly.elements import Element, elements
 from torsion.findings import Results
-from torsion.kernels.tree_response import Status
 from torsion.results import derived, reported, result
 
 SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compared
@@ -59,9 +58,8 @@ def compare_first_order(evidence: Results) -> FirstOrderCompared:
 def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[ComparedTorque]:
     """nothing: N m, below which a torque is rounding and reported as 0."""
     response, periodic = evidence.need(Response), evidence.need(PeriodicResponse)
-    orders, is_known = [line.order for line in response.lines], response.status == Status.OK
+    orders, first = [line.order for line in response.lines], response.amplitude(element.spans)
     exact = element.largest(np.abs(periodic.torque))
-    first = np.where(is_known, element.largest(np.abs(response.torque)), np.nan)
     if (top := np.nanmax(exact, initial=0.0)) == 0.0:
         return
 
@@ -86,7 +84,7 @@ def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[Co
 
     if None not in orders:
         total = element.largest(evidence.need(Synthesis).half_range)
-        total = np.where(is_known.all(axis=1) & np.isfinite(total), total, np.nan)
+        total = np.where(response.unreliable | ~np.isfinite(total), np.nan, total)
         yield row(None, total, exact_half_range(periodic, element.spans))
     for k, order in enumerate(periodic.orders):
         compared = row(

@@ -33,7 +33,6 @@ from torsion.output.reported_values import (
     rated_rpm,
     responds,
     synthesis,
-    unreliable,
 )
 from torsion.output.selection import Element, elements, highest, torques
 from torsion.primitives import Bar
@@ -95,7 +94,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
 def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
     """Draw the stress of one shaft; a stress far below its limit has a plot of its own below the other."""
     response, speed = findings.need(Response), curve.speed * RPM
-    hidden, bands = unanswered(speed, unreliable(findings))
+    hidden, bands = unanswered(speed, response.unreliable)
     total = Line("total stress", speed, np.where(hidden, np.nan, curve.stress), "synthesis")
     orders = [
         (harmonic_name(response, line, "order "), stress)
@@ -138,7 +137,7 @@ def stress_curves(findings: Findings, bar: Bar) -> Curves:
     stress = stress_of(bar, findings.system, total.half_range) * PA
     orders = stress_of(bar, findings.system, np.abs(response.torque)) * PA
     orders = np.where(response.status == Status.OK, orders, np.nan)
-    stress = np.where(unreliable(findings), np.nan, stress)
+    stress = np.where(response.unreliable, np.nan, stress)
     if findings.study.rules:
         from torsion.rules import shaft_stress
 
@@ -184,7 +183,7 @@ def _gear_figure(findings: Findings, mesh: Element, limit: float | None) -> Figu
     speed, has_mean = response.speed * RPM, findings.get(Steady) is not None
     mean = np.abs(response.mean[:, mesh.spans[0]])
     unit = torques([torque, mean] if has_mean else [torque])
-    hidden, bands = unanswered(speed, unreliable(findings))
+    hidden, bands = unanswered(speed, response.unreliable)
     total, mean = np.where(hidden, np.nan, torque * unit.factor), mean * unit.factor
     lines = [Line(TOTAL, speed, total, "synthesis")]
     if has_mean:

@@ -30,7 +30,6 @@ from torsion.output.numbers import (
 )
 from torsion.output.records import along
 from torsion.output.reported_values import (
-    amplitude,
     rated_rpm,
     unstable_rpm,
     worth_a_figure,
@@ -42,7 +41,6 @@ MOST_ROWS = 60
 MOST_FIGURES = 6
 MOST_ORDERS = 4  # in one figure
 MOST_FLAGGED = 20  # speeds listed one by one
-WORDS = {Found.OK: "ok", Found.COARSE: "coarse", Found.NONE: "none found"}
 MODEL = (
     "The joints are modelled exactly, for any angle: Newton harmonic balance of the full equations of motion,"
     " with all multiples of the common order and the mean drive torque as unknowns. Amplitudes are zero to "
@@ -110,15 +108,14 @@ def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
     rows, marks = [], []
     flagged = np.flatnonzero((periodic.status != Found.OK) | periodic.is_unstable).tolist()
     for k, place in zip(flagged, along(periodic, "speed", flagged), strict=True):
-        state, reason = WORDS[periodic.status[k]], "more harmonics would be needed"
+        reason = "more harmonics would be needed"
         if periodic.is_unstable[k]:
-            state += ", unstable"
             reason = "unstable: the train does not settle in this motion"
-        rows.append((place, state, periodic.why[k] or reason))
+        rows.append((place, periodic.why[k] or reason))
         marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
     if rows:
         yield table(
-            "speed: Speed [rpm]:7 | < Periodic motion | growth: Growth rate [1/s]:3 | "
+            "speed: Speed [rpm]:7 | status_words: < Periodic motion | is_unstable: Unstable | growth: Growth rate [1/s]:3 | "
             "truncation: Omitted harmonic:2 | < Reason",
             rows,
             "Speeds with unreliable amplitudes, marked in the figures",
@@ -150,7 +147,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
     """Draw both methods at the orders of the joints and twice them: of two cross joints 2 and 4."""
     response, periodic = findings.need(Response), findings.need(PeriodicResponse)
     system, speed = findings.system, periodic.speed * RPM
-    first, exact = amplitude(findings, element.spans), element.largest(np.abs(periodic.torque))
+    first, exact = response.amplitude(element.spans), element.largest(np.abs(periodic.torque))
     unit, orders = torques([exact]), [line.order for line in response.lines]
     of_joints = {
         n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error

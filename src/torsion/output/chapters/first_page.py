@@ -36,7 +36,6 @@ from torsion.output.reported_values import (
     barred_rpm,
     rated_rpm,
     reference,
-    unreliable,
     unstable_rpm,
     widened,
 )
@@ -118,8 +117,8 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     if speeds is None:
         return
     response, unreliable_bands = findings.get(Response), tuple[Band, ...]()
-    if response is not None and np.any(unreliable(findings)):
-        _, unreliable_bands = unanswered(response.speed * RPM, unreliable(findings))
+    if response is not None and np.any(response.unreliable):
+        _, unreliable_bands = unanswered(response.speed * RPM, response.unreliable)
     critical = [
         (crossing.speed * RPM, crossing.line.named().partition(" (")[0])
         for crossing in strongest(findings)

@@ -27,7 +27,6 @@ from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import LESS, RPM, counted, exact, number
 from torsion.output.reported_values import (
     UNDAMPED,
-    amplitude,
     barred_rpm,
     harmonic_name,
     joint_model,
@@ -35,7 +34,6 @@ from torsion.output.reported_values import (
     rated_rpm,
     reference,
     synthesis,
-    unreliable,
     unstable_rpm,
     worth_a_figure,
 )
@@ -120,7 +118,8 @@ def _figures(
     findings: Findings, loaded: list[Element], count: int = MOST_FIGURES
 ) -> Iterator[Block]:
     """Yield the curves of the elements that are worth a figure, and the names of the others."""
-    sizes = {element: highest(amplitude(findings, element.spans)) for element in loaded}
+    response = findings.need(Response)
+    sizes = {element: highest(response.amplitude(element.spans)) for element in loaded}
     drawn = worth_a_figure(findings, sizes, count)
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(loaded):
@@ -156,7 +155,7 @@ def _status(findings: Findings, response: Response) -> Paragraph:
     reliable = response.residual[(response.status == Status.OK) & np.isfinite(response.residual)]
     residual = number(float(reliable.max(initial=0.0)), 2)
     text = f"Largest relative residual of equilibrium: {residual}. {joint_model(findings)}".strip()
-    if count := int(unreliable(findings).sum()):
+    if count := int(response.unreliable.sum()):
         return Paragraph(f"{text} At {counted(count, 'speed')} {SINGULAR}", "note")
     return Paragraph(text)
 
@@ -179,12 +178,12 @@ def _peaks(loads: ComponentLoads) -> Block:
 def curves(findings: Findings, element: Element) -> Figure:
     """Return the torque of an element over the speed: its strongest components, all together, and its limit."""
     response = findings.need(Response)
-    orders, total = amplitude(findings, element.spans), synthesis(findings, element.spans)
+    orders, total = response.amplitude(element.spans), synthesis(findings, element.spans)
     ratings, unit = findings.study.train.parts[element.part].ratings, torques([orders])
     limit = None if ratings is None else ratings.vibratory_torque
     kind = "" if element.kind in element.name else f", {element.kind}"
     speed = response.speed * RPM
-    hidden, bands = unanswered(speed, unreliable(findings))
+    hidden, bands = unanswered(speed, response.unreliable)
     named = [
         (harmonic_name(response, k, "order "), values * unit.factor)
         for k, values in enumerate(orders.T)
