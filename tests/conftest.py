@@ -7,11 +7,18 @@ import tempfile
 import pytest
 from tests.shared import SHARED
 
+LONGEST = {"test_site.py", "test_slow_scenes.py"}
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give the workers of pytest-xdist a folder for copies."""
     if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
         os.environ[SHARED] = tempfile.mkdtemp(prefix="torsion-tests-")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes longest: at the end one worker would wait for the other."""
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
