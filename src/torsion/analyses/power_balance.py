@@ -273,7 +273,13 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
         number = "both" if len(free) == 2 else "all"
         message = f"{names} drive, {number} without power, in addition to '{stated[0].name}'"
         raise InputError([Fault(free[0].path, message, "only one machine can be the free one")])
-    share_of = {part.name: _stated_share(part, loads, operation) for part in stated}
+    share_of = {}
+    for (
+        part
+    ) in stated:  # of the torque of all loads at the speed of its power, kept at other speeds
+        speed, torque = _stated_point(part, operation)
+        taken = float(sum(load.torque_at(np.array([speed]))[0] for load in loads))
+        share_of[part.name] = Fraction(torque) / Fraction(taken) if taken else Fraction(1)
     left = 1 - sum(share_of.values(), Fraction(0))
     if left <= 0:
         message = f"the other machines that drive give all that the loads take, and nothing is left for '{free[0].name}'"
@@ -283,13 +289,6 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
         Driver(part, _within(part, share_of.get(part.name, left)), part is free[0])
         for part in drivers
     ]
-
-
-def _stated_share(part: Part, loads: Sequence[Load], operation: Operation) -> Fraction:
-    """Return the share of the torque of all loads at the speed of its power, which it keeps at other speeds."""
-    speed, torque = _stated_point(part, operation)
-    taken = float(sum(load.torque_at(np.array([speed]))[0] for load in loads))
-    return Fraction(torque) / Fraction(taken) if taken else Fraction(1)
 
 
 def _within(part: Part, share: Fraction) -> Shared:

@@ -13,12 +13,12 @@ from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_withou
 from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
 from torsion.analyses.power_balance import keeping_last, power_balance
 from torsion.analyses.speed_tables import uncovered
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
-from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
+from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study
@@ -32,74 +32,57 @@ def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray
     A grounded station that neither drives nor loads takes no mean torque: it turns at the mean speed by definition.
     Raises SolveError where the mean torque has to pass a span without stiffness, or cannot reach its load.
     """
-    way = _spanning_tree(system, reference)
-    torque = np.array([float(share) for share in _tree_torques(system, way, applied)])
-    flexibility = system.flexibility / system.span_ratio**2
-    finite = np.where(np.isfinite(flexibility), flexibility, 0.0)
-    loops = np.setdiff1d(np.flatnonzero(np.isfinite(flexibility)), way.above)
-    if loops.size:
-        # The twists around each loop sum to zero.
-        cycle = _cycles(system, way, loops)
-        around = (cycle * finite) @ cycle.T
-        torque = torque - cycle.T @ np.linalg.solve(around, cycle @ (finite * torque))
-    for span in np.flatnonzero(np.isinf(system.flexibility) & (torque != 0)).tolist():
-        message = f"the mean torque has to pass through '{system.spans[span].name}', that has damping but no stiffness"
-        raise SolveError(f"{message}; give it a stiffness")
-    twist = np.zeros(len(system.stations))
-    for station, parent, span in _from_roots(way):
-        if span >= 0:
-            change = _toward_leaves(system, span, station) * (finite[span] * torque[span])
-            twist[station] = twist[parent] - change
-    return torque, twist
-
-
-def _spanning_tree(system: System, reference: int) -> Walk:
-    """Return a tree from the reference station, with spans without stiffness only where nothing else leads on."""
+    # A tree from the reference station, with spans without stiffness only where nothing else leads on.
     ends = len(system.stations), system.driving, system.driven
-    finite = np.isfinite(system.flexibility)
-    way = walk(*ends, finite, [reference])
-    if finite.all():
-        return way
-    ranked = np.concatenate([way.above[way.above >= 0], np.flatnonzero(~finite)])
-    return walk(*ends, closing_no_loop(*ends, ranked), [reference])
+    is_stiff = np.isfinite(system.flexibility)
+    way = walk(*ends, is_stiff, [reference])
+    if not is_stiff.all():
+        ranked = np.concatenate([way.above[way.above >= 0], np.flatnonzero(~is_stiff)])
+        way = walk(*ends, closing_no_loop(*ends, ranked), [reference])
+    order = way.order.tolist()
+    parent = way.parent.tolist()
+    above = way.above.tolist()
+    # 1 where the span above a station has its driven end there, else -1.
+    toward_leaves = [
+        1 if span >= 0 and system.driven[span] == station else -1
+        for station, span in enumerate(above)
+    ]
 
-
-def _from_roots(way: Walk) -> list[tuple[int, int, int]]:
-    """Return station, parent and span between them, every station after its parent; -1 at a root."""
-    columns = way.order, way.parent[way.order], way.above[way.order]
-    return list(zip(*(column.tolist() for column in columns), strict=True))
-
-
-def _toward_leaves(system: System, span: int, station: int) -> int:
-    """Return 1 where the span's driven end is `station`, else -1."""
-    return 1 if system.driven[span] == station else -1
-
-
-def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
-    """Return the share (spans,) carried by each span of the tree: what is applied beyond it, signed by direction."""
+    # A span of the tree carries what is applied beyond it.
     beyond = list(applied)
     shares = [Fraction(0)] * len(system.spans)
-    for station, parent, span in reversed(_from_roots(way)):
-        if span >= 0:
-            shares[span] = -beyond[station] * _toward_leaves(system, span, station)
-            beyond[parent] += beyond[station]
+    for station in reversed(order):
+        if (span := above[station]) >= 0:
+            shares[span] = -beyond[station] * toward_leaves[station]
+            beyond[parent[station]] += beyond[station]
         elif beyond[station] != 0:
             message = "the mean torque cannot reach the load"
             raise SolveError(f"{message}: drive and load are not joined by any span")
-    return shares
+    torque = np.array([float(share) for share in shares])
 
-
-def _cycles(system: System, way: Walk, loops: IntArray) -> FloatArray:
-    """Return (loops, spans) 1 for each span that closes a loop and +-1 for those of the tree around it."""
-    cycle = np.zeros((len(loops), len(system.spans)))
-    for row, chord in zip(cycle, loops.tolist(), strict=True):
-        row[chord] = 1.0
-        for end, sense in ((system.driving[chord], 1.0), (system.driven[chord], -1.0)):
-            station = int(end)
-            while (span := int(way.above[station])) >= 0:
-                row[span] += sense * _toward_leaves(system, span, station)
-                station = int(way.parent[station])
-    return cycle
+    flexibility = np.where(is_stiff, system.flexibility / system.span_ratio**2, 0.0)
+    loops = np.setdiff1d(np.flatnonzero(is_stiff), way.above)
+    if loops.size:
+        # The twists around each loop sum to zero.
+        cycle = np.zeros((len(loops), len(system.spans)))
+        for row, chord in zip(cycle, loops.tolist(), strict=True):
+            row[chord] = 1.0
+            for end, sense in ((system.driving[chord], 1.0), (system.driven[chord], -1.0)):
+                station = int(end)
+                while (span := above[station]) >= 0:
+                    row[span] += sense * toward_leaves[station]
+                    station = parent[station]
+        around = (cycle * flexibility) @ cycle.T
+        torque = torque - cycle.T @ np.linalg.solve(around, cycle @ (flexibility * torque))
+    for span in np.flatnonzero(~is_stiff & (torque != 0)).tolist():
+        message = f"the mean torque has to pass through '{system.spans[span].name}', that has damping but no stiffness"
+        raise SolveError(f"{message}; give it a stiffness")
+    twist = np.zeros(len(system.stations))
+    for station in order:
+        if (span := above[station]) >= 0:
+            change = toward_leaves[station] * (flexibility[span] * torque[span])
+            twist[station] = twist[parent[station]] - change
+    return torque, twist
 
 
 @reported
@@ -278,22 +261,17 @@ def _machines(balance: Balance, system: System, mean: Steady, point: int) -> Ite
         parts = load.parts or (None,)
         sides += [(part, load.stations, load.law.words, load.is_free) for part in parts]
     for number, (part, shared, law, is_free) in enumerate(sides):
-        stations = _stations(part, shared)
+        stations = list(dict.fromkeys(station for station, _ in shared))
+        if part is not None and part.compressor is not None:
+            stations = list(dict.fromkeys(throw.station for throw in part.compressor.throws))
+        elif part is not None and part.engine is None:
+            stations = [part.stations[0]]
         station = system.stations[stations[0]]
         name, kind = (station.name, "") if part is None else (part.name, part.kind)
         torque = float(mean.applied[stations, point].sum())
         speed = float(mean.speed[point]) * abs(float(station.ratio))
         enters = number < len(balance.drivers)
         yield MachinePower(name, kind, enters, speed, abs(torque) * speed, torque, law, is_free)
-
-
-def _stations(part: Part | None, shared: Shared) -> list[int]:
-    """Return the stations at which a machine drives or absorbs."""
-    if part is not None and part.compressor is not None:
-        return list(dict.fromkeys(throw.station for throw in part.compressor.throws))
-    if part is not None and part.engine is None:
-        return [part.stations[0]]
-    return list(dict.fromkeys(station for station, _ in shared))
 
 
 def power_faults(study: Study) -> list[Fault]:

@@ -95,17 +95,11 @@ def over_peaks(exact: Sequence[ComplexArray], torques: Sequence[ComplexArray]) -
 
     NaN in what was found makes it infinite.
     """
-    return tuple(
-        _over_peak(exact_torque, torque)
-        for exact_torque, torque in zip(exact, torques, strict=True)
-    )
-
-
-def _over_peak(exact: ComplexArray, torque: ComplexArray) -> float:
-    peak = np.abs(exact).max(axis=0)
-    compared = peak > NEGLIGIBLE * peak.max()
-    if not compared.any():
-        return 0.0
-    if not np.isfinite(torque[:, compared]).all():
-        return float("inf")
-    return float((np.abs(torque - exact)[:, compared].max(axis=0) / peak[compared]).max())
+    errors = []
+    for exact_torque, torque in zip(exact, torques, strict=True):
+        peak = np.abs(exact_torque).max(axis=0)
+        compared = peak > NEGLIGIBLE * peak.max()
+        share = np.abs(torque - exact_torque)[:, compared] / peak[compared]
+        share[~np.isfinite(torque[:, compared])] = np.inf
+        errors.append(float(share.max(initial=0.0)))
+    return tuple(errors)

@@ -194,16 +194,15 @@ def timed_torques(
         "Response torques",
         f"{TORQUES} {harmonics.speed.size} speeds from {first:.6g} to {last:.6g} rpm.",
         DIVIDED,
-        max(*errors(response_torques(load(lambda: coarse))), *_residuals(solutions)),
+        max(
+            *errors(response_torques(load(lambda: coarse))),
+            *(float(solution.residual.max()) for solution in solutions),
+        ),
         given.highest,
         tuple(load.line.words for load in given.loads),
         rows,
         remarks,
     )
-
-
-def _residuals(solutions: Sequence[Torques]) -> list[float]:
-    return [float(solution.residual.max()) for solution in solutions]
 
 
 def _largest(solutions: Sequence[Torques]) -> tuple[list[int], np.ndarray]:

@@ -36,7 +36,11 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
         return []
     speeds = _chosen_speeds(response)
     half_range = _half_ranges(study, response, engine, speeds)
-    added = _near_largest(speeds, half_range)
+    # All speeds between the neighbours of that with the largest value of a case and span.
+    largest = np.unique(np.nan_to_num(half_range, posinf=0.0).argmax(axis=1))
+    first, last = (speeds[np.clip(largest + step, 0, len(speeds) - 1)] for step in (-1, 1))
+    near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
+    added = np.setdiff1d(np.concatenate(near), speeds)
     added_half_range = _half_ranges(study, response, engine, added)
     half_range = np.concatenate([half_range, added_half_range], axis=1)
     speeds = np.append(speeds, added)
@@ -132,11 +136,3 @@ def _chosen_speeds(response: Response) -> IntArray:
         if np.abs(response.speed[chosen] / response.speed[peak] - 1.0).min() > SAME_PEAK:
             chosen.append(peak)
     return np.sort(np.array(chosen, dtype=np.int64))
-
-
-def _near_largest(speeds: IntArray, half_range: FloatArray) -> IntArray:
-    """Return positions of all speeds between the neighbours of that with the largest value of a case and span."""
-    largest = np.unique(np.nan_to_num(half_range, posinf=0.0).argmax(axis=1))
-    first, last = (speeds[np.clip(largest + step, 0, len(speeds) - 1)] for step in (-1, 1))
-    near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
-    return np.setdiff1d(np.concatenate(near), speeds)

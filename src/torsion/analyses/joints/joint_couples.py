@@ -29,7 +29,12 @@ def joint_couples(
     if joint.record.kind == "cross":
         pair = _of_cross(joint, yoke, torque, carrier)
     elif joint.record.order == 0 or joint.record.angle == 0:
-        pair = _of_constant_velocity(joint.record.angle, yoke, torque)
+        # A standing couple torque tan(angle/2) in the plane, the same on either shaft.
+        size = float(constant_velocity_couple(joint.record.angle, torque))
+        none = np.zeros_like(yoke)
+        mean = (0.0, size)
+        driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size))
+        pair = driving, replace(driving, shaft="driven")
     else:
         pair, force = _of_tripod(joint, yoke, torque, carrier)
     if distance is not None:
@@ -67,15 +72,6 @@ def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) 
         )
         for shaft, couple, part in shafts
     )
-
-
-def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair:
-    """Standing couple torque tan(angle/2) in the plane, the same on either shaft."""
-    size = float(constant_velocity_couple(angle, torque))
-    none = np.zeros_like(yoke)
-    mean = (0.0, size)
-    driving = CoupleFound("driving", none, none + size, None, mean, (0j, 0j), 0, abs(size))
-    return driving, replace(driving, shaft="driven")
 
 
 def _of_tripod(

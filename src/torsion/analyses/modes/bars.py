@@ -52,23 +52,18 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
     """
     resolved = reach(tree)
     beyond = count is not None and count > resolved.count and math.isfinite(resolved.frequency)
-    if count is not None and beyond and _unknowns(tree) <= LARGEST_DENSE:
+    if count is not None and beyond:
+        from torsion.kernels.distributed.condensed_element import CondensedElements
         from torsion.kernels.distributed.dense_elements import dense_modes
 
-        return dense_modes(tree, count)
+        # Angles and unknowns inside of finite elements; infinite for a continuum.
+        laws = () if tree.shafts is None else tree.shafts.laws
+        inner = (law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws)
+        if tree.size + sum(inner) <= LARGEST_DENSE:
+            return dense_modes(tree, count)
     return tree_modes(tree, resolved.count if count is None else count)
 
 
 def _limit(tree: Tree) -> float:
     """Return the angular frequency (rad/s) from which counts would need a correction."""
     return math.inf if tree.shafts is None else tree.shafts.limit
-
-
-def _unknowns(tree: Tree) -> float:
-    """Return angles and unknowns inside of finite elements; infinite for a continuum."""
-    from torsion.kernels.distributed.condensed_element import CondensedElements
-
-    laws = () if tree.shafts is None else tree.shafts.laws
-    return tree.size + sum(
-        law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws
-    )

@@ -235,12 +235,12 @@ def _links(system: System) -> list[Link]:
 
 def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
     """Yield station, row before, link, and whether it closes a loop; each branch to its end before the next."""
-
-    def is_of_links(link: Link) -> bool:
-        """Return whether the link is one of the file's `links`, which close loops."""
-        return system.train.parts[int(system.span_part[link.spans[0]])].path[:1] == ("links",)
-
-    links = sorted(_links(system), key=is_of_links)
+    # Last the `links` of the file, which close loops.
+    parts = system.train.parts
+    links = sorted(
+        _links(system),
+        key=lambda link: parts[int(system.span_part[link.spans[0]])].path[:1] == ("links",),
+    )
     neighbours: dict[int, list[tuple[int, Link]]] = {}
     for link in links:
         neighbours.setdefault(link.driving, []).append((link.driven, link))

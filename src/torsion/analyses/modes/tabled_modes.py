@@ -36,7 +36,14 @@ def tabled_modes(
     SolveError where a mode lies below it, and where the stiffness rises too steeply for one root a mode.
     """
     tables = system.tables_over("frequency")
-    _refuse_steep(system, tables)
+    for span, table in tables.items():
+        if table.steepest >= STEEPEST:
+            piece = int(np.argmax(table.slopes.max(axis=0)))
+            ends = " to ".join(f"{w / TAU:.6g}" for w in table.at[piece : piece + 2])
+            message = f"the stiffness of '{system.spans[span].name}' rises faster than the square of the frequency"
+            message += f" from {ends} Hz (d ln k/d ln ω = {table.steepest:.4g}, below 2 each mode has one frequency)"
+            hint = "look for a slip in the table; the response is right"
+            raise SolveError(message, hint, table_path(system, span))
     holds = all(table.holds for table in tables.values())
     low, high = reach(system)
     modes_at = lru_cache(maxsize=4)(lambda w: solve(taken_at(system, w), count))
@@ -81,17 +88,6 @@ def tabled_modes(
     # Shares and nodes are those at the stiffness of each mode.
     vars(result).update({name: combined(name) for name in ("kinetic", "elastic", "nodes")})
     return result
-
-
-def _refuse_steep(system: System, tables: Tables) -> None:
-    for span, table in tables.items():
-        if table.steepest >= STEEPEST:
-            piece = int(np.argmax(table.slopes.max(axis=0)))
-            ends = " to ".join(f"{w / TAU:.6g}" for w in table.at[piece : piece + 2])
-            message = f"the stiffness of '{system.spans[span].name}' rises faster than the square of the frequency"
-            message += f" from {ends} Hz (d ln k/d ln ω = {table.steepest:.4g}, below 2 each mode has one frequency)"
-            hint = "look for a slip in the table; the response is right"
-            raise SolveError(message, hint, table_path(system, span))
 
 
 def _refuse_below(system: System, tables: Tables, mode: int, hertz: float) -> None:

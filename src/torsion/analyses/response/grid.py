@@ -1,9 +1,9 @@
 """Speeds and frequencies at which a response is computed: those requested, and more around every resonance."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undampe
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.tree_response import Status
-
-if TYPE_CHECKING:
-    from torsion.kernels.stiffness_table import StiffnessTable
 
 Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
@@ -68,7 +65,17 @@ def resonances(
     """
     modes = modes_reaching(system, float(orders[-1] * last), known)
     w = 2.0 * math.pi * modes.frequency
-    ratio = _span_damping_ratio(system, modes, w)
+    # The loss in the spans is (sum c twist^2 / w + sum eta share of elastic energy)/2.
+    twist = system.twist(modes.shape / system.speed_ratio[:, None])
+    by_frequency = system.tables_over("frequency")
+    viscous = system.viscous.copy()
+    loss = system.loss_factor.copy()
+    viscous[list(by_frequency)] = loss[list(by_frequency)] = 0.0
+    lost = viscous @ twist**2 / w + loss @ modes.elastic
+    for span, table in by_frequency.items():
+        stiffness = table.complex_stiffness(w, w)
+        lost += stiffness.imag / stiffness.real * modes.elastic[span]
+    ratio = lost / 2.0 + system.modal_ratios(len(w))
     shape = modes.shape
     if damped is not None:
         size = np.abs(damped.eigenvalue)
@@ -94,45 +101,22 @@ def modes_reaching(system: System, highest: float, known: Modes | None) -> Modes
     if modes is not None and modes.frequency.size and 2.0 * math.pi * modes.frequency[-1] > highest:
         return modes
     if tables := system.tables_over("frequency"):
-        return _modes_by_table(system, tables, highest)
+        from torsion.assembly.tabled_spans import taken_at
+        from torsion.kernels.stiffness_table import STEEPEST
+
+        # They only place points, so that the ends of tables hold. Where a table is too steep for one frequency a mode,
+        # they are those at the stiffness of the highest.
+        modes = modes_reaching(taken_at(system, highest), highest, None)
+        if any(table.steepest >= STEEPEST for table in tables.values()) or not modes.frequency.size:
+            return modes
+        held = {span: replace(table, holds=True) for span, table in tables.items()}
+        system = replace(system, tables={**system.tables, **held})
+        return modes_as_discretised(system, modes.frequency.size)
     if system.condensed.extra.size:
         return modes_as_discretised(system, None)
     from torsion.analyses.modes.bars import reach
 
     return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
-
-
-def _modes_by_table(
-    system: System, tables: "Mapping[int, StiffnessTable]", highest: float
-) -> Modes:
-    """Return modes of a train with tables over frequency; they only place points, so that the ends of tables hold.
-
-    Where a table is too steep for one frequency a mode, at the stiffness of the highest.
-    """
-    from torsion.assembly.tabled_spans import taken_at
-    from torsion.kernels.stiffness_table import STEEPEST
-
-    still = taken_at(system, highest)
-    modes = modes_reaching(still, highest, None)
-    if any(table.steepest >= STEEPEST for table in tables.values()) or not modes.frequency.size:
-        return modes
-    held = {span: replace(table, holds=True) for span, table in tables.items()}
-    system = replace(system, tables={**system.tables, **held})
-    return modes_as_discretised(system, modes.frequency.size)
-
-
-def _span_damping_ratio(system: System, modes: Modes, w: FloatArray) -> FloatArray:
-    """Return the loss (modes,) in the spans: (sum c twist^2 / w + sum eta share of elastic energy)/2."""
-    twist = system.twist(modes.shape / system.speed_ratio[:, None])
-    by_frequency = system.tables_over("frequency")
-    viscous = system.viscous.copy()
-    loss = system.loss_factor.copy()
-    viscous[list(by_frequency)] = loss[list(by_frequency)] = 0.0
-    lost = viscous @ twist**2 / w + loss @ modes.elastic
-    for span, table in by_frequency.items():
-        stiffness = table.complex_stiffness(w, w)
-        lost += stiffness.imag / stiffness.real * modes.elastic[span]
-    return np.asarray(lost / 2.0 + system.modal_ratios(len(w)))
 
 
 def refined(

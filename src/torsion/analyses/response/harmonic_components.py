@@ -248,7 +248,11 @@ def sources(
             acting = ratio[torque.station] * amplitude(system, torque, speed, steady)
             force[condensed.node[torque.station]] += acting
             continue
-        mesh = mesh_span(system, torque.mesh[0])
+        mesh = next(
+            position
+            for position, span in enumerate(system.own_spans)
+            if span.name == torque.mesh[0] and system.train.parts[span.part].kind == "gear"
+        )
         slip = torque.mesh[1] * np.exp(1j * torque.phase) / ratio[torque.station]
         if condensed.span[mesh] < 0:
             loop_twist[condensed.extra == mesh] -= slip
@@ -268,15 +272,6 @@ def sources(
             jump = -slope * steady.torque[error.span] * ratio[span.driving]
             force[condensed.node[span.driving]] += jump
     return Sources(force, twist, loop_twist)
-
-
-def mesh_span(system: System, name: str) -> int:
-    """Return the span of the mesh of that name."""
-    return next(
-        position
-        for position, span in enumerate(system.own_spans)
-        if span.name == name and system.train.parts[span.part].kind == "gear"
-    )
 
 
 def joint_error(

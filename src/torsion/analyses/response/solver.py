@@ -12,7 +12,7 @@ from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, span_torques
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.chords import Chords
@@ -197,7 +197,17 @@ def swept(
         acting["shaft_loss"] = condensed.loss_factor[shafts.node]
         tree = replace(tree, shafts=shafts)
     if chords.size:
-        acting["chords"] = _chords(system, chords, w, sources)
+        ratio2 = system.span_ratio[chords] ** 2
+        flexibility = system.flexibility[chords] / ratio2
+        viscous = system.viscous[chords] * ratio2
+        acting["chords"] = Chords(
+            condensed.node[system.driving[chords]],
+            condensed.node[system.driven[chords]],
+            complex_compliance(flexibility, viscous, system.loss_factor[chords], w),
+            twist=np.zeros(len(chords), dtype=np.complex128)
+            if sources.loop_twist is None
+            else sources.loop_twist[np.isin(condensed.extra, chords)],
+        )
     result = tree_response(tree, w, sources.force, **acting)
     with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
         torque = span_torques(
@@ -263,17 +273,3 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
         raise InputError([Fault(path, message, hint)])
     applied = np.zeros((len(system.stations), len(speed))) if steady is None else steady.applied
     return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
-
-
-def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> Chords:
-    """Return the spans `chords` that close loops, with their compliance and imposed twist."""
-    condensed = system.condensed
-    ratio = system.span_ratio[chords]
-    flexibility = system.flexibility[chords] / ratio**2
-    viscous = system.viscous[chords] * ratio**2
-    compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
-    ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
-    twist = np.zeros(len(chords), dtype=np.complex128)
-    if sources.loop_twist is not None:
-        twist = sources.loop_twist[np.isin(condensed.extra, chords)]
-    return Chords(*ends, compliance, twist=twist)
