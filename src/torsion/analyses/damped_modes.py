@@ -8,7 +8,6 @@ import numpy as np
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.undamped_modes import (
-    Modes,
     modes_as_discretised,
     modes_settings,
     span_torques,
@@ -55,7 +54,12 @@ def damped(
         message = f"damped modes of the model {system.model} are not built"
         raise SolveError(f"{message}; use the lumped model, the response is right with all of them")
     if system.train.modal_damping:
-        return _by_mode(modes_as_discretised(system, count), speed)
+        modes = modes_as_discretised(system, count)
+        ratio = system.modal_ratios(len(modes.frequency))
+        root = 2.0 * math.pi * modes.frequency * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
+        shape, torque = modes.shape.astype(complex), modes.torque.astype(complex)
+        hertz = root.imag / (2.0 * math.pi)
+        return DampedModes(hertz, ratio, root, shape, torque, np.empty(0), speed)
     condensed = system.condensed
     if condensed.extra.size:
         message = "damped modes of a train with closed loops, or grounded through rigid spans at several points"
@@ -108,16 +112,6 @@ def _laws(system: System) -> "dict[int, SpringLaw]":
         law = cast("SpringLaw", table)
         laws[int(system.condensed.span[span])] = law.times(float(system.span_ratio[span]) ** 2)
     return laws
-
-
-def _by_mode(modes: Modes, speed: float) -> DampedModes:
-    """Return modes with the damping ratios that the file gives them."""
-    ratio = modes.system.modal_ratios(len(modes.frequency))
-    w = 2.0 * math.pi * modes.frequency
-    root = w * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
-    shape = modes.shape.astype(complex)
-    torque = modes.torque.astype(complex)
-    return DampedModes(root.imag / (2.0 * math.pi), ratio, root, shape, torque, np.empty(0), speed)
 
 
 def _why_not(study: Study, system: System, *, is_refused: bool) -> str:

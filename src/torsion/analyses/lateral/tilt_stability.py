@@ -142,8 +142,12 @@ def tilting(
     z, y = (
         np.sqrt(rigid.square) / (2.0 * np.pi)
     ).tolist()  # the angle about y moves the shaft along z
-    if why := _too_soft((y, z), bending):
-        return None, why
+    for plane, hertz, soft in zip("yz", (y, z), bending, strict=True):
+        if soft.size and soft[0] < (1.0 - RIGID) * hertz:
+            return None, (
+                f"it bends too easily to be taken for rigid (lowest frequency in {plane} {soft[0]:.4g} Hz, rigid "
+                f"{hertz:.4g} Hz); the parametric stability of its tilt is not computed"
+            )
     unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
     more_speeds = [*resonances(rigid).values()]
     for zone in unstable:  # speeds in it, as far again on both sides, and its own
@@ -164,17 +168,6 @@ def tilting(
     return Tilting(
         joint.name, rigid, {"y": y, "z": z}, grid / ratio, growth(rigid, grid).rate, of_train
     ), ""
-
-
-def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
-    """Why the shaft is not rigid; empty where it is."""
-    for plane, rigid, soft in zip("yz", frequency, bending, strict=True):
-        if soft.size and soft[0] < (1.0 - RIGID) * rigid:
-            return (
-                f"it bends too easily to be taken for rigid (lowest frequency in {plane} {soft[0]:.4g} Hz, rigid "
-                f"{rigid:.4g} Hz); the parametric stability of its tilt is not computed"
-            )
-    return ""
 
 
 def _rigid(

@@ -133,14 +133,24 @@ def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     """
     speeds = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     columns = np.full((3, len(speeds), 2 * modes), np.nan)
+    square = np.concatenate([planes.y.square, planes.z.square])[:, None]
     for k, omega in enumerate(speeds.tolist()):
         root, shape = _roots(planes, omega, 2 * modes)
         turns = [-1.0, 1.0] if planes.is_isotropic else [1.0]
         wanted = 2 * modes // len(turns)
         for group, sign in enumerate(turns):
             chosen = np.flatnonzero(sign * root.imag > OVERDAMPED * np.abs(root))[:wanted]
-            values = _decays(planes, omega, root[chosen], _both(planes, shape[:, chosen], sign))
-            columns[:, k, group * wanted : group * wanted + len(chosen)] = values
+            p = _both(planes, shape[:, chosen], sign)
+            w = np.abs(root[chosen].imag)
+            # Loss factors add to first order 2 pi lossy energy/(elastic + kinetic energy).
+            energy = np.sum(np.abs(p) ** 2 * (1.0 + w**2 * square), axis=0)
+            forward, backward = lossy_energies(planes, p)
+            lost = (np.sign(w - omega) * forward + backward) / energy
+            columns[:, k, group * wanted : group * wanted + len(chosen)] = (
+                w / (2.0 * math.pi),
+                2.0 * math.pi * (-root[chosen].real / w + lost),
+                direction(planes, p),
+            )
     return Whirl(speeds, columns[0], columns[1], columns[2])
 
 
@@ -245,21 +255,6 @@ def _improve(
     root[which] -= step
     shape[:, which] = better[:, :, 0].T
     return np.asarray(step)
-
-
-def _decays(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -> FloatArray:
-    """(3, modes) Hz, decrement and direction of shapes of both planes.
-
-    Loss factors add to first order 2 pi lossy energy/(elastic + kinetic energy).
-    """
-    w = np.abs(root.imag)
-    square = np.concatenate([planes.y.square, planes.z.square])
-    energy = np.sum(np.abs(p) ** 2 * (1.0 + w**2 * square[:, None]), axis=0)
-    forward, backward = lossy_energies(planes, p)
-    lost = (np.sign(w - speed) * forward + backward) / energy
-    return np.stack(
-        [w / (2.0 * math.pi), 2.0 * math.pi * (-root.real / w + lost), direction(planes, p)]
-    )
 
 
 def _energy(p: ComplexArray, matrix: FloatArray, right: ComplexArray) -> FloatArray:

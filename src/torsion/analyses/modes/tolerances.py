@@ -151,9 +151,16 @@ class _Varied:
 
         end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
         """
-        varied = modes_as_discretised(
-            scaled(with_inertias(self.system, end), dict(factors)), self.count
-        )
+        system = self.system
+        train = system.train
+        tolerances = [part.inertia_tolerance or 0.0 for part in train.parts]
+        if end and any(tolerances):
+            inertias = tuple(
+                replace(lump, inertia=lump.inertia * (1.0 + end * tolerances[lump.part]))
+                for lump in train.inertias
+            )
+            system = of_train(system, replace(train, inertias=inertias))
+        varied = modes_as_discretised(scaled(system, dict(factors)), self.count)
         loose = max(varied.rigid - self.nominal.rigid, 0)
         rows = np.array([varied.frequency, varied.lower, varied.upper])
         padded = np.pad(rows, ((0, 0), (loose, 0)))
@@ -209,21 +216,6 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
         if 0.0 < factor < math.inf:
             tables[span] = table.times(factor)
     return with_springs(system, values, tables)
-
-
-def with_inertias(system: System, end: int) -> System:
-    """The system with every inertia that has a tolerance at its high (1) or low (-1) end, as its shafts are divided."""
-    parts = system.train.parts
-    train = system.train
-    if not end or not any(part.inertia_tolerance for part in parts):
-        return system
-    inertias = tuple(
-        replace(
-            lump, inertia=lump.inertia * (1.0 + end * (parts[lump.part].inertia_tolerance or 0.0))
-        )
-        for lump in train.inertias
-    )
-    return of_train(system, replace(train, inertias=inertias))
 
 
 @source("Rayleigh1877")

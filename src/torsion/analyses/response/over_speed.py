@@ -342,22 +342,6 @@ def run(work: Work) -> None:
     work.put(response=result, synthesis=total)
 
 
-def _resonances_over_speed(work: Work) -> list[float]:
-    """Return the speeds (rad/s) at which an order meets a mode whose frequency follows the speed."""
-    from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed, reaching
-
-    orders = [line.order for line in lines(work.system) if line.order]
-    if not orders or work.study.operation.speeds is None:
-        return []
-    highest = float(max(orders)) * work.study.operation.speeds.last
-    try:
-        modes = reaching(work.study, work.system, work.get(FrequenciesOverSpeed), highest)
-    except SolveError as error:
-        work.log.without("points of the response at every resonance", str(error))
-        return []
-    return [speed for order in orders for _, speed, _ in modes.crossings(order)]
-
-
 def _logged_response(work: Work) -> Response:
     """Return the response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
     study = work.study
@@ -365,8 +349,18 @@ def _logged_response(work: Work) -> Response:
     reason = "requested" if "response" in study.analyses else "something excites"
     with work.log.step("response over speed", reason) as step:
         added = work.rules.judged_speeds(study) if is_ruled else np.empty(0)
-        if study.train.follows_speed:
-            added = np.union1d(added, _resonances_over_speed(work))
+        orders = [line.order for line in lines(work.system) if line.order]
+        if study.train.follows_speed and orders and study.operation.speeds is not None:
+            from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed, reaching
+
+            highest = float(max(orders)) * study.operation.speeds.last
+            try:
+                modes = reaching(study, work.system, work.get(FrequenciesOverSpeed), highest)
+            except SolveError as error:
+                work.log.without("points of the response at every resonance", str(error))
+            else:
+                met = [speed for order in orders for _, speed, _ in modes.crossings(order)]
+                added = np.union1d(added, met)
         result = response(
             study,
             work.system,

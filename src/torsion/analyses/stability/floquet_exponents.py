@@ -305,7 +305,9 @@ class Search:
         unhelped = None if self.unhelped is None else self.unhelped(orbit.operation.loading.speed)
         if self.unhelped is None or unhelped is None:
             return multipliers
-        bare = self.unhelped.exponents(unhelped[0], method, most_rows)
+        bare = unhelped[1]
+        if method != self.unhelped.method:
+            bare = self.unhelped.exponents(unhelped[0], method, most_rows)
         return replace(
             max(multipliers, bare, key=lambda side: side.growth),
             rigid=None,

@@ -61,23 +61,6 @@ class Zone:
         )
 
 
-def modal_energy(
-    multipliers: Multipliers, shapes: Basis, reduced: Basis | None = None
-) -> FloatArray:
-    """Return (modes,) the energy of the fastest growing motion in each mode at reference angle zero, largest 1.
-
-    reduced: the basis of the motion, with more behind it; None: the coordinates.
-    """
-    onto = shapes.shape.T * shapes.inertia
-    if reduced is not None:
-        onto = onto @ reduced.shape
-    number = onto.shape[1]
-    angle = onto @ multipliers.vector[:number, 0]
-    speed = onto @ multipliers.speed[:number, 0]
-    energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
-    return np.asarray(energy / max(float(energy.max()), np.finfo(float).tiny))
-
-
 def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
     """Return the combination of the modes that take part which lies nearest to a multiple of w0 (rad/s)."""
     w = shapes.frequency
@@ -197,8 +180,17 @@ def _find_range(search: Search, seed: float) -> UnstableRange:
         if all(search.is_unstable(speed) for speed in inside):
             break
     multipliers = _multipliers(search, worst)
-    energy = modal_energy(multipliers, search.shapes, search.reduced)
-    named = zone(energy, search.shapes, 2.0 * np.pi / multipliers.period)
+    # The energy of the fastest growing motion in each mode at reference angle zero, largest 1.
+    shapes = search.shapes
+    onto = shapes.shape.T * shapes.inertia
+    if search.reduced is not None:
+        onto = onto @ search.reduced.shape
+    number = onto.shape[1]
+    angle = onto @ multipliers.vector[:number, 0]
+    speed = onto @ multipliers.speed[:number, 0]
+    energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
+    energy = energy / max(float(energy.max()), np.finfo(float).tiny)
+    named = zone(energy, shapes, 2.0 * np.pi / multipliers.period)
     return UnstableRange(
         named.kind,
         named.modes,
