@@ -11,7 +11,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.response.amplitudes import BLOCK_VALUES, SMALL_BLOCK, blocks
-from torsion.analyses.response.over_speed import response, response_at
+from torsion.analyses.response.over_speed import response, response_of_orders
 from torsion.analyses.response.synthesis import synthesis
 from torsion.assembly import assemble
 from torsion.study import bytes_of
@@ -86,16 +86,17 @@ def test_a_speed_has_the_same_answer_alone_and_among_so_many_that_they_are_solve
         f"train:\n{discs}- disc: {{name: last, inertia: 2}}\n"
     )
     system = assemble(study.train)
-    found = response_at(study, system, response(study, system), np.linspace(1.0, 30.0, 2200))
+    orders = [line.order for line in response(study, system).lines if line.order is not None]
+    found = response_of_orders(study, system, orders, np.linspace(1.0, 30.0, 2200))
     assert len(list(blocks(len(found.speed), len(system.stations)))) == 2
     rows = np.arange(0, 540, 9)
     assert len(list(blocks(540, len(system.spans), SMALL_BLOCK // 10))) == 2
-    total = synthesis(response_at(study, system, found, found.speed[:540]))
-    alone = response_at(study, system, found, found.speed[rows])
+    total = synthesis(response_of_orders(study, system, orders, found.speed[:540]))
+    alone = response_of_orders(study, system, orders, found.speed[rows])
     late = slice(2190, None)
     for there, here in (
         (rows, alone),
-        (late, response_at(study, system, found, found.speed[late])),
+        (late, response_of_orders(study, system, orders, found.speed[late])),
     ):
         for key in ("frequency", "angle", "torque", "mean", "residual", "status"):
             np.testing.assert_array_equal(getattr(found, key)[there], getattr(here, key))

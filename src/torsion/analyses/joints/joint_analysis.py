@@ -99,6 +99,12 @@ def _joint(
     if torque is not None:
         distance = requested.bearings.get(joint.name)
         pair, force = joint_couples(joint, behind.yoke, torque, requested.carrier, distance)
+    # (Greatest - least)/mean driven speed at constant driving speed.
+    if joint.record.order == 2:
+        unevenness = float(fluctuation(joint.record.angle))
+    else:
+        turned = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
+        unevenness = float(np.ptp(joint_lines.turning(joint.record, turned).ratio))
     return JointFound(
         name=joint.name,
         part=joint.part,
@@ -110,7 +116,7 @@ def _joint(
         ratio=joint.ratio,
         order=joint.record.order,
         amplitude=joint.error[0][1] if joint.error else 0j,
-        unevenness=_unevenness(joint),
+        unevenness=unevenness,
         speed=None if speed is None else speed * float(joint.ratio),
         torque=torque,
         error=moved.error,
@@ -121,14 +127,6 @@ def _joint(
         force=force,
         steepest=joint_lines.steepest(placed, joint_lines.path_to(placed, position)),
     )
-
-
-def _unevenness(joint: Placed) -> float:
-    """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
-    if joint.record.order == 2:
-        return float(fluctuation(joint.record.angle))
-    ratio = joint_lines.turning(joint.record, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
-    return float(ratio.max() - ratio.min())
 
 
 def _torques(

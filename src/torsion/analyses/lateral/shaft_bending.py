@@ -187,8 +187,16 @@ def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Faul
     supported = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not supported:
         faults += _none_held(train, shafts, requested is not None)
-    if requested is not None and requested.shear:
-        faults += [fault for shaft in supported for fault in _shear_faults(train, shaft)]
+    if requested is None or not requested.shear:
+        return faults
+    # Young's and shear modulus of a shaft must belong together: their ratio says Poisson's.
+    for shaft in supported:
+        for number, segment in zip(shaft.parts, shaft.beam.segments, strict=True):
+            poisson = segment.youngs_modulus / (2.0 * segment.shear_modulus) - 1.0
+            if not 0.0 <= poisson <= 0.5:
+                path = (*train.parts[number].path, "material")
+                message = f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
+                faults.append(Fault(path, message, "from 0 to 0.5 for `shear: true`"))
     return faults
 
 
@@ -309,22 +317,6 @@ def _none_held(train: Train, shafts: Sequence[BendingShaft], is_requested: bool)
         return [Fault(where, "the train has no shaft, and only shafts bend", at_key=True)]
     reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
     return [Fault(where, f"no shaft of the train can bend: {reasons}", at_key=True)]
-
-
-def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
-    """Young's and shear modulus of a shaft must belong together: their ratio says Poisson's."""
-    faults = []
-    for number, segment in zip(shaft.parts, shaft.beam.segments, strict=True):
-        poisson = segment.youngs_modulus / (2.0 * segment.shear_modulus) - 1.0
-        if not 0.0 <= poisson <= 0.5:
-            part = train.parts[number]
-            message = (
-                f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
-            )
-            faults.append(
-                Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`")
-            )
-    return faults
 
 
 def run(work: Work) -> None:

@@ -105,8 +105,13 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
         message = "frequencies over the speed need the speeds"
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
         raise InputError([Fault(("operation", "speeds"), message, hint)])
-    evenly = np.linspace(speeds.first, speeds.last, SPEEDS if tables else FEW_SPEEDS)
-    grid = np.union1d(evenly, _bends(study, system, speeds.values()))
+    # Near where the mean torque of a coupling passes a point of its table the curves bend.
+    requested = speeds.values()
+    mean = np.abs(_mean_torque(study, system, requested))
+    grid = np.linspace(speeds.first, speeds.last, SPEEDS if tables else FEW_SPEEDS)
+    for span, table in tables.items():
+        piece = np.searchsorted(table.at, mean[span], side="right")
+        grid = np.union1d(grid, requested[1:][np.diff(piece) != 0])
     mean = _mean_torque(study, system, grid)
     couplings = []
     for span, table in tables.items():
@@ -146,16 +151,6 @@ def _mean_torque(study: Study, system: System, speed: FloatArray) -> FloatArray:
     if not system.tables_over("mean torque"):
         return np.zeros((len(system.spans), len(speed)))
     return steady(study.train, system, study.operation, speed).torque
-
-
-def _bends(study: Study, system: System, speeds: FloatArray) -> FloatArray:
-    """Return the speeds (rad/s) near which the mean torque of a coupling passes a point of its table: curves bend."""
-    mean = np.abs(_mean_torque(study, system, speeds))
-    bends = [speeds[:0]]
-    for span, table in system.tables_over("mean torque").items():
-        piece = np.searchsorted(table.at, mean[span], side="right")
-        bends.append(speeds[1:][np.diff(piece) != 0])
-    return np.concatenate(bends)
 
 
 def at_operating_point(study: Study) -> Study:

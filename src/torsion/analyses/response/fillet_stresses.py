@@ -14,7 +14,7 @@ from torsion.errors import Path, SolveError
 from torsion.findings import Work
 from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
-from torsion.model.shaft_details import Keyway, Notch
+from torsion.model.shaft_details import Notch
 from torsion.primitives import Bar
 from torsion.results import derived, reported, result
 from torsion.sources import source
@@ -214,7 +214,12 @@ def _concentration(
         radius = key.fillet
         sizes = (key.width / unit, key.depth / unit, key.fillet / unit)
         section = keyway(*sizes, key.number, ratio)
-        if bore == 0.0 and key.number == 1 and _is_of_chart(key, outer):
+        # Peterson's chart holds within a tenth of its proportions and within its radii.
+        flank = key.depth - unit + math.sqrt(outer**2 - key.width**2) / 2.0
+        proportions = key.width / (outer / 4.0), flank / (outer / 8.0)
+        is_near = all(abs(proportion - 1.0) <= 0.1 for proportion in proportions)
+        is_of_chart = is_near and KEYWAYS[0] <= key.fillet / outer <= KEYWAYS[1]
+        if bore == 0.0 and key.number == 1 and is_of_chart:
             fit = keyway_fit(key.fillet / outer)
     elif (teeth := notch.splines) is not None:
         radius = teeth.fillet
@@ -222,14 +227,6 @@ def _concentration(
         section = splines(*sizes, teeth.teeth, ratio)
     stress = groove_stress(section)
     return radius, stress.factor, stress.error, fit
-
-
-def _is_of_chart(key: Keyway, outer: float) -> bool:
-    """Return whether a keyway is within a tenth of the proportions and within the radii of Peterson's chart."""
-    flank = key.depth - outer / 2.0 + math.sqrt(outer**2 - key.width**2) / 2.0
-    proportions = key.width / (outer / 4.0), flank / (outer / 8.0)
-    is_near = all(abs(proportion - 1.0) <= 0.1 for proportion in proportions)
-    return is_near and KEYWAYS[0] <= key.fillet / outer <= KEYWAYS[1]
 
 
 def _fillets(system: System) -> Iterator[Fillet]:

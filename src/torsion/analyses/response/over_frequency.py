@@ -44,7 +44,15 @@ def frequency_response(
     Damping and mean torque are those at `speed` (rad/s), else at the rated, else at the highest speed. Raises
     InputError where nothing acts at every frequency, or frequencies lack. The system is refined as by `response`.
     """
-    requested = _requested_frequencies(study, frequencies)
+    if frequencies is None:
+        steps: FrequencyRange | None = getattr(study.analyses.get("response"), "frequencies", None)
+        if steps is None:
+            message = "a response over frequency needs the frequencies"
+            hint = "for example `frequencies: {from: 1, to: 200}`"
+            raise InputError([Fault(PATH[:2], message, hint)])
+        requested = steps.values()
+    else:
+        requested = np.unique(np.asarray(frequencies, dtype=np.float64))
     system = resolving(system, float(requested[-1]), refine=refine)
     excitation = sweeping(system)
     if not excitation.torques:
@@ -96,17 +104,6 @@ def frequency_response(
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
     result = grid.with_peaks(solve, requested, points, remark, refuse)
     return replace(result, remark=with_balance(result, 1.0, "Hz"))
-
-
-def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:
-    """Return the frequencies (frequencies,) Hz, ascending; raises InputError where none are given."""
-    if frequencies is not None:
-        return np.unique(np.asarray(frequencies, dtype=np.float64))
-    requested: FrequencyRange | None = getattr(study.analyses.get("response"), "frequencies", None)
-    if requested is None:
-        hint = "for example `frequencies: {from: 1, to: 200}`"
-        raise InputError([Fault(PATH[:2], "a response over frequency needs the frequencies", hint)])
-    return requested.values()
 
 
 def run(work: Work) -> None:

@@ -129,12 +129,6 @@ def response(
     return replace(result, remark=remark, left_out=left_out)
 
 
-def response_at(study: Study, system: System, solved: Response, speeds: FloatArray) -> Response:
-    """Return the response at `speeds` (speeds,) rad/s alone, ascending, of the lines of another response."""
-    orders = [line.order for line in solved.lines if line.order is not None]
-    return response_of_orders(study, system, orders, speeds)
-
-
 def response_of_orders(
     study: Study, system: System, orders: Sequence[Fraction], speeds: FloatArray
 ) -> Response:
@@ -387,6 +381,7 @@ def _with_speeds_for_rules(
 ) -> tuple[Response, Synthesis]:
     """Return the response with speeds added until no rule finds its worst value between two computed speeds."""
     count = result.speed.size
+    orders = [line.order for line in result.lines if line.order is not None]
     with work.log.step(
         "speeds between", "no worst value of a rule lies between two speeds"
     ) as step:
@@ -398,7 +393,7 @@ def _with_speeds_for_rules(
                 speeds = np.union1d(speeds, work.rules.speeds_between(results))
             if not speeds.size:
                 break
-            addition = response_at(work.study, work.system, result, speeds)
+            addition = response_of_orders(work.study, work.system, orders, speeds)
             total = merged(total, synthesis(addition), result.speed, speeds)
             result = merged(result, addition, result.speed, speeds)
         step.method = "parabolas through the utilisations; ends of barred ranges"

@@ -111,9 +111,16 @@ def stability_map(
         progress("stability map", column / len(values))
         growth[:, column] = rates
 
+    # Checked are the fastest growing points, those nearest to a boundary, and some between.
     errors = list[float]()
     elsewhere = 0
-    for row, column in points_to_check(growth):
+    points = np.flatnonzero(np.isfinite(growth.ravel()))
+    rates_of = growth.ravel()[points]
+    third = CHECKED // 3
+    spread = np.linspace(0, len(points) - 1, third + 2).astype(int)[1:-1]
+    ranks = [np.argsort(rates_of)[-third:], np.argsort(np.abs(rates_of))[:third], spread]
+    checked = np.unique(points[np.concatenate(ranks)]) if points.size else points
+    for row, column in np.transpose(np.unravel_index(checked, growth.shape)).tolist():
         solved = searches[column](float(speeds[row]))
         value = float(values[column])
         assert solved is not None  # its growth rate is known
@@ -136,16 +143,3 @@ def stability_map(
         len(errors),
         elsewhere,
     )
-
-
-def points_to_check(growth: FloatArray) -> list[tuple[int, int]]:
-    """Return rows and columns of the fastest growing points, of those nearest to a boundary, and of some between."""
-    points = np.flatnonzero(np.isfinite(growth.ravel()))
-    if not points.size:
-        return []
-    value = growth.ravel()[points]
-    third = CHECKED // 3
-    spread = np.linspace(0, len(points) - 1, third + 2).astype(int)[1:-1]
-    places = [np.argsort(value)[-third:], np.argsort(np.abs(value))[:third], spread]
-    rows, columns = np.unravel_index(np.unique(points[np.concatenate(places)]), growth.shape)
-    return list(zip(rows.tolist(), columns.tolist(), strict=True))
