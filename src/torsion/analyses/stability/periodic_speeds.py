@@ -92,8 +92,8 @@ def periodic_over_speed(
     # At the highest peaks, else at the largest torque; and where the motion is least stable.
     size = np.abs(response.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    most = max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT))
-    rows = (_peak_rows(size) or [int(largest.argmax())])[:most]
+    number_sought = max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT))
+    rows = (_peak_rows(size) or [int(largest.argmax())])[:number_sought]
     if response.is_unstable.any():
         rows.append(int(np.nanargmax(growth)))
     further = further_motions(mechanism, response, list(dict.fromkeys(rows)))
