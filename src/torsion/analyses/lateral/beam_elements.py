@@ -141,44 +141,33 @@ def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
 
 @lru_cache(maxsize=16)
 def functions(points: tuple[float, ...], shear: bool) -> Functions:
-    """Return all functions of the cell at points in [0, 1]: displacement and slope at both ends, then the inner ones."""
-    return _independent(np.array(points)) if shear else _hermite(np.array(points))
+    """Return all functions of the cell at points in [0, 1]: displacement and slope at both ends, then the inner ones.
 
-
-def _hermite(points: FloatArray) -> Functions:
-    """Cubic Hermite functions and integrated Legendre polynomials; there is no shear, deflection' is the rotation."""
+    Without shear they are cubic Hermite functions and integrated Legendre polynomials, and deflection' is the rotation;
+    with it displacement of DEGREE, then rotation of one degree less, each by its own functions.
+    """
     import skfem
 
-    fields = _on_cell(skfem.ElementLineHermite(), points)
+    at_points = np.array(points)
+    if shear:
+        along = _on_cell(skfem.ElementLinePp(DEGREE), at_points)
+        turned = _on_cell(skfem.ElementLinePp(DEGREE - 1), at_points)
+        w, r = (np.array([np.asarray(field)[0] for field in fields]) for fields in (along, turned))
+        dw, dr = (np.array([field.grad[0, 0] for field in fields]) for fields in (along, turned))
+        return Functions(_mixed(w, 0 * r), _mixed(0 * w, r), _mixed(0 * w, dr), _mixed(dw, 0 * r))
+    fields = _on_cell(skfem.ElementLineHermite(), at_points)
     value = np.array([np.asarray(field)[0] for field in fields])
     slope = np.array([field.grad[0, 0] for field in fields])
     bend = np.array([field.hess[0, 0, 0] for field in fields])
-    s = 2.0 * points - 1.0
-    legendre = np.polynomial.legendre.legvander(s, DEGREE).T
+    legendre = np.polynomial.legendre.legvander(2.0 * at_points - 1.0, DEGREE).T
     j = np.arange(2, DEGREE - 1)[:, None]
     norm = np.sqrt(2.0 * j + 1.0)
     inner = (legendre[4:] - legendre[2:-2]) / ((2 * j + 1) * (2 * j + 3))
     inner -= (legendre[2:-2] - legendre[:-4]) / ((2 * j + 1) * (2 * j - 1))
     first = (legendre[3:-1] - legendre[1:-3]) / (2 * j + 1)
     rotation = np.vstack([slope, norm * first / 2.0])
-    return Functions(
-        np.vstack([value, norm * inner / 4.0]),
-        rotation,
-        np.vstack([bend, norm * legendre[2:-2]]),
-        rotation,
-    )
-
-
-def _independent(points: FloatArray) -> Functions:
-    """Displacement of DEGREE, then rotation of one degree less, each by its own functions."""
-    import skfem
-
-    along, turned = (
-        _on_cell(skfem.ElementLinePp(degree), points) for degree in (DEGREE, DEGREE - 1)
-    )
-    w, r = (np.array([np.asarray(field)[0] for field in fields]) for fields in (along, turned))
-    dw, dr = (np.array([field.grad[0, 0] for field in fields]) for fields in (along, turned))
-    return Functions(_mixed(w, 0 * r), _mixed(0 * w, r), _mixed(0 * w, dr), _mixed(dw, 0 * r))
+    deflection = np.vstack([value, norm * inner / 4.0])
+    return Functions(deflection, rotation, np.vstack([bend, norm * legendre[2:-2]]), rotation)
 
 
 def _mixed(of_deflection: FloatArray, of_rotation: FloatArray) -> FloatArray:

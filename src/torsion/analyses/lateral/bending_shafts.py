@@ -1,6 +1,6 @@
 """The shafts of a train that bend: each from joint to joint or end, with its supports, by the train's own data."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -49,49 +49,49 @@ def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]
 
     Joints hold both their shafts in place and let them tilt; everything else but a `support` leaves them free.
     """
-    node = _nodes(train)
-    faults: list[Fault] = []
-    shafts = [_shaft(train, row, node, faults) for row in _rows(train.bars, node)]
-    return tuple(shafts), faults
-
-
-def _nodes(train: Train) -> list[int]:
-    """(stations,) the same number for stations that are joined rigidly."""
+    # The same number for stations that are joined rigidly.
     rigid = [(spring.driving, spring.driven) for spring in train.springs if spring.flexibility == 0]
     ends = np.array(rigid, dtype=np.int64).reshape(-1, 2)
     node: list[int] = connected(len(train.stations), ends[:, 0], ends[:, 1]).tolist()
-    return node
 
-
-def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
-    """Distributed shafts that touch each other; in a row each starts where the one before it ends."""
+    # Distributed shafts that touch each other; in a row each starts where the one before it ends.
     rows: list[list[Bar]] = []
-    for bar in bars:
-        ends = {node[bar.driving], node[bar.driven]}
+    for bar in train.bars:
+        touched = {node[bar.driving], node[bar.driven]}
         near = [
             row
             for row in rows
-            if ends & {node[s] for member in row for s in (member.driving, member.driven)}
+            if touched & {node[s] for member in row for s in (member.driving, member.driven)}
         ]
         joined = [member for row in near for member in row] + [bar]
         rows = [row for row in rows if row not in near] + [joined]
-    return rows
+    faults: list[Fault] = []
+    shafts = tuple(_shaft(train, row, node, faults) for row in rows)
+    return shafts, faults
 
 
 def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -> BendingShaft:
     names = ", ".join(bar.name for bar in row)
     parts = tuple(bar.part for bar in row)
+    ratio = train.stations[row[0].driving].ratio
     stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
     straight = all(
         node[bar.driving] == station for bar, station in zip(row, stations, strict=False)
     )
     if not straight or len(set(stations)) < len(stations):
-        return BendingShaft(
-            names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches"
-        )
+        return BendingShaft(names, parts, ratio, Beam(()), (), (), "it branches")
     before = len(faults)
     of_material = list[Fault]()
-    joints = _joints(train, node, stations)
+    # The joints on the shaft by their position among its stations.
+    joints: list[Placing] = []
+    for mesh in train.constraints:
+        if train.parts[mesh.part].joint is None:
+            continue
+        if node[mesh.driven] in stations:
+            joints.append((mesh.part, "driven", stations.index(node[mesh.driven])))
+        if node[mesh.driving] in stations:
+            joints.append((mesh.part, "driving", stations.index(node[mesh.driving])))
+    joints.sort(key=lambda joint: joint[2])
     segments = [_segment(train, bar, of_material) for bar in row]
     points, held = _points(train, row, joints)
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
@@ -104,23 +104,13 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
         lacks, path = next(_lacking(train, row, beam), (lacks, path))
     faults += [] if lacks else of_material
     joints_at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
-    ratio = train.stations[row[0].driving].ratio
-    return BendingShaft(
-        names, parts, ratio, beam, joints_at, _loads(train, node, stations, parts), lacks, path
+    on_shaft = {station for station in range(len(node)) if node[station] in stations}
+    loads = tuple(
+        part.name
+        for number, part in enumerate(train.parts)
+        if number not in parts and not (part.joint or part.is_bar) and on_shaft & set(part.stations)
     )
-
-
-def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]:
-    """The joints on a shaft by their position among its stations."""
-    placings: list[Placing] = []
-    for mesh in train.constraints:
-        if train.parts[mesh.part].joint is None:
-            continue
-        if node[mesh.driven] in stations:
-            placings.append((mesh.part, "driven", stations.index(node[mesh.driven])))
-        if node[mesh.driving] in stations:
-            placings.append((mesh.part, "driving", stations.index(node[mesh.driving])))
-    return sorted(placings, key=lambda joint: joint[2])
+    return BendingShaft(names, parts, ratio, beam, joints_at, loads, lacks, path)
 
 
 def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
@@ -187,20 +177,6 @@ def _supports(
             )
         begin += bar.length
     return points
-
-
-def _loads(
-    train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]
-) -> tuple[str, ...]:
-    """Names of the discs, motors, wheels and the like on a shaft."""
-    stations_on_shaft = {station for station in range(len(node)) if node[station] in stations}
-    return tuple(
-        part.name
-        for number, part in enumerate(train.parts)
-        if number not in parts
-        and not (part.joint or part.is_bar)
-        and stations_on_shaft & set(part.stations)
-    )
 
 
 def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:

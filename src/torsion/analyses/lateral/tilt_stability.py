@@ -148,9 +148,13 @@ def tilting(
                 f"it bends too easily to be taken for rigid (lowest frequency in {plane} {soft[0]:.4g} Hz, rigid "
                 f"{hertz:.4g} Hz); the parametric stability of its tilt is not computed"
             )
-    unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
+    unstable = []
     more_speeds = [*resonances(rigid).values()]
-    for zone in unstable:  # speeds in it, as far again on both sides, and its own
+    for zone in zones(rigid, first, last, EXACT):
+        # A zone that the mean part of the couple alone makes as strongly has its name.
+        alone = float(growth(rigid, np.array([zone.at]), OF_MEAN).rate[0])
+        unstable.append(replace(zone, kind=MEAN) if alone > 0.5 * zone.growth else zone)
+        # Speeds in it, as far again on both sides, and its own.
         wide = zone.last - zone.first
         more_speeds += [
             zone.first,
@@ -203,12 +207,6 @@ def _rigid(
         tilt,
         torque,
     )
-
-
-def _named(shaft: MisalignedShaft, zone: TiltRange) -> TiltRange:
-    """A zone that the mean part of the couple alone makes as strongly has its name."""
-    alone = float(growth(shaft, np.array([zone.at]), OF_MEAN).rate[0])
-    return replace(zone, kind=MEAN) if alone > 0.5 * zone.growth else zone
 
 
 def zones(

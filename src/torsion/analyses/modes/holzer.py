@@ -186,7 +186,11 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     # The twist of a spring may be far smaller than the angles of its ends.
     between = np.where(before >= 0, angle[before], angle) - angle
     twist = np.where(np.isnan(transfer[:, 0, 0]), flexibility * ends[:, 0], between)
-    scale = _scale(angle)
+    # The angle that is 1 in the table: the first, or the largest where the first is tiny compared with it.
+    scale = float(angle[0])
+    largest = float(angle[np.argmax(np.abs(angle))])
+    if not abs(scale) > abs(largest) / MOST_TIMES_FIRST:
+        scale = math.copysign(largest, scale) if abs(scale) > TINY * abs(largest) else largest
     return HolzerTable(
         frequency=float(modes.frequency[mode]),
         station=station,
@@ -202,15 +206,6 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
         twist=twist / scale,
         transfer=transfer,
     )
-
-
-def _scale(angle: FloatArray) -> float:
-    """Return the angle that is 1 in the table: the first, or the largest where the first is tiny compared with it."""
-    largest = float(angle[np.argmax(np.abs(angle))])
-    first = float(angle[0])
-    if abs(first) > abs(largest) / MOST_TIMES_FIRST:
-        return first
-    return math.copysign(largest, first) if abs(first) > TINY * abs(largest) else largest
 
 
 def _links(system: System) -> list[Link]:

@@ -266,7 +266,13 @@ def tolerances(
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }
     width = {name: train.part(name).stiffness_tolerance for name in spans}
-    _refuse(study, aims, modes)
+    computed = modes.frequency.size
+    if faults := [
+        without_mode(study, aim.mode, computed, ("analyses", WHAT, "aim", k, "mode"))
+        for k, aim in enumerate(aims)
+        if aim.mode > computed
+    ]:
+        raise InputError(faults)
 
     def band_end(
         factor: Callable[[float], float], *names: str, end: int = 0
@@ -303,17 +309,6 @@ def tolerances(
         tuple(reaches),
         tuple(aimed),
     )
-
-
-def _refuse(study: Study, aims: Sequence[Aim], modes: Modes) -> None:
-    computed = modes.frequency.size
-    faults = [
-        without_mode(study, aim.mode, computed, ("analyses", WHAT, "aim", k, "mode"))
-        for k, aim in enumerate(aims)
-        if aim.mode > computed
-    ]
-    if faults:
-        raise InputError(faults)
 
 
 def run(work: Work) -> None:
