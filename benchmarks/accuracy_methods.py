@@ -40,7 +40,7 @@ def mode_curves(
         return undamped_frequencies(assembly)[:MODES] / (2 * np.pi)
 
     train, named = torsion.parse(scene(line)).train, partial(Candidate, solve=solve, errors=errors)
-    own = candidates(train, float(known[-1]) * (1 + 1e-9), effort, effort.degrees, named)
+    own = candidates(train, float(known[-1]) * (1 + 1e-9), effort, named)
     return [*own, [_peer(line, number, of_peer, errors) for number in peers]]
 
 
@@ -70,7 +70,7 @@ def torque_curves(
     def of_peer(assembly: Any, number: int) -> np.ndarray:
         return _peer_torques(halves, number, assembly, w)
 
-    own = candidates(study.train, float(w.max()) / (2 * np.pi), effort, effort.degrees, named)
+    own = candidates(study.train, float(w.max()) / (2 * np.pi), effort, named)
     return [
         *own,
         [_peer(halves, number, partial(of_peer, number=number), errors) for number in peers],

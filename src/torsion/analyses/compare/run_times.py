@@ -118,7 +118,7 @@ def timed_frequencies(
         return tuple(np.abs(relative_errors(solved_modes.frequency, wanted)).tolist())
 
     named = partial(Candidate, solve=partial(modes, count=len(wanted)), errors=errors)
-    curves = candidates(study.train, max(highest, float(wanted[-1])), effort, effort.degrees, named)
+    curves = candidates(study.train, max(highest, float(wanted[-1])), effort, named)
     rows, remarks = timed(curves, effort, "natural frequencies", progress)
     return TimedQuantity(
         "frequencies",
@@ -183,7 +183,7 @@ def timed_torques(
         return Candidate(curve, words, size, partial(load, assemble), response_torques, errors)
 
     top = max(given.highest, highest)
-    curves = candidates(study.train, top, effort, effort.degrees, named)
+    curves = candidates(study.train, top, effort, named)
     rows, remarks = timed(curves, effort, "response", progress)
     if lost := int(np.count_nonzero(~is_sound)):
         words = f"{lost} of {is_sound.size} speeds are omitted: an undamped train is in resonance there."

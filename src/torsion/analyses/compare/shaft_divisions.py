@@ -62,7 +62,7 @@ def ready(
 
 
 def candidates(
-    train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...], named: Named
+    train: Train, frequency: float, effort: Effort, named: Named
 ) -> list[list[Candidate]]:
     """Return every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for."""
 
@@ -76,7 +76,7 @@ def candidates(
     curves = [
         curve("lumped", "segment", effort.segments, lambda n: ready(divided(train, n), "lumped"))
     ]
-    for degree in degrees:
+    for degree in effort.degrees:
         most = max(1, effort.unknowns // degree)
         curves.append(curve(f"fem, degree {degree}", "element", most, partial(finite, degree)))
     exact = partial(ready, train, "exact", frequency=frequency)

@@ -102,21 +102,17 @@ def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
     arm = joint.arm or 1.0
     arms = yoke + math.pi / 2  # from the normal of the plane
     motion = exact_motion(arms, joint.angle, radius, arm)
-    return Transfer(motion.error, motion.ratio, _slope(joint.angle, radius, arm, arms))
 
-
-def _slope(angle: float, radius: float, arm: float, arms: FloatArray) -> FloatArray:
-    """Derivative of a tripod's speed ratio, 1/rad, by the Fourier series of it over a third of a revolution."""
+    # The derivative of the ratio, 1/rad, by the Fourier series of it over a third of a revolution.
     third = 2.0 * np.pi / 3.0 * np.arange(_SAMPLES) / _SAMPLES
-    series = 2.0 * np.fft.rfft(exact_motion(third, angle, radius, arm).ratio)[1:-1] / _SAMPLES
-    order = 3.0 * np.arange(1, series.size + 1)
-    steps = 1j * order * series
+    series = 2.0 * np.fft.rfft(exact_motion(third, joint.angle, radius, arm).ratio)[1:-1] / _SAMPLES
+    steps = 1j * (3.0 * np.arange(1, series.size + 1)) * series
     heard = np.flatnonzero(np.abs(steps) > np.finfo(float).eps * np.abs(steps).max())
     turn = np.exp(3j * arms)
-    total = np.zeros(arms.shape, dtype=np.complex128)
+    slope = np.zeros(arms.shape, dtype=np.complex128)
     for step in steps[heard[-1] :: -1]:  # Horner
-        total = (total + step) * turn
-    return total.real
+        slope = (slope + step) * turn
+    return Transfer(motion.error, motion.ratio, slope.real)
 
 
 def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, ...], Line]:

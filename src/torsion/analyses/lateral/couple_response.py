@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.analyses.joints.joint_couples import joint_couples
-from torsion.analyses.joints.joint_lines import Behind, Placed, motions, path_to
+from torsion.analyses.joints.joint_lines import Placed, motions, path_to
 from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.analyses.lateral.bending_shafts import BendingShaft
@@ -266,7 +266,15 @@ def couples_at(
         joint = joints[position]
         pair, _ = joint_couples(joint, moved[position].yoke, 1.0, "driving", None)
         couple = pair[0] if end.shaft == "driving" else pair[1]
-        curve = (couple.normal + 1j * couple.inplane) * _carried(joints, position, moved, carrier)
+        # The torque in the driving shaft of the joint over the constant one.
+        speed = 1.0 if joint.before is None else moved[joint.before].transfer.ratio
+        last_ratio: FloatArray | float = 1.0
+        if carrier == "driven":
+            last = position
+            while following := [k for k, behind in enumerate(joints) if behind.before == last]:
+                last = following[0]
+            last_ratio = moved[last].transfer.ratio
+        curve = (couple.normal + 1j * couple.inplane) * (last_ratio / speed)
         if end is not shaft.joints[0] and end.shaft == "driving":
             curve = curve * np.exp(1j * joint.record.plane)
         for order, amplitude in result.items():
@@ -274,17 +282,3 @@ def couples_at(
             pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])
             amplitude[:, end.point] += torque[position][:, None] * pair_of_planes
     return result
-
-
-def _carried(
-    joints: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier
-) -> FloatArray:
-    """(angles,) torque in the driving shaft of a joint over the constant one."""
-    before = joints[position].before
-    speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio
-    if carrier == "driving":
-        return 1.0 / speed
-    last = position
-    while following := [k for k, joint in enumerate(joints) if joint.before == last]:
-        last = following[0]
-    return moved[last].transfer.ratio / speed

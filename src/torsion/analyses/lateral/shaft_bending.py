@@ -186,7 +186,20 @@ def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Faul
     shafts, faults = bending_shafts(train)
     supported = [shaft for shaft in shafts if not shaft.lacks]
     if not faults and not supported:
-        faults += _none_held(train, shafts, requested is not None)
+        # At the keys where every shaft lacks something; else where bending is requested, or at the first support.
+        faults += [
+            Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}")
+            for shaft in shafts
+            if shaft.place
+        ]
+        if not faults:
+            held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
+            path: Path = PLACE if requested is not None or not held else (*held[0], "support")
+            reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
+            message = f"no shaft of the train can bend: {reasons}"
+            if not shafts:
+                message = "the train has no shaft, and only shafts bend"
+            faults.append(Fault(path, message, at_key=True))
     if requested is None or not requested.shear:
         return faults
     # Young's and shear modulus of a shaft must belong together: their ratio says Poisson's.
@@ -300,23 +313,6 @@ def _refined(
         highest = max(highest, 1.01 * reached)
         elements = elements if spare else 2 * elements
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; give fewer `modes`")
-
-
-def _none_held(train: Train, shafts: Sequence[BendingShaft], is_requested: bool) -> list[Fault]:
-    """At the keys where every shaft lacks something; else where bending is requested, or at the first support."""
-    named = [
-        Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}")
-        for shaft in shafts
-        if shaft.place
-    ]
-    if named:
-        return named
-    held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
-    where: Path = PLACE if is_requested or not held else (*held[0], "support")
-    if not shafts:
-        return [Fault(where, "the train has no shaft, and only shafts bend", at_key=True)]
-    reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
-    return [Fault(where, f"no shaft of the train can bend: {reasons}", at_key=True)]
 
 
 def run(work: Work) -> None:
