@@ -1,7 +1,6 @@
 """Motion over time of a train from its events, by the path that its couplings and torques need."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from torsion.analyses.motion.derived.resonances_passed import passages
 from torsion.analyses.motion.derived.worst_case import FaultScan, worst_motion
 from torsion.analyses.motion.events.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.motion.events.following_events import SpeedProgram
-from torsion.analyses.motion.events.milling_ice import Ice, IceTorque
+from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.transient_settings import (
     DEFAULT_MOST,
     DEFAULT_PER_PERIOD,
@@ -268,6 +267,12 @@ def _with_ratings(
     for bar in study.train.bars:
         spans = system.span_part == bar.part
         stress[spans] = moved.peak[spans] / stress_modulus(bar)
+    places = ((event.at, event.body) for event in settings.events)
+    ice = (
+        body.of_class(point(study, system, moved.speed_before, name))
+        for name, body in places
+        if isinstance(body, Ice)
+    )
     damage = None if settings.fatigue is None else damages(system, settings.fatigue, moved.turns)
     return replace(
         moved,
@@ -276,7 +281,7 @@ def _with_ratings(
         damage=damage,
         turns=(),
         is_rare=settings.is_rare,
-        ice=tuple(_ice_torques(study, system, settings, moved)),
+        ice=tuple(torque for torque in ice if torque is not None),
         slowed=_slowed(study, system, settings, moved),
         undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
     )
@@ -303,17 +308,6 @@ def _slowed(
         change = turned / (revolution * before) - 1.0
         changes.append(float(change[np.abs(change).argmax()]))
     return max(changes, key=abs, default=None)
-
-
-def _ice_torques(
-    study: Study, system: System, settings: TransientSettings, moved: TransientMotion
-) -> Iterator[IceTorque]:
-    """The greatest ice torques of the classes that its events name."""
-    for event in settings.events:
-        if isinstance(event.body, Ice):
-            torque = event.body.of_class(point(study, system, moved.speed_before, event.at))
-            if torque is not None:
-                yield torque
 
 
 def run(work: Work) -> None:

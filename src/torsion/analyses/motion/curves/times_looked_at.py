@@ -5,13 +5,12 @@ between every two cuts, at which a torque begins or ends, and closer and closer 
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.torques.torque_history import Piece
 
 PER_PERIOD = 4.0  # times from which a vibration is resolved
 # where cycles are counted: a cubic through values and rates is then exact to 1e-4
@@ -40,16 +39,6 @@ class Looked:
     sample: IntArray
     turn: float  # rad of the fastest in a step, at most
     left: float  # rad/s from which on some waves are not resolved: inf where all are
-
-
-def waves_of(loads: Iterable[Sequence[Piece]]) -> tuple[Wave, ...]:
-    """Of torques that turn while they act: the fastest of every range of time."""
-    fastest = dict[tuple[float, float], float]()
-    for piece in (piece for pieces in loads for piece in pieces):
-        w, lasts = abs(complex(piece.rate).imag), (piece.begin, piece.end)
-        if w > 0.0:
-            fastest[lasts] = max(w, fastest.get(lasts, 0.0))
-    return tuple(Wave(begin, end, w) for (begin, end), w in fastest.items())
 
 
 def looked_at(

@@ -14,7 +14,6 @@ from torsion.analyses.motion.curves.times_looked_at import (
     Looked,
     Wave,
     looked_at,
-    waves_of,
 )
 from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.motion.train.loaded_train import LoadedTrain
@@ -77,7 +76,14 @@ class Curves:
     def waves(self) -> tuple[Wave, ...]:
         """What vibrates besides the modes."""
         steady = Wave(0.0, math.inf, float(self.loaded.before.frequency.max(initial=0.0)))
-        return (*waves_of(self.motion.train.loads), steady, *self.regimes)
+        # Of torques that turn while they act, the fastest of every range of time.
+        fastest = dict[tuple[float, float], float]()
+        for piece in (piece for pieces in self.motion.train.loads for piece in pieces):
+            w, lasts = abs(complex(piece.rate).imag), (piece.begin, piece.end)
+            if w > 0.0:
+                fastest[lasts] = max(w, fastest.get(lasts, 0.0))
+        loads = (Wave(begin, end, w) for (begin, end), w in fastest.items())
+        return (*loads, steady, *self.regimes)
 
     def torque(
         self, time: FloatArray, span: IntArray | None = None

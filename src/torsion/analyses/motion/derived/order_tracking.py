@@ -8,10 +8,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
+from torsion.analyses.motion.curves.torque_curves import Curves
 from torsion.analyses.motion.derived.resonances_passed import mean_speed
 from torsion.analyses.motion.events.transient_settings import ABOVE, HIGHEST, TransientSettings
 from torsion.analyses.response.harmonic_components import excitations
@@ -77,16 +77,6 @@ class OrderTracking:
         "", (), "windows omitted, because the torque changes too fast for their samples"
     )
     each: tuple[TrackedTorque, ...] = result("", (), "every torque that is tracked")
-
-
-class Turning(Protocol):
-    """A motion that can be read at any time."""
-
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, object]:
-        """Torques (spans, times), their rates, and more."""
-
-    def turned(self, station: int, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angle (rad) and speed (times,) of a station."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +154,7 @@ def _exciting_orders(study: Study, system: System, settings: TransientSettings) 
     return np.array(sorted(orders))
 
 
-def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: int) -> OrderTracking:
+def order_tracking(curves: Curves, tracked: Tracked, time: FloatArray, size: int) -> OrderTracking:
     """The orders of a motion with samples at some times; size: values of the motion at one time."""
     angle, speed = _blocks(lambda part: curves.turned(tracked.station, part), time, size)
     piece, sense = one_sense(angle, speed)

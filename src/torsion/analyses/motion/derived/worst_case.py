@@ -9,13 +9,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
 
 from torsion.analyses.motion.curves.event_driven_curves import Switching
 from torsion.analyses.motion.events.event_kind import Kind
-from torsion.analyses.motion.events.following_events import Start
+from torsion.analyses.motion.events.following_events import WORST, Start
 from torsion.analyses.motion.events.short_circuit import FINER, ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.transient_motion import TransientMotion
@@ -29,31 +29,20 @@ MOST_FAULTS = 500  # motions of one file's motion
 WORST_TIMES = 3  # faults beside whose times of reclosing the scan is finer
 
 
-class Peaks(Protocol):
-    """A motion."""
-
-    @property
-    def torque(self) -> FloatArray:
-        """Torques of the spans at the samples, (spans, samples) N m."""
-
-    @property
-    def peak(self) -> FloatArray:
-        """Largest magnitude of the torque of each span, (spans,) N m."""
-
-
-Moved = TypeVar("Moved", bound=Peaks)
+Solve = Callable[[TransientSettings], TransientMotion]
 Phases = tuple[tuple[int, float], ...]  # number of an event, and rad
 
 
 def over_phases(
-    settings: TransientSettings, solve: Callable[[TransientSettings], Moved], limit: FloatArray
-) -> list[tuple[Phases, Moved]]:
+    settings: TransientSettings, solve: Solve, limit: FloatArray
+) -> list[tuple[Phases, TransientMotion]]:
     """The motions of several phases, the worst first: nearest to or farthest above the limits (spans,) N m, or nan."""
     bodies = enumerate(event.body for event in settings.events)
-    left_open = [k for k, body in bodies if isinstance(body, Start) and body.has_worst_phase]
-    phases, motions = dict.fromkeys(left_open, 0.0), dict[Phases, Moved]()
+    starts = [(k, body) for k, body in bodies if isinstance(body, Start)]
+    left_open = [k for k, start in starts if start.slip_pulsation and start.phase == WORST]
+    phases, motions = dict.fromkeys(left_open, 0.0), dict[Phases, TransientMotion]()
 
-    def run(number: int, phase: float) -> Moved:
+    def run(number: int, phase: float) -> TransientMotion:
         key: Phases = tuple({**phases, number: phase}.items())
         if key not in motions:
             bodies = {
@@ -126,7 +115,8 @@ class FaultScan:
     @property
     def scanned(self) -> dict[int, ShortCircuit]:
         """Those that close again at a time between two."""
-        return {number: fault for number, fault in self.faults.items() if fault.is_scanned}
+        times = {number: fault.reclose or (0.0, 0.0) for number, fault in self.faults.items()}
+        return {number: self.faults[number] for number, (a, b) in times.items() if a < b}
 
     def variants(self) -> list[TransientSettings]:
         """Every combination of the senses and times of reclosing of all faults.
@@ -164,9 +154,7 @@ class FaultScan:
                         yield finer
 
 
-def worst_motion(
-    scan: FaultScan, solve: Callable[[TransientSettings], TransientMotion], limit: FloatArray
-) -> TransientMotion:
+def worst_motion(scan: FaultScan, solve: Solve, limit: FloatArray) -> TransientMotion:
     """The motion of the worst faults and phases, with the greatest of every span's torques of all.
 
     limit: (spans,) N m, nan where there is none.

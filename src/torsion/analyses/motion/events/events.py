@@ -252,11 +252,6 @@ class Clutch(Kind):
         rows = self.rows(0.0, 0.0)
         return tuple(time for time, _ in rows) if len(rows) > 1 or self.torque else ()
 
-    @property
-    def begins_open(self) -> bool:
-        """The clutch has no capacity before it."""
-        return self.open is None
-
 
 def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
     """Straight lines between (s, N m)."""

@@ -140,11 +140,6 @@ class Start(Kind):
             order = -twice / synchronous
             yield torque_laws.Wave(0, size, order, phase, 1j * twice, window, from_begin=True)
 
-    @property
-    def has_worst_phase(self) -> bool:
-        """Whether the file leaves the phase of its slip pulsation open."""
-        return self.slip_pulsation is not None and self.phase == WORST
-
 
 def _window(begin: float, off: float | None) -> torque_laws.Window:
     """From the begin to the time after which it is off."""

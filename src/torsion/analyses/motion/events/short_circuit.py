@@ -117,11 +117,6 @@ class ShortCircuit(Kind):
         return None
 
     @property
-    def is_scanned(self) -> bool:
-        """It closes again at a time between two."""
-        return self.reclose is not None and self.reclose[0] < self.reclose[1]
-
-    @property
     def words(self) -> str:
         """Its sense and the time at which it closes again."""
         again = "" if self.reclose is None else f", reclosed after {self.reclose[0]:.6g} s"

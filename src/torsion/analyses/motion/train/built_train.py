@@ -100,7 +100,8 @@ class Built:
 
     def _turning(self, time: FloatArray) -> Turning:
         """How the interfaces of what follows the motion turn without any torque."""
-        angle, speed, rate = self.loaded.turning(time)
+        turning = self.loaded.carrier.at(time)
+        angle, speed, rate = (rows[self.loaded.interfaces] for rows in turning)
         return angle - (self.train.shape @ self.untwisted)[:, None], speed, rate
 
     @contextmanager

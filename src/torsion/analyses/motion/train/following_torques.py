@@ -4,7 +4,7 @@ They are there where an event changes the speed by itself, a joint does, or a pe
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from torsion.analyses.motion.events.event_kind import Point
 from torsion.analyses.motion.events.events import Event
-from torsion.analyses.motion.events.following_events import Load, SpeedProgram
+from torsion.analyses.motion.events.following_events import Load
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.train.joint_cuts import JointCut, joint_spans
 from torsion.analyses.motion.train.state_before import State
@@ -85,14 +85,6 @@ class Following:
 def changes_speed(system: System, events: Sequence[Event]) -> bool:
     """An event or a joint changes the speed by itself: dampers to ground then count from the motion as one."""
     return bool(joint_spans(system).size) or any(event.body.drives for event in events)
-
-
-def torques_follow(study: Study, system: System, events: Sequence[Event]) -> bool:
-    """Torques follow the motion: periodic ones by order, what changes the speed, or events by angle in a program."""
-    has_orders = any(torque.order is not None for torque in study.train.torques)
-    is_swept = any(isinstance(event.body, SpeedProgram) for event in events)
-    by_angle = is_swept and any(event.body.by_angle for event in events)
-    return changes_speed(system, events) or has_orders or by_angle
 
 
 def following(
@@ -244,27 +236,6 @@ def replaced_dampers(
     if faults:
         raise InputError(faults)
     return replaced
-
-
-def without_dampers(system: System, stations: Collection[int]) -> System:
-    """The system without the dampers to ground of some stations."""
-    if not stations:
-        return system
-    dampers = (damper for damper in system.dampers if damper.station not in stations)
-    return replace(system, dampers=tuple(dampers))
-
-
-def program_rates(
-    study: Study, system: System, events: Sequence[Event]
-) -> tuple[tuple[float, float, float], ...]:
-    """Begin, end (s) and rate (rad/s2, of the reference) of every line of the programs of speed."""
-    rates = []
-    for event in events:
-        if isinstance(event.body, SpeedProgram):
-            ratio = abs(float(system.speed_ratio[_station(study, event)]))
-            lines = event.body.rates(event.time)
-            rates += [(begin, end, rate / ratio) for begin, end, rate in lines]
-    return tuple(rates)
 
 
 def _staying_mean(

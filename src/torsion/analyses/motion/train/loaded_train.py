@@ -8,15 +8,13 @@ import numpy as np
 
 from torsion.analyses.motion.events.event_kind import Point
 from torsion.analyses.motion.events.events import Stop
+from torsion.analyses.motion.events.following_events import SpeedProgram
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.train.following_torques import (
     Following,
     changes_speed,
     following,
-    program_rates,
     replaced_dampers,
-    torques_follow,
-    without_dampers,
 )
 from torsion.analyses.motion.train.joint_cuts import JointCut, joint_cuts, parts_of, standing
 from torsion.analyses.motion.train.modal_train import TrainInModes, train_in_modes
@@ -142,11 +140,6 @@ class LoadedTrain(TrainInModes):
         weight = np.abs(self.system.speed_ratio[self.interfaces])
         return Scheme(duration, tolerance, FIRST * duration, LONGEST * duration, weight, cuts)
 
-    def turning(self, time: FloatArray) -> Turning:
-        """How the interfaces of what follows the motion turn without any torque."""
-        angle, speed, rate = (rows[self.interfaces] for rows in self.carrier.at(time))
-        return angle, speed, rate
-
 
 def load_train(
     study: Study,
@@ -167,11 +160,17 @@ def load_train(
     follows it. Raises InputError for an event that the train cannot have.
     """
     events, cuts = settings.events, joint_cuts(system, before.mean)
-    has_laws = not is_settled and torques_follow(study, system, events)
+    is_driven = changes_speed(system, events)
+    # Periodic torques by order follow the motion, and events by angle where a program changes the speed.
+    has_orders = any(torque.order is not None for torque in study.train.torques)
+    programs = [(event, event.body) for event in events if isinstance(event.body, SpeedProgram)]
+    by_angle = bool(programs) and any(event.body.by_angle for event in events)
+    has_laws = not is_settled and (is_driven or has_orders or by_angle)
     points = points_of_events(study, system, events, before, path, turns=has_laws)
     replaced = replaced_dampers(study, system, settings, path)
-    parts = opened(without_dampers(parts_of(system, cuts), replaced))
-    is_driven = changes_speed(system, events)
+    parts = parts_of(system, cuts)
+    dampers = tuple(damper for damper in parts.dampers if damper.station not in replaced)
+    parts = opened(replace(parts, dampers=dampers))
     train = train_in_modes(parts, choose_modes(parts), before, is_driven=is_driven)
     damping = train.damped()
     if damping_ratio is not None:
@@ -182,7 +181,10 @@ def load_train(
     if has_laws:
         follows = following(study, system, events, points, before, cuts, train.shape, speed)
     vibrates = is_settled or (follows is None and bool(before.frequency.size))
-    rates = program_rates(study, system, events)
+    rates = list[tuple[float, float, float]]()
+    for event, program in programs:
+        own_ratio = abs(float(system.speed_ratio[study.train.part(event.at).stations[0]]))
+        rates += [(begin, end, rate / own_ratio) for begin, end, rate in program.rates(event.time)]
     loads, acting = _loads(study, system, settings, points, before, rates, vibrates=vibrates)
     carried = np.zeros((len(system.spans), 0))
     if follows is not None:
@@ -192,7 +194,7 @@ def load_train(
         settings=settings,
         path=path,
         cuts=cuts,
-        carrier=Carrier(offset, speed, np.abs(system.speed_ratio), rates),
+        carrier=Carrier(offset, speed, np.abs(system.speed_ratio), tuple(rates)),
         damping=damping,
         slowed=train.slowed_torques(),
         follows=follows,

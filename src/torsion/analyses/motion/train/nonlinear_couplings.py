@@ -85,7 +85,8 @@ def capacity_pieces(settings: TransientSettings, coupling: Coupling) -> tuple[Pi
         return None
     full = coupling.record.capacity or 0.0
     times = [time for time, _ in clutches]
-    pieces = [Piece(0.0, times[0], 0.0 if clutches[0][1].begins_open else full)]
+    # A clutch that closes first has no capacity before.
+    pieces = [Piece(0.0, times[0], 0.0 if clutches[0][1].open is None else full)]
     for (begin, clutch), end in zip(clutches, [*times[1:], math.inf], strict=True):
         rows = clutch.rows(begin, full)
         after = [*ramps(rows), Piece(rows[-1][0], math.inf, rows[-1][1])]
