@@ -129,25 +129,33 @@ class Regime:
         """(coordinates, times) rates of the coordinates."""
         return np.asarray(self.root[:, None] * moved.y + self.force @ moved.inputs)
 
+    @cached_property
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """(motions, parts) of positions and of speeds, over real and imaginary parts of the coordinates."""
+        eye = np.eye(self.train.motions)
+        rows = self.reading(eye, 0.0 * eye), self.reading(0.0 * eye, eye)
+        position, speed = (np.concatenate([row.real, -row.imag], axis=1) for row in rows)
+        return position, speed
+
+    @property
+    def is_alone(self) -> bool:
+        """Every motion stands for itself."""
+        return self.basis is None and self.roots.shape.ndim == 1
+
     def positions(self, moved: Moved) -> FloatArray:
         """(motions, times)"""
-        held = self._held(moved.y[len(moved.turned) :])
-        if self.basis is None:
-            return np.concatenate([moved.turned, held])
-        return np.asarray(
-            self.free @ moved.turned + self.basis @ held + self.constraint @ moved.inputs
-        )
+        if self.is_alone:
+            held = moved.y[len(moved.turned) :]
+            return np.concatenate([moved.turned, (self.roots.shape[:, None] * held).real])
+        position = self.rows[0] @ np.concatenate([moved.y.real, moved.y.imag])
+        return np.asarray(position + self.free @ moved.turned + self.constraint @ moved.inputs)
 
     def speeds(self, y: ComplexArray) -> FloatArray:
         """(motions, times) of coordinates; accelerations of their rates."""
-        number = self.free.shape[1]
-        held = self._held(self.roots.root[:, None] * y[number:])
-        if self.basis is None:
-            return np.concatenate([y[:number].real, held])
-        return np.asarray(self.free @ y[:number].real + self.basis @ held)
-
-    def _held(self, y: ComplexArray) -> FloatArray:
-        return _real_times(self.roots.shape, y)
+        if self.is_alone:
+            number, factors = self.free.shape[1], self.roots.shape * self.roots.root
+            return np.concatenate([y[:number].real, (factors[:, None] * y[number:]).real])
+        return np.asarray(self.rows[1] @ np.concatenate([y.real, y.imag]))
 
     def reading(self, position: FloatArray, speed: FloatArray) -> ComplexArray:
         """(rows, coordinates) whose real part times y is rows (rows, motions) of positions and speeds together.
@@ -361,11 +369,3 @@ def _in_roots(
 
 def _times(factors: ComplexArray, columns: np.ndarray) -> ComplexArray:
     return np.asarray(factors[:, None] * columns if factors.ndim == 1 else factors @ columns)
-
-
-def _real_times(shape: ComplexArray, y: ComplexArray) -> FloatArray:
-    """The real part of the product."""
-    if shape.ndim == 1:
-        return np.asarray((shape[:, None] * y).real)
-    parts = np.concatenate([y.real, -y.imag])
-    return np.asarray(np.concatenate([shape.real, shape.imag], axis=1) @ parts)
