@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, ValidationInfo, field_validator
@@ -266,18 +266,6 @@ class OverFrequency:
         return np.asarray(limit)
 
 
-@dataclass(frozen=True)
-class HeatInMisfire:
-    """Permissible power loss while a cylinder does not fire."""
-
-    power: float  # W
-    time: float | None = None  # s, for how long; None: without an end
-
-    def times(self, factor: float) -> "HeatInMisfire":
-        """The same limit with the power multiplied."""
-        return replace(self, power=factor * self.power)
-
-
 class VibratoryTorque(Declared):
     """Permissible vibratory torque."""
 
@@ -330,6 +318,10 @@ class MisfireHeat(Declared):
         "for how long (default: without an end)", alias="for"
     )
 
+    def times(self, factor: float) -> Self:
+        """The same limit with the power multiplied."""
+        return self.model_copy(update={"power": factor * self.power})
+
 
 def _table_or(key: str, kind: type[Declared]) -> BeforeValidator:
     """Take a list for the mapping that has it as its table, and a value for the one that has it under `key`."""
@@ -359,5 +351,5 @@ def heat_ratings(limit: HeatLimit | None, misfire: MisfireHeat | None) -> dict[s
     return {
         "heat_limit": power,
         "heat_over_frequency": None if table is None else OverFrequency(table, OF_POWER),
-        "heat_in_misfire": None if misfire is None else HeatInMisfire(misfire.power, misfire.time),
+        "heat_in_misfire": misfire,
     }

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -13,7 +13,7 @@ from torsion.model.component import Arrival, Component, Line, Lowering, lower_br
 from torsion.model.coupling import Pair
 from torsion.model.differential import Differential
 from torsion.model.parts import GearRating, Part, Symbol
-from torsion.model.planetary import Planetary, Teeth
+from torsion.model.planetary import Planetary, Star, Teeth
 from torsion.primitives import Constraint, Spring, Toothing
 
 Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
@@ -134,25 +134,29 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
         referred_to = before.referred_to
         if self.referred and referred_to is None:
             referred_to = before.ratio
-        sense, halves, half = self.sense, self.inertia, "wheel"
-        if stage is not None:
-            sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
-        driving, driven = build.link(
-            self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None
-        )
-        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.arrival
+        behind: dict[str, Any] = {"referred_to": referred_to, "yoke": None}
+        if stage is None:
+            ends = build.link(self._speed(self), self.sense, self.inertia, "wheel", **behind)
+            mesh = self._mesh(self, gear.name, part, ends, before)
+        else:
+            speed, sense = abs(stage.speed), 1 if stage.speed > 0 else -1
+            ends = build.link(speed, sense, stage.halves, "member", **behind)
+            wheel, flexibility = abs(stage.speeds[stage.meshing]), before.scale * stage.flexibility
+            mesh = Constraint(gear.name, part, *ends, speed, flexibility, wheel=wheel)
+            mesh = replace(mesh, meshings=stage.meshings)
+        main = build.arrival
         if stage is not None and stage.star is not None:
-            mesh = _with_planets(build, gear, mesh, stage, before)
+            mesh = _with_planets(build, gear, mesh, stage, stage.star, before)
         build.add(mesh)
         build.arrival = main
         if self.differential is not None:
-            self.differential.lower(build, gear, driven)
+            self.differential.lower(build, gear, ends[1])
         for position, branch in enumerate(self.branches):
             ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
             build.arrival = replace(main, ratio=ratio, sense=before.sense * branch.sense)
             driven = build.station(name, part=part)
             build.inertia(driven, branch.inertia, f"wheel {position + 2}", part)
-            build.add(self._mesh(branch, name, part, (driving, driven), before))
+            build.add(self._mesh(branch, name, part, (ends[0], driven), before))
             path = (*gear.path, "branches", position, "train")
             lower_branch(build, replace(build.arrival, station=driven), branch.train, path)
         build.arrival = main
@@ -167,16 +171,6 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
     ) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures count at the station of `arrival`."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else arrival.scale / wheel.mesh_stiffness
-        if isinstance(wheel, Gear) and (stage := wheel.planetary) is not None:
-            return Constraint(
-                name,
-                part,
-                *ends,
-                abs(stage.speed),
-                arrival.scale * stage.flexibility,
-                meshings=stage.meshings,
-                wheel=abs(stage.speeds[stage.meshing]),
-            )
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
         return Constraint(
             name,
@@ -202,8 +196,6 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""
-        if isinstance(wheel, Gear) and wheel.planetary is not None:
-            return abs(wheel.planetary.speed)
         if wheel.ratio is not None:
             return 1 / wheel.ratio
         return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])
@@ -215,12 +207,10 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
 
 
 def _with_planets(
-    build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival
+    build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, star: Star, before: Arrival
 ) -> Constraint:
     """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
-    star, after, carrier = stage.star, build.arrival, mesh.driven
-    if star is None:
-        return mesh
+    after, carrier = build.arrival, mesh.driven
     if not star.is_mesh_driving:
         carrier, build.arrival = (
             mesh.driving,

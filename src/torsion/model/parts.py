@@ -21,7 +21,7 @@ from torsion.results import one_line
 if TYPE_CHECKING:
     from torsion.kernels.warming import Warming
     from torsion.model.compressor.record import CompressorRecord
-    from torsion.model.elastic_element import HeatInMisfire, OverFrequency
+    from torsion.model.elastic_element import MisfireHeat, OverFrequency
     from torsion.model.engine.record import EngineRecord
     from torsion.model.machine_torques import DriveLaw, LoadLaw
     from torsion.model.shaft_details import Hub, Notch, Step, Support
@@ -63,7 +63,7 @@ class CouplingRatings:
     )
     vibratory_over_frequency: "OverFrequency | None" = None  # T_KW in place of `vibratory_torque`
     heat_over_frequency: "OverFrequency | None" = None  # P_KW in place of `heat_limit`
-    heat_in_misfire: "HeatInMisfire | None" = None  # while a cylinder does not fire
+    heat_in_misfire: "MisfireHeat | None" = None  # while a cylinder does not fire
 
     def times(self, factor: float) -> "CouplingRatings":
         """Return the limits of `factor` equal couplings side by side."""

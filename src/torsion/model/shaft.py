@@ -65,11 +65,6 @@ SECTIONS: dict[str, Any] = {
 }
 
 
-def _length_or_sections(schema: dict[str, Any]) -> None:
-    """What is required in an editor; the reader puts shafts in the place of their sections first."""
-    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["sections"]}]
-
-
 class MeshedSection(Declared):
     """A cross-section by mesh."""
 
@@ -94,7 +89,12 @@ class Shaft(Component, keyword="shaft", sort="link", symbol=Symbol(width=1.6)):
         ("Bending", "support"),
     )
 
-    model_config = ConfigDict(json_schema_extra=_length_or_sections)
+    # What an editor requires; the reader puts shafts in the place of their sections first.
+    model_config = ConfigDict(
+        json_schema_extra=lambda schema: schema.update(
+            anyOf=[{"required": schema.pop("required")}, {"required": ["sections"]}]
+        )
+    )
     clashes = (excludes("section", "notches", "hub", hint="they belong to a round shaft"),)
 
     length: Annotated[float, Quantity("m", above=0, usual="length of a shaft")] = required("length")
