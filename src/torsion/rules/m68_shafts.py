@@ -202,28 +202,9 @@ class ClassedShaft(LimitedShaft):
     role: Role  # as the rule sees it: a tube shaft is one of the propeller shafts
     strength: float  # N/mm2, as used
     stated: float | None  # N/mm2: strength as the file gives it
-    details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K, the greatest k govern
+    governing: tuple[str, Detail]  # the feature with the smallest C_K
+    k: float  # the greatest of its features, for the least diameter
     ends: Ends  # mm, (outer, bore) of the driving and the driven end
-
-    @property
-    def diameter(self) -> float:
-        """The greatest diameter in mm, for C_D."""
-        return max(outer for outer, _ in self.ends)
-
-    @property
-    def governing(self) -> tuple[str, Detail]:
-        """The feature with the smallest C_K."""
-        return _governing(self.details)
-
-    @property
-    def c_k(self) -> float:
-        """The smallest C_K of the shaft's features."""
-        return self.governing[1].c_k
-
-    @property
-    def k(self) -> float:
-        """The greatest k of the shaft's features, for the least diameter."""
-        return max(detail.k for _, detail in self.details)
 
 
 def classed_shafts(
@@ -248,7 +229,7 @@ def _classed(
     sizes = ((outer * MM, bore * MM) for outer, bore in diameters(study.train, number))
     ends = cast(Ends, tuple(sizes))
     details = _details(record, role, part.name, ends, settings)
-    governing = _governing(details)[1]
+    governing = min(details, key=lambda entry: entry[1].c_k)
 
     stated = None if material.tensile_strength is None else material.tensile_strength * PA
     is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
@@ -265,7 +246,7 @@ def _classed(
     is_open = settings.conditions is None  # no document answers them
     seat = (SEAT.format(part.name),) if "shrink fit" in record.features else ()
 
-    made_of: tuple[Any, ...] = strength, max(outer for outer, _ in ends), governing.c_k
+    made_of: tuple[Any, ...] = strength, max(outer for outer, _ in ends), governing[1].c_k
     continuous, passing = partial(tau_c, *made_of), partial(tau_t, *made_of)
     ends_of_pieces = FLAT_FROM, LAST_CONTINUOUS
     pieces = tuple(Piece(letters[0], last, continuous) for last in ends_of_pieces)
@@ -273,8 +254,8 @@ def _classed(
         number,
         part.name,
         LimitCurve(pieces, Piece(letters[1], BARRED_BELOW, passing)),
-        governing.c_k_mark if stated is not None else "to be verified",
-        _notes(details, ends, strength, stated),
+        governing[1].c_k_mark if stated is not None else "to be verified",
+        _notes(*governing, ends, strength, stated),
         keyways=tuple(feature for feature, detail in details if detail.has_keyway),
         restrictions=tuple(open_conditions) if is_open else (),
         doubts=tuple(broken),
@@ -282,16 +263,16 @@ def _classed(
         role=role,
         strength=strength,
         stated=stated,
-        details=details,
+        governing=governing,
+        k=max(detail.k for _, detail in details),
         ends=ends,
     )
 
 
 def _notes(
-    details: tuple[tuple[str, Detail], ...], ends: Ends, strength: float, stated: float | None
+    feature: str, governing: Detail, ends: Ends, strength: float, stated: float | None
 ) -> tuple[str, ...]:
-    """Return in words which factors were used for a shaft."""
-    feature, governing = _governing(details)
+    """Return in words which factors were used for a shaft, whose feature governs."""
     doubt = "" if governing.c_k_mark == "rule text" else ", to be verified"
     condition = f": {governing.condition}" if governing.condition else ""
     origin = " (none stated: the least of shaft steel assumed, to be verified)"
@@ -305,10 +286,6 @@ def _notes(
     )
     cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
     return (", ".join(factors), *([cone] if first != last else []))
-
-
-def _governing(details: tuple[tuple[str, Detail], ...]) -> tuple[str, Detail]:
-    return min(details, key=lambda entry: entry[1].c_k)
 
 
 def _conditions(
@@ -392,7 +369,7 @@ def _details(
     details: list[tuple[str, Detail]] = []
     if not features:
         details.append(("no feature given", ASSUMED[role]))
-    elif not set(features) & OF_ROLE[role] and role != "intermediate":
+    elif not set(features) & OF_ROLE[role]:
         details.append((f"{role} shaft", ASSUMED[role]))
     if "keyway" in kinds and not any(DETAILS[feature].has_keyway for feature in features):
         details.append(("keyway of `notches`", DETAILS["cylinder keyway"]))
