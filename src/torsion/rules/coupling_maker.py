@@ -14,7 +14,7 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.parts import CouplingRatings, Part
-from torsion.rules.demands import MISFIRE, unjudged
+from torsion.rules.demands import MISFIRE, engines_of, unjudged
 from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
@@ -90,9 +90,8 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Return limits of the heat in misfire where every cylinder of an engine fires."""
-        has_engine = any(part.engine is not None for part in study.train.parts)
         has_misfire = any(map(misfires, (study, *study.cases.values())))
-        if not has_engine or has_misfire or study.covers(MISFIRE, self.name):
+        if not engines_of(study) or has_misfire or study.covers(MISFIRE, self.name):
             return ()
         note = "every cylinder fires: compute a misfire, as a case"
         return tuple(
@@ -230,5 +229,5 @@ def _over_frequency(
 
 def misfires(study: Study) -> bool:
     """Return whether a cylinder of an engine does not fire."""
-    engines = [part.engine for part in study.train.parts if part.engine is not None]
-    return any(cylinder.state != "firing" for engine in engines for cylinder in engine.cylinders)
+    cylinders = (cylinder for engine in engines_of(study) for cylinder in engine.cylinders)
+    return any(cylinder.state != "firing" for cylinder in cylinders)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from torsion import fields
 from torsion.analyses.speed_tables import SAME_SPEED
@@ -13,6 +14,9 @@ from torsion.results import listed
 from torsion.rules import of_study
 from torsion.rules.verdict_line import Check, Reach, Standing
 from torsion.study import Range, SpeedRange, Study
+
+if TYPE_CHECKING:
+    from torsion.model.engine.record import EngineRecord
 
 BARRED_BELOW = 0.8  # speed ratio below which barred ranges lie: who begins there, or above, looked at none of them
 START = 0.2  # speed ratio: a judgement from there on has the start of the train (ours, the texts begin at 0): by the
@@ -206,6 +210,11 @@ def restriction(
     """Return the row of a condition under which all checks of a rule stand, without a value or a limit."""
     row = unjudged(rule, clause, where, what, words, standing)
     return replace(row, verdict="restricted", restrictions=(words,))
+
+
+def engines_of(study: Study) -> "list[EngineRecord]":
+    """Return the engines of a train, in its order."""
+    return [part.engine for part in study.train.parts if part.engine is not None]
 
 
 def misfire_row(rule: str, study: Study, source: str) -> Iterator[Check]:

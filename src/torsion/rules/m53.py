@@ -19,6 +19,7 @@ from torsion.model.parts import Part
 from torsion.rules import m53_factors as factors
 from torsion.rules.demands import (
     START,
+    engines_of,
     lacking_orders,
     misfire_row,
     orders_words,
@@ -204,8 +205,7 @@ def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> lis
     """
     if settings.strokes is None:
         return []
-    engines = (other.engine for other in study.train.parts if other.engine is not None)
-    engine = next((record for record in engines if crank in record.cranks), None)
+    engine = next((record for record in engines_of(study) if crank in record.cranks), None)
     if engine is None:
         excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
     else:

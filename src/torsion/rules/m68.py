@@ -10,7 +10,7 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.model.parts import ShaftRecord
 from torsion.rules import m68_shafts, rule_over_speed
-from torsion.rules.demands import misfire_row, order_rows, unjudged, zero_pitch_rows
+from torsion.rules.demands import engines_of, misfire_row, order_rows, unjudged, zero_pitch_rows
 from torsion.rules.m68_shafts import (
     LAST_CONTINUOUS,
     LEAST_STRENGTH,
@@ -133,8 +133,11 @@ class M68(ShaftStress):
         if torque is None or not isinstance(shaft, ClassedShaft):
             return
         factor = m68_shafts.drive_factor(shaft.role, smooth=drive != "other")
-        engines = [part.engine for part in evidence.study.train.parts if part.engine is not None]
-        firing = [sum(share for _, share in engine.drives) for engine in engines if engine.drives]
+        firing = [
+            sum(share for _, share in engine.drives)
+            for engine in engines_of(evidence.study)
+            if engine.drives
+        ]
         mean = float(np.max(torque[rule_over_speed.spans_of(evidence.system, shaft.part)]))
         load = mean / min([*firing, 1.0]) * KW_PER_RPM  # rated power is that of all cylinders
         ends = [

@@ -21,7 +21,14 @@ from torsion.findings import Results
 from torsion.model.parts import Part, ShaftRecord
 from torsion.results import listed
 from torsion.rules import rule_over_speed, society_limits
-from torsion.rules.demands import MISFIRE, coverage, stiffness_row, unjudged, unknown_gears
+from torsion.rules.demands import (
+    MISFIRE,
+    coverage,
+    engines_of,
+    stiffness_row,
+    unjudged,
+    unknown_gears,
+)
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import Drive, M68Settings
@@ -239,7 +246,7 @@ class EngineSocietyRule(SocietyRule):
             message = f"`duty` {settings.duty} of {self.name} contradicts the shaft of role {listed(map(str, driven))}"
             faults.append(Fault(where, message, f"duty: {right}, or another `role` of the shaft"))
 
-        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        engines = engines_of(study)
         stated = {
             "strokes": (settings.strokes, [2 * engine.revolutions for engine in engines]),
             "cylinders": (settings.cylinders, [len(engine.cylinders) for engine in engines]),
@@ -315,7 +322,7 @@ class EngineSocietyRule(SocietyRule):
         """Return the cylinders by the setting, else of an engine in line, the only one of the file; 0 if not known."""
         if self.settings.cylinders is not None:
             return self.settings.cylinders
-        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        engines = engines_of(study)
         if len(engines) != 1 or len(engines[0].throws) != len(engines[0].cylinders):
             return 0
         return len(engines[0].cylinders)
