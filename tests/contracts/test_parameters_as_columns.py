@@ -77,7 +77,7 @@ def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -
     changed = varied_figures.overlay_of(study, source)
     for name in VARYING:
         changed.remove(("analyses", name))
-    node = overlay.node_at(source.root, path)
+    node = source.at(path)
     value = overlay.multiplied(node.value, Fraction(repr(FACTOR)))
     changed.put(path, replace(node, value=value), (node.line, node.column))
     return scene_reader._study(changed.applied()).train
@@ -87,7 +87,7 @@ def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -
 def test_a_column_is_the_file_read_again_or_is_refused(scene: Path) -> None:
     study = scene_reader.read(scene)
     source, read = scene_reader.reread(study)
-    nodes = [(name, overlay.node_at(source.root, (name,))) for name in SECTIONS]
+    nodes = [(name, source.at((name,))) for name in SECTIONS]
     paths = [path for name, node in nodes if node for path in numbers(node, (name,))]
     answers = Counter[str]()
     for path in paths[:: len(paths) // MOST + 1]:

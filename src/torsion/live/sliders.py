@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsion.errors import Fault, InputError
-from torsion.schema.overlay import in_words, node_at
+from torsion.schema.overlay import in_words
 from torsion.schema.variation import Variation
 from torsion.schema.varied_figures import Figure
 from torsion.study import Study
@@ -116,7 +116,7 @@ def _words(slider: Slider, position: float | None, variation: Variation) -> str:
     """Return what the file states, or would state with the slider at a position."""
     first = slider.figures[0]
     if position is None:
-        nominal_node = node_at(variation.source.root, first.paths[0][0]) if first.paths else None
+        nominal_node = variation.source.at(first.paths[0][0]) if first.paths else None
         return "as in the file" if nominal_node is None else in_words(nominal_node.value)
     value = slider.value(position)
     if first.rows:

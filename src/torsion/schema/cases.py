@@ -14,7 +14,7 @@ from torsion.findings import NORMAL
 from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
-from torsion.schema.overlay import Overlay, in_words, multiplied, node_at, remove_components
+from torsion.schema.overlay import Overlay, in_words, multiplied, remove_components
 from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
 
 FROM, TOLERANCES = "from", "tolerances"
@@ -198,7 +198,7 @@ def _case(
     if case.corner:
         _tolerances(case, overlay)
     else:
-        node = node_at(source.root, case.path) or Node({}, 1, 1)
+        node = source.at(case.path) or Node({}, 1, 1)
         change_overlay(case.keys, case.path, node, overlay)
     overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
     if not overlay.faults:
@@ -250,7 +250,7 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
         places = case_node.parts["speeds"], case_node.keys["speeds"]
         overlay.replace("operation.speeds", *places, (*path, "speeds"))
     if keys.rules is not None:
-        stated, rules = node_at(overlay.source.root, ("rules",)), case_node.parts["rules"]
+        stated, rules = overlay.source.at(("rules",)), case_node.parts["rules"]
         if stated is not None and stated.value == rules.value:
             message = "these are the rules of the file: nothing changes"
             overlay.refuse((*path, "rules"), message, "leave it out")
@@ -266,7 +266,7 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
 
 def _tolerances(case: _Requested, overlay: Overlay) -> None:
     """Set all couplings with a tolerance together to one end of it."""
-    node = node_at(overlay.source.root, case.path) or Node(None, 1, 1)
+    node = overlay.source.at(case.path) or Node(None, 1, 1)
     varied = [part for part in overlay.parts if part.stiffness_tolerance]
     if not varied:
         hint = "give a coupling its `tolerance`, or leave `from` out"
@@ -280,7 +280,7 @@ def _tolerances(case: _Requested, overlay: Overlay) -> None:
             overlay.faults.append(Fault((*part.path, "tolerance"), message, "less than 100 %"))
             continue
         for path in stiffness_paths(overlay, part):
-            stated = node_at(overlay.source.root, path)
+            stated = overlay.source.at(path)
             ratio = 1 / factor if path[-1] == "flexibility" else factor
             value = None if stated is None else multiplied(stated.value, ratio)
             if stated is not None and value is not None and value != stated.value:
@@ -294,12 +294,12 @@ def _tolerances(case: _Requested, overlay: Overlay) -> None:
 
 def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
     """Yield where the file states the stiffnesses, or the flexibility, of a coupling."""
-    root = overlay.source.root
+    source = overlay.source
     for keys in STIFFNESSES:
-        if node_at(root, (*part.path, *keys)) is not None:
+        if source.at((*part.path, *keys)) is not None:
             yield (*part.path, *keys)
     for keys, entry_path in LISTED:
-        rows = node_at(root, (*part.path, *keys))
+        rows = source.at((*part.path, *keys))
         for step, _ in entries_of(None if rows is None else rows.value):
             yield (*part.path, *keys, step, *entry_path)
 

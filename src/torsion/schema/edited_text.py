@@ -8,7 +8,6 @@ from typing import Any
 from torsion.analyses import VARYING
 from torsion.errors import InputError, Path
 from torsion.schema.fault_text import Node, Source, line_starts
-from torsion.schema.overlay import node_at
 from torsion.schema.scene_tables import with_tables
 from torsion.schema.yaml_source import in_brackets, parse_source, yaml_text
 
@@ -26,7 +25,7 @@ def edited(
     case, without the other cases.
     """
     with suppress(LookupError, InputError):
-        removed = [_removal(source, path) for path in gone if node_at(source.root, path)]
+        removed = [_removal(source, path) for path in gone if source.at(path)]
         text = source.text
         # From the last to the first; of several at one place the first stands first.
         edits = sorted([*_edits(source, changes), *removed], key=itemgetter(0), reverse=True)
@@ -65,7 +64,7 @@ def _written_out(value: Any) -> Any:
 
 def _own_node(source: Source, path: Path) -> Node:
     """What stands at a path of the text itself; raises LookupError."""
-    node = node_at(source.root, path)
+    node = source.at(path)
     if node is None or node.source is not None:
         raise LookupError
     return node
@@ -75,7 +74,7 @@ def _edits(source: Source, changes: Iterable[tuple[Path, Node]]) -> Iterator[Edi
     """Raises LookupError where a value does not stand in the text."""
     added: dict[Path, dict[str, Any]] = {}
     for path, new in changes:
-        if node_at(source.root, path) is None:
+        if source.at(path) is None:
             added.setdefault(path[:-1], {})[str(path[-1])] = new.value
             continue
         node = _own_node(source, path)

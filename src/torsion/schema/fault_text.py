@@ -61,6 +61,15 @@ class Source:
     def lines(self) -> list[str]:
         return _BREAK.split(self.text)
 
+    def at(self, path: Path) -> Node | None:
+        """What stands at a path; None where nothing does."""
+        node = self.root
+        for step in path:
+            if step not in node.parts:
+                return None
+            node = node.parts[step]
+        return node
+
     def find(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
         """The text in which the value at `path` stands, this one or a table's, and its place there."""
         node, source = self.root, self

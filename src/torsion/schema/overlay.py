@@ -71,7 +71,7 @@ class Overlay:
         """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
         if (path := self.path(words, fault)) is None:
             return
-        given = node_at(self.source.root, path)
+        given = self.source.at(path)
         if given is not None and given.value == value.value:
             if self.permits_no_change:
                 return
@@ -88,7 +88,7 @@ class Overlay:
         """Multiply the number to which the words of a key point."""
         if (path := self.path(words, fault)) is None:
             return
-        given = node_at(self.source.root, path)
+        given = self.source.at(path)
         if given is None:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
@@ -163,7 +163,7 @@ class Overlay:
 
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""
-        node = node_at(self.source.root, path)
+        node = self.source.at(path)
         for step in steps:
             value = None if node is None else node.value
             if isinstance(value, list):
@@ -196,16 +196,6 @@ class Overlay:
         for path in sorted(self.removed, key=order, reverse=True):
             root = _without(root, path)
         return replace(self.source, root=root)
-
-
-def node_at(node: Node, path: Path) -> Node | None:
-    """What stands at a path; None where nothing does."""
-    for step in path:
-        inner = node.parts.get(step)
-        if inner is None:
-            return None
-        node = inner
-    return node
 
 
 def _put_in(node: Node, path: Path, new: Node, key_place: Place) -> Node:
@@ -313,7 +303,7 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
     parts = {part.name: part for part in overlay.parts}
     entries: dict[Path, None] = {}  # of the lists of components
     ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
-    stated = node_at(overlay.source.root, fault)
+    stated = overlay.source.at(fault)
     for position, name in enumerate(names):
         # A name stands in a list, or alone.
         is_list = stated is not None and isinstance(stated.value, list)
@@ -325,7 +315,7 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
             else:
                 entries |= dict.fromkeys(_branch_entries(overlay, path, parts[name]))
         elif (key_path := overlay.path(name, fault_path)) is not None and "." in name:
-            given = node_at(overlay.source.root, key_path)
+            given = overlay.source.at(key_path)
             if given is None:
                 message = f"`{printable(name)}` is not given: nothing changes"
                 overlay.faults.append(Fault(fault_path, message, "leave it out"))
@@ -344,7 +334,7 @@ def _branch_entries(overlay: Overlay, path: Path, part: Part) -> list[Path]:
     line, position = path[:-1], path[-1]
     if position == 0 and line[-2] == "branch":
         return [line[:-2]]
-    size = len((node_at(overlay.source.root, line) or Node([], 1, 1)).value)
+    size = len((overlay.source.at(line) or Node([], 1, 1)).value)
     return [(*line, k) for k in range(int(position), size)]
 
 
@@ -352,7 +342,7 @@ def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
     """The entries of the main train that are named, from one of its ends on, with the branches that they carry."""
     if not ends:
         return []
-    body = (node_at(overlay.source.root, MAIN) or Node([], 1, 1)).value
+    body = (overlay.source.at(MAIN) or Node([], 1, 1)).value
     kept, gone, carrier_goes = list[int](), list[int](), False
     for k, entry in enumerate(body):
         if not (isinstance(entry, dict) and "branch" in entry):
@@ -397,7 +387,7 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     kinds = {part.kind for part in gone.values()}
     for part in overlay.parts:
         if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
-            node = node_at(overlay.source.root, part.path) or overlay.source.root
+            node = overlay.source.at(part.path) or overlay.source.root
             place = node.line, node.column
             overlay.put((*part.path, "name"), Node(part.name, *place, source=node.source), place)
     for entry in entries:

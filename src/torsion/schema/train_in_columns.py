@@ -18,7 +18,6 @@ from torsion.model.component import Material
 from torsion.model.machine_torques import Excitation
 from torsion.schema.declaration_reader import declared, one_component
 from torsion.schema.fault_text import Source
-from torsion.schema.overlay import node_at
 from torsion.schema.varied_figures import Figure, overlay_of
 from torsion.study import Study
 from torsion.train import Link, Train, lowered
@@ -162,7 +161,7 @@ def piece_path(path: Path) -> Path:
 
 
 def _declared_at(path: Path, source: Source) -> Declared:
-    node, faults = node_at(source.root, path), list[Fault]()
+    node, faults = source.at(path), list[Fault]()
     body = None if node is None else node.value
     if path[0] in ("materials", "excitations"):
         kind: type[Declared] = Material if path[0] == "materials" else Excitation

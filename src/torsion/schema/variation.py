@@ -14,7 +14,7 @@ from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
 from torsion.schema.declaration_reader import one_component
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.overlay import in_words, node_at
+from torsion.schema.overlay import in_words
 from torsion.schema.study_faults import study_faults
 from torsion.schema.train_in_columns import Pieces, train_in_columns
 from torsion.schema.varied_figures import Figure, named, overlay_of, with_tolerance
@@ -42,7 +42,7 @@ class Variation:
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
         path, node = next(self.figures[place].puts(value, self.source))
-        given = node_at(self.source.root, path)
+        given = self.source.at(path)
         return "not given" if given is None else in_words(given.value), in_words(node.value)
 
     def text(self, values: Sequence[float], without: Iterable[str] = VARYING) -> str:
@@ -89,7 +89,7 @@ class Variation:
         # Columns can only be put in behind what the case changes, which is the same where it changes none of them.
         is_same = all(
             _component_at(path, self.base) == _component_at(path, case)
-            and node_at(changed.root, path) == node_at(self.source.root, path)
+            and changed.at(path) == self.source.at(path)
             for figure in self.figures
             for path in figure.all_paths
         )
@@ -274,7 +274,7 @@ def _rows_to_read(figure: Figure, source: Source) -> list[float]:
     for number, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
         if path[-1] in KINDS:
-            node = node_at(source.root, path)
+            node = source.at(path)
             body = {} if node is None else dict(node.value or {})
             body |= {str(key[-1]): node.value for key, node in row.puts}
             one_component(str(path[-1]), body, path, faults)

@@ -12,7 +12,7 @@ from torsion.errors import Fault, Path
 from torsion.model.parts import Part
 from torsion.schema.cases import stiffness_paths
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
+from torsion.schema.overlay import Overlay, in_words, multiplied
 from torsion.schema.table_rows import CATALOGUE, LABEL, STATED, Reading, Rows
 from torsion.study import Study
 from torsion.what_if.variants.laws import Choice, Law
@@ -127,7 +127,7 @@ class Figure:
             return
         exact = Fraction(repr(float(value)))
         for path, power in self.paths:
-            given = node_at(source.root, path) or Node(None, 1, 1)
+            given = source.at(path) or Node(None, 1, 1)
             if self.law.first is not None:
                 new: object = (
                     f"{repr(value).removesuffix('.0')} {self.law.unit}" if self.law.unit else value
@@ -175,7 +175,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
             pairs += _of_all(words, law, overlay, fault)
         elif (path := overlay.path(words, fault)) is not None:
             pairs.append((words.replace('"', ""), path))
-            if node_at(overlay.source.root, path) is None:
+            if overlay.source.at(path) is None:
                 hint = "give its value in the file; a path varies only a value of the file"
                 overlay.refuse(fault, f"the file does not give `{words}`", hint)
         for name, path in pairs:
@@ -183,7 +183,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
                 overlay.refuse(
                     fault, f"`{words}` varies as `{taken[path]}` already", "vary it once"
                 )
-            given = node_at(overlay.source.root, path)
+            given = overlay.source.at(path)
             if path in taken or given is None:
                 continue
             taken[path] = words
@@ -196,7 +196,7 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
     """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
     key, has = words.removeprefix("*."), False
     for part in overlay.parts:
-        given = node_at(overlay.source.root, (*part.path, key))
+        given = overlay.source.at((*part.path, key))
         if given is None:
             continue
         has = True
@@ -204,7 +204,7 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
             isinstance(alternative, list) for alternative in law.values or ()
         )
         for steps in [(key, number) for number in range(len(given.value))] if is_list else [(key,)]:
-            node = node_at(overlay.source.root, (*part.path, *steps))
+            node = overlay.source.at((*part.path, *steps))
             amount = None if node is None else amount_of(node.value)
             if not law.is_relative or amount is None or amount[0] != 0.0:
                 name = ".".join([part.name, key, *(str(int(step) + 1) for step in steps[1:])])
@@ -221,7 +221,7 @@ def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Itera
         path: node.value
         for row in rows
         for path, _ in row.puts
-        if (node := node_at(overlay.source.root, path)) is not None
+        if (node := overlay.source.at(path)) is not None
     }
     matching = (
         k
@@ -281,7 +281,7 @@ def with_tolerance(study: Study, overlay: Overlay) -> Iterator[Figure]:
     for part in study.train.parts:
         if part.inertia_tolerance:
             made = (*part.path, "inertia"), (*part.path, "entrained")
-            pairs = [(path, node_at(overlay.source.root, path)) for path in made]
+            pairs = [(path, overlay.source.at(path)) for path in made]
             given = [
                 (path, 1) for path, node in pairs if node is not None and "%" not in str(node.value)
             ]
