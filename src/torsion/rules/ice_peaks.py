@@ -224,12 +224,10 @@ def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float]
     """The clause and its limit, N/mm2 of a shaft and N m of a coupling or gear; None where the file gives none."""
     if part.shaft is None or not part.is_bar:
         return part.greatest_torque(is_rare=False)
-    strength = study.train.materials[part.shaft.material].yield_strength
-    return (
-        None
-        if strength is None
-        else (f"0.577 R_e/{settings.factor:g}", SHEAR * strength * PA / settings.factor)
-    )
+    strength, factor = study.train.materials[part.shaft.material].yield_strength, settings.factor
+    if strength is None:
+        return None
+    return f"0.577 R_e/{factor:g}", SHEAR * strength * PA / factor
 
 
 def _value(evidence: Results, number: int, part: Part, motion: TransientMotion) -> float:
@@ -248,8 +246,9 @@ def _resonances(
     Its name, the words, and whether no motion is computed at that speed.
     """
     study, operation, modes = evidence.study, evidence.study.operation, evidence.get(Modes)
-    ends = (operation.speeds.first, operation.speeds.last) if operation.speeds is not None else ()
-    speeds = [speed for speed in (operation.speed, *ends) if speed]
+    speeds = [] if operation.speed is None else [operation.speed]
+    if operation.speeds is not None:
+        speeds += operation.speeds.first, operation.speeds.last
     if modes is None or not speeds:
         return
     low, high = (1.0 - MARGIN) * min(speeds), (1.0 + MARGIN) * max(speeds)

@@ -1,7 +1,6 @@
 """The picture on the cover: read, checked, and as a data URI, so that a page holds it."""
 
 from base64 import b64encode
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,10 @@ from torsion.user_files import read_file
 
 MOST = 300_000  # bytes: it stands in the page and in results.json
 PLACE = ("document", "logo")
-PNG = b"\x89PNG\r\n\x1a\n"
+FORMS = (  # how each begins and ends, and what may follow
+    ("png", b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82", b""),
+    ("jpeg", b"\xff\xd8\xff", b"\xff\xd9", b"\0"),
+)
 
 
 def read_logo(file: Path) -> str:
@@ -25,9 +27,9 @@ def read_logo(file: Path) -> str:
         raise _refused(
             f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint
         ) from None
-    for kind, begins, is_whole in FORMS:
+    for kind, begins, ends, padding in FORMS:
         if content.startswith(begins):
-            if is_whole(content):
+            if content.rstrip(padding).endswith(ends):
                 return f"data:image/{kind};base64,{b64encode(content).decode()}"
             raise _refused(f"{file} is a damaged {kind.upper()} file", "save it again")
     raise _refused(f"{file} is not a readable picture", "a PNG or JPEG file, with its marks")
@@ -44,9 +46,3 @@ def with_logo(study: Study, file: str, faults: list[Fault]) -> Study:
 
 def _refused(message: str, hint: str) -> InputError:
     return InputError([Fault(PLACE, message, hint)])
-
-
-FORMS: tuple[tuple[str, bytes, Callable[[bytes], bool]], ...] = (
-    ("png", PNG, lambda content: content.endswith(b"IEND\xaeB`\x82")),
-    ("jpeg", b"\xff\xd8\xff", lambda content: content.rstrip(b"\0").endswith(b"\xff\xd9")),
-)  # how each begins

@@ -36,6 +36,7 @@ STEP = re.compile(
     r"""\s*("[^"]*"|'[^']*'|[^."']+)\s*(\.|$)"""
 )  # of a key path: a word, in quotes where it has dots
 DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
+MAIN = ("train",)  # path of the main train
 LONGEST = 60  # characters of a value in words
 Place = tuple[int, int]  # line, column
 
@@ -295,9 +296,6 @@ def of_list(data: Any, section: str) -> Iterable[tuple[int, dict[str, Any]]]:
     return ((int(step), item) for step, item in entries_of(body) if isinstance(item, dict))
 
 
-MAIN = ("train",)
-
-
 def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> None:
     """Take components, or keys, away by their names; `fault` is the place of the list of names."""
     parts = {part.name: part for part in overlay.parts}
@@ -375,11 +373,11 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
         )
         return
     data = overlay.source.data
-    links = {
-        k: body
+    links = [
+        k
         for k, body in of_list(data, "links")
         if set(map(str, body.get("between") or ())) & set(gone)
-    }
+    ]
     acting = [k for k, body in of_list(data, "excitations") if body.get("at") in gone]
     entries = [*entries, *(("links", k) for k in links), *(("excitations", k) for k in acting)]
     gone |= {part.name: part for part in overlay.parts if goes(part)}
