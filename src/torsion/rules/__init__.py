@@ -1,7 +1,7 @@
 """Rules: one a file, imported when a scene names it."""
 
 from collections.abc import Iterator
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
     from torsion.rules.verdict_line import Check, Rule, RuleSettings
     from torsion.study import Study
 
-RULES = {  # name in the file: class, and what it is made with
+RULES = {  # name in the file: class
     "iacs-m68": "torsion.rules.m68:M68",
     "iacs-m53": "torsion.rules.m53:M53",
-    "kr": "torsion.rules.societies:EngineSocietyRule:kr",
-    "lr": "torsion.rules.societies:LloydsRule:lr",
-    "dnv": "torsion.rules.societies:SocietyRule:dnv",
-    "abs": "torsion.rules.societies:SocietyRule:abs",
-    "bv": "torsion.rules.societies:SocietyRule:bv",
-    "ccs": "torsion.rules.societies:SocietyRule:ccs",
-    "nk": "torsion.rules.societies:EngineSocietyRule:nk",
-    "rina": "torsion.rules.societies:SocietyRule:rina",
-    "api-610": "torsion.rules.separation_margins:SeparationMargins:api-610",
-    "api-617": "torsion.rules.separation_margins:SeparationMargins:api-617",
-    "api-618": "torsion.rules.separation_margins:SeparationMargins:api-618",
-    "api-684": "torsion.rules.separation_margins:SeparationMargins:api-684",
+    "kr": "torsion.rules.societies:EngineSocietyRule",
+    "lr": "torsion.rules.societies:LloydsRule",
+    "dnv": "torsion.rules.societies:SocietyRule",
+    "abs": "torsion.rules.societies:SocietyRule",
+    "bv": "torsion.rules.societies:SocietyRule",
+    "ccs": "torsion.rules.societies:SocietyRule",
+    "nk": "torsion.rules.societies:EngineSocietyRule",
+    "rina": "torsion.rules.societies:SocietyRule",
+    "api-610": "torsion.rules.separation_margins:SeparationMargins",
+    "api-617": "torsion.rules.separation_margins:SeparationMargins",
+    "api-618": "torsion.rules.separation_margins:SeparationMargins",
+    "api-684": "torsion.rules.separation_margins:SeparationMargins",
     "mil-std-167": "torsion.rules.mil_std_167:MilStd167",
     "engine-maker": "torsion.rules.engine_maker:EngineMaker",
     "nvh": "torsion.rules.noise_limits:NoiseLimits",
@@ -46,19 +46,14 @@ STANDING = {  # result that a rule judges which needs no name in the file: class
 
 def rule(name: str, settings: "Declared | None" = None) -> "Rule[Any]":
     """Return a rule with its settings of the file, or with their defaults; raises KeyError for a word that is no rule."""
-    kind, words = _class(RULES[name])
-    made: Rule[Any] = kind(kind.settings_class() if settings is None else settings, *words)
-    return made
-
-
-def _class(target: str) -> "tuple[type[Rule[Any]], list[str]]":
-    module, kind, *words = target.split(":")
-    return getattr(import_module(module), kind), words
+    kind: type[Rule[Any]] = resolve_name(RULES[name])
+    return kind(kind.settings_class() if settings is None else settings, name)
 
 
 def settings(name: str) -> type["RuleSettings"]:
     """Return the class of a rule's settings; raises KeyError for a word that is no rule."""
-    return _class(RULES[name])[0].settings_class
+    kind: type[Rule[Any]] = resolve_name(RULES[name])
+    return kind.settings_class
 
 
 def of_study(study: "Study") -> "Iterator[Rule[Any]]":
@@ -101,8 +96,8 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
 
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of the rules that hold wherever there is something for them to judge."""
-    kinds = [
-        _class(target)[0]
+    kinds: list[type[Rule[Any]]] = [
+        resolve_name(target)
         for name, target in STANDING.items()
         if evidence.results.get(name) is not None
     ]
