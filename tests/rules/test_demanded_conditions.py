@@ -9,6 +9,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.output.headline import headline
+from torsion.rules import rule
 from torsion.rules.m68_shafts import tau_c
 from torsion.rules.verdict_line import Checks
 
@@ -137,6 +138,43 @@ def test_kr_has_limits_for_drives_without_an_engine_by_agreement_alone(drive) ->
     ).restrictions  # of a file that does not state `drive` and has a motor alone
     assert by_motor == (line.restrictions[0].replace(drive, "electric"),)
     assert stress(solved(rule=f"lr: {{drive: {drive}}}")).verdict == "pass"
+
+
+def test_a_motor_beside_a_crankshaft_is_no_drive_of_kr(study) -> None:
+    """Limits for drives without an engine are by agreement; a train with a crankshaft has an engine."""
+    line = ("shaft", {"name": "line", "length": 1, "diameter": 0.1, "role": "intermediate"})
+    crank = ("shaft", {"name": "crank", "length": 1, "diameter": 0.1, "role": "crank"})
+    motor, screw = ("motor", {"inertia": 1}), ("propeller", {"inertia": 1})
+    for parts, by_agreement in (([motor, line, screw], True), ([motor, crank, line, screw], False)):
+        shafts = {shaft.name: shaft for shaft in rule("kr").shafts(study(parts))}
+        words = shafts["line"].restrictions
+        assert any(word.startswith("limits by agreement") for word in words) == by_agreement
+
+
+CUT_OUT = """
+name: engine of four cylinders
+operation: {speeds: {from: 300 rpm, to: 1200 rpm}, rated: {speed: 1000 rpm, power: 400 kW}}
+train:
+- engine: {cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], inertia: 1, stiffness: 5 MN*m/rad, loss_factor: 2 %,
+    gas: {table: [[0.5, 100 N*m, 0 deg], [2, 900 N*m, 0 deg]]}CUT}
+- shaft: {name: line, length: 1 m, diameter: 150 mm, role: intermediate, features: flange}
+- propeller: {inertia: 20, pitch: fixed}
+materials: {steel: {shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}}
+rules: [iacs-m68]
+"""
+
+
+def test_least_diameter_is_that_of_all_cylinders_where_one_does_not_fire() -> None:
+    """The rated power is that of all four; a diameter grows with the cube root of the torque."""
+    least = [
+        next(
+            check.limit
+            for check in torsion.run(torsion.parse(CUT_OUT.replace("CUT", cut))).need(Checks).lines
+            if check.clause == "minimum diameter"
+        )
+        for cut in ("", ", cut_out: 2")
+    ]
+    assert least[1] / least[0] == pytest.approx((4.0 / 3.0) ** (1.0 / 3.0), rel=1e-12)
 
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "diesel_misfire.yaml"

@@ -371,3 +371,11 @@ def test_a_yield_strength_above_the_tensile_strength_is_refused() -> None:
     with pytest.raises(InputError, match="the yield strength is above the tensile strength"):
         torsion.parse(scene().replace("355 MPa", "355 MPa, tensile_strength: 300 MPa"))
     torsion.parse(scene().replace("355 MPa", "355 MPa, tensile_strength: 355 MPa"))
+
+
+@pytest.mark.parametrize(("damage", "verdict"), [(1.0 - 1e-12, "pass"), (1.0, "fail")])
+def test_a_life_that_is_used_up_fails(solved: Findings, damage: float, verdict: str) -> None:
+    (one,) = solved.need(Transients).each
+    spent = replace(one, damage=np.full(len(solved.system.spans), damage))
+    checks = standing_verdicts(solved.having(transient=Transients((spent,))))
+    assert {check.verdict for check in checks if check.clause == "D"} == {verdict}

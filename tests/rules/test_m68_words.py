@@ -9,6 +9,7 @@ from tests.for_all import for_all
 from tests.rules.conftest import RPM
 
 from torsion.rules import m68
+from torsion.rules.coupling_maker import CouplingSettings
 from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
 
 BLADES = [{"blade_order": 1, "torque": 10.0}]
@@ -126,6 +127,32 @@ def test_stress_above_1_05_has_no_limit(judged) -> None:
     assert "outside" not in judged({}, rpm=rpm[:2])
     assert judged({}, rpm=rpm[:3])["outside"].speed / RPM == pytest.approx(1050.0, rel=1e-8)
     assert judged({1050: 0.9}, rpm=rpm)["tau_C"].speed / RPM == pytest.approx(1050.0, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("highest", "last", "verdict"),
+    [
+        (None, None, "restricted"),
+        ("1049 rpm", "1049 rpm", "restricted"),
+        ("1060 rpm", None, "not judged"),
+        (None, "1060 rpm", "not judged"),
+    ],
+)
+def test_continuous_use_above_the_last_limit_is_not_judged(
+    study, evidence, highest, last, verdict
+) -> None:
+    """Use is stated by the highest speed of the train, or by any rule with a range of continuous use."""
+    rules = [("iacs-m68", m68.M68Settings())]
+    if last is not None:
+        use = {"continuous": {"from": "200 rpm", "to": last}}
+        rules.append(("coupling-maker", CouplingSettings.model_validate(use)))
+    rpm = np.array([500.0, 1000.0, 1100.0])
+    half = {"line": 0.3 * tau_c(600, 100, 1.0, np.full(3, 1.0)) * 1e6 * W_P}
+    speeds = {"from": "100 rpm", "to": "1040 rpm"}
+    scene = study(line(), rules, speeds=speeds, highest=highest)
+    checks = m68.M68(rules[0][1]).check(evidence(scene, rpm, half=half))
+    (above,) = [check for check in checks if "above the last speed" in check.what]
+    assert (above.verdict, math.isnan(above.limit)) == (verdict, True)
 
 
 def test_stress_at_its_limits_passes(judged) -> None:
