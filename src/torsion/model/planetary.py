@@ -221,8 +221,8 @@ class Planetary(Declared):
     def _yields(self) -> dict[str, float]:
         """Flexibilities (rad/(N m)) of the meshes at their own members, 0 where they are rigid."""
         return {
-            "sun": 1.0 / (self.sun_mesh or float("inf")),
-            "ring": 1.0 / (self.ring_mesh or float("inf")),
+            "sun": 1.0 / (self.sun_mesh or math.inf),
+            "ring": 1.0 / (self.ring_mesh or math.inf),
         }
 
     @property
@@ -232,7 +232,7 @@ class Planetary(Declared):
         Infinite for a fixed carrier, where both meshes are in a row.
         """
         if self.fixed == "carrier":
-            return float("inf")
+            return math.inf
         mesh, fixed = self._yields[self.meshing], self._mesh_ratio * self._yields[self.fixed]
         return 0.0 if abs(mesh - fixed) <= ROUNDING * mesh else mesh - fixed
 

@@ -6,7 +6,6 @@ Stresses in N/mm2, diameters in mm. Sources: KR Rules 2025 Part 5 Ch. 4, 201 (cr
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -148,15 +147,17 @@ def crank_curve(
     [29.64, 21.0, 34.2487]
     """
 
-    def limit(row: Row, per_mm: Row, factor: float, ratio: FloatArray) -> FloatArray:
-        return np.asarray(factor * (row.evaluate(ratio) + diameter * per_mm.evaluate(ratio)))
+    def limit(row: Row, per_mm: Row, factor: float) -> Limit:
+        return lambda ratio: factor * (row.evaluate(ratio) + diameter * per_mm.evaluate(ratio))
 
-    below = partial(limit, table.below, table.below_per_mm)
-    above = partial(limit, table.above, table.above_per_mm, strength)
+    below, above = (table.below, table.below_per_mm), (table.above, table.above_per_mm)
     last = "tau_3" if letters == NUMBERED else letters[0]
     return LimitCurve(
-        (Piece(letters[0], 1.0, partial(below, strength)), Piece(last, LAST, above)),
-        Piece(letters[1], BARRED_BELOW, partial(below, table.passing * yields)),
+        (
+            Piece(letters[0], 1.0, limit(*below, strength)),
+            Piece(last, LAST, limit(*above, strength)),
+        ),
+        Piece(letters[1], BARRED_BELOW, limit(*below, table.passing * yields)),
     )
 
 
