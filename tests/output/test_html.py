@@ -175,7 +175,7 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
             check.what,
             check.where,
             check_words.value(check),
-            "≥" if check.at_least else "",
+            "≥" if check.at_least else "≤" if check.has_limit else "",
             given(check.limit),
             WORDS[check.verdict],
             f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",

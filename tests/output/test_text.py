@@ -85,4 +85,4 @@ def test_words_of_a_verdict_are_whole_on_80_columns() -> None:
     assert max(map(len, printed.splitlines())) <= 80
     tight = Console(width=64, record=True, file=io.StringIO())
     show(document(torsion.run(torsion.read(scene))), console=tight)
-    assert "≥  98.682" in tight.export_text()  # words may be cut, numbers never
+    assert "≥   98.682" in tight.export_text()  # words may be cut, numbers never

@@ -80,7 +80,7 @@ def test_cells_of_the_verdict_table(bare: Findings) -> None:
             "what",
             "tail",
             "no finite value",
-            "",
+            "≤",
             "0",
             "N/mm²",
             "–",
@@ -90,7 +90,7 @@ def test_cells_of_the_verdict_table(bare: Findings) -> None:
             "✗ FAIL",
         ),
         ("what", "tail", "12.345", "≥", "20", "rad/s²", "162.0", "–", "–", basis, "✗ FAIL"),
-        ("what", "tail", "12.345", "", "50", "N/mm²", "24.69", "286.48", "1.5", basis, "✓ PASS"),
+        ("what", "tail", "12.345", "≤", "50", "N/mm²", "24.69", "286.48", "1.5", basis, "✓ PASS"),
         (
             "what",
             "tail",

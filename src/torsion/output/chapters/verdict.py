@@ -51,14 +51,16 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
         return
     yield from heading
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
+    # A sign only where some values are least values.
+    at_most = "≤" if any(check.at_least for check in listed_checks) else ""
     yield table(
-        "what: < Check -> | where: < Component -> | value: Value:u -> | < ≥:? -> | limit: Limit:g -> | < Unit -> | "
+        "what: < Check -> | where: < Component -> | value: Value:u -> | < To be:? -> ≤≥ | limit: Limit:g -> | < Unit -> | "
         "utilisation: Utilisation [%]:4 -> util., % | speed: Speed [rpm] | < Order | < Rule, clause and basis | "
         "< Verdict ->",
         [
             (
                 check,
-                "≥" if check.at_least else "",
+                "≥" if check.at_least else at_most if check.has_limit else "",
                 check_words.unit(check),
                 contributing(findings, check.order),
                 f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
