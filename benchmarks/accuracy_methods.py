@@ -12,7 +12,7 @@ from benchmarks.accuracy_references import middle_torques
 from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, halved, scene
 from benchmarks.programs import tolerant
 from benchmarks.references import worst
-from torsion.analyses.compare.compared_torques import Harmonics, Loaded, loaded, response_torques
+from torsion.analyses.compare.compared_torques import Loaded, loaded, response_torques
 from torsion.analyses.compare.model_errors import over_largest
 from torsion.analyses.compare.shaft_divisions import candidates, counted
 from torsion.analyses.compare.timing import Candidate, Effort
@@ -59,9 +59,7 @@ def torque_curves(
         return (float(over_largest(found, exact).max()),)
 
     def named(curve: str, words: str, size: int, assemble: Callable[[], System]) -> Candidate:
-        return Candidate(
-            curve, words, size, lambda: loaded(assemble(), Harmonics(study, w)), solve, errors
-        )
+        return Candidate(curve, words, size, lambda: loaded(assemble(), study, w), solve, errors)
 
     def solve(given: Loaded) -> np.ndarray:
         places = [given.ends.name.index(name) for name in seconds]

@@ -12,7 +12,8 @@ import pytest
 import torsion
 from torsion.analyses.compare.compared_torques import driving_ends, loaded, response_torques
 from torsion.analyses.compare.model_errors import shape_errors
-from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_harmonics
+from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_speeds
+from torsion.analyses.response.over_speed import requested_orders
 from torsion.assembly.lumped import SHARE_OF_ERROR
 from torsion.errors import InputError
 
@@ -96,8 +97,7 @@ def test_torques_at_driving_ends_are_in_equilibrium_with_what_drives():
     speed = study.operation.speeds.values()
     for model in ("lumped", "exact"):
         system = torsion.assemble(study.train, model, frequency=100.0)
-        harmonics, _, _ = operating_harmonics(study, system)
-        found = loaded(system, harmonics)
+        found = loaded(system, study, speed)
         response = torsion.response(study, system, speeds=speed)
         assert found.ends.name[0] == "intermediate shaft"
         line = [one.line.order for one in found.loads].index(2)
@@ -110,15 +110,14 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
     """Of one speed and order at a time, equally far from resonance; the worst of them names its component."""
     text = COARSE.replace(*STEPS)
     found, study = check(torsion.parse(text)), torsion.parse(text)
-    harmonics, highest, _ = operating_harmonics(study, torsion.assemble(study.train, "lumped"))
-    speed = study.operation.speeds.values()
+    speed, highest, _ = operating_speeds(study, torsion.assemble(study.train, "lumped"))
     assert highest == pytest.approx(
         max(one.line.order for one in loaded_orders(study)) * speed[-1] / (2.0 * math.pi)
     )
     systems = [
         torsion.assemble(study.train, model, frequency=1000.0) for model in ("lumped", "exact")
     ]
-    given = [loaded(system, harmonics) for system in systems]
+    given = [loaded(system, study, speed) for system in systems]
     lumped, exact = (torsion.modes(system, count=3).frequency for system in systems)
     assert exact[-1] > highest
     loads = (
@@ -144,15 +143,15 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
 
 
 def loaded_orders(study):
-    return loaded(
-        torsion.assemble(study.train, "lumped"),
-        operating_harmonics(study, torsion.assemble(study.train, "lumped"))[0],
-    ).loads
+    system, speed = torsion.assemble(study.train, "lumped"), study.operation.speeds.values()
+    return loaded(system, study, speed, requested_orders(study)).loads
 
 
 def test_orders_that_the_response_names_are_compared_alone():
-    study = torsion.parse(SCENE.replace("analyses:", "analyses:\n  response: {orders: [2]}"))
+    text = SCENE.replace("analyses:", "analyses:\n  response: {orders: [2]}").replace(*STEPS)
+    study = torsion.parse(text)
     assert [one.line.order for one in loaded_orders(study)] == [2]
+    assert check(study).models[0].torques.worst_order == 2
 
 
 def test_every_component_has_one_driving_end_in_every_model():

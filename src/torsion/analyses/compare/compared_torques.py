@@ -57,15 +57,6 @@ def _shafts(system: System) -> Iterator[tuple[int, str, int, int, float]]:
 
 
 @dataclass(frozen=True)
-class Harmonics:
-    """Some of the harmonics of a study, at some speeds."""
-
-    study: Study
-    speed: FloatArray  # (speeds,) rad/s of the reference station
-    orders: tuple[Fraction, ...] | None = None  # None: every order; fixed frequencies always
-
-
-@dataclass(frozen=True)
 class Load:
     """One harmonic at every speed."""
 
@@ -98,13 +89,15 @@ class Torques:
     status: np.ndarray  # (speeds,) uint8: kernels.tree_response.Status
 
 
-def loaded(system: System, harmonics: Harmonics) -> Loaded:
-    """Return the system with the torques and joints that excite it, and its damping, at every speed.
+def loaded(
+    system: System, study: Study, speed: FloatArray, orders: tuple[Fraction, ...] | None = None
+) -> Loaded:
+    """Return the system with the torques and joints that excite it, and its damping, at every speed (speeds,) rad/s.
 
-    Raises InputError where a mean torque that an excitation or a damping follows is not given.
+    orders: None for every order; fixed frequencies always. Raises InputError where a mean torque that an excitation or
+    a damping follows is not given.
     """
-    speed = harmonics.speed
-    mean = steady_if_known(harmonics.study, system, speed)
+    mean = steady_if_known(study, system, speed)
     ground = ground_damping(system, speed, mean)
     loads = tuple(
         Load(
@@ -113,7 +106,7 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
             sources(system, excitation, speed, mean),
             ground,
         )
-        for excitation in excitations(system, harmonics.orders)
+        for excitation in excitations(system, orders)
     )
     return Loaded(system, driving_ends(system), loads)
 

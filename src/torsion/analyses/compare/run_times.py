@@ -11,7 +11,6 @@ from math import pi
 import numpy as np
 
 from torsion.analyses.compare.compared_torques import (
-    Harmonics,
     Loaded,
     Torques,
     loaded,
@@ -164,12 +163,12 @@ def timed_torques(
     if speeds is None:
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
     coarse, fine = (solved_modes.system for solved_modes in reference(study, highest, 1))
-    harmonics = Harmonics(study, np.linspace(speeds.first, speeds.last, effort.speeds))
-    largest, is_sound = _largest(response_torques(loaded(fine, harmonics)))
-    harmonics = replace(harmonics, speed=harmonics.speed[is_sound])
+    speed = np.linspace(speeds.first, speeds.last, effort.speeds)
+    largest, is_sound = _largest(response_torques(loaded(fine, study, speed)))
+    speed = speed[is_sound]
 
     def load(assemble: Callable[[], System]) -> Loaded:
-        given = loaded(assemble(), harmonics)
+        given = loaded(assemble(), study, speed)
         return replace(given, loads=tuple(given.loads[k] for k in largest))
 
     given = load(lambda: fine)
@@ -188,11 +187,11 @@ def timed_torques(
     if lost := int(np.count_nonzero(~is_sound)):
         words = f"{lost} of {is_sound.size} speeds are omitted: an undamped train is in resonance there."
         remarks = (words, *remarks)
-    first, last = harmonics.speed[[0, -1]] * 30.0 / pi
+    first, last = speed[[0, -1]] * 30.0 / pi
     return TimedQuantity(
         "response",
         "Response torques",
-        f"{TORQUES} {harmonics.speed.size} speeds from {first:.6g} to {last:.6g} rpm.",
+        f"{TORQUES} {speed.size} speeds from {first:.6g} to {last:.6g} rpm.",
         DIVIDED,
         max(
             *errors(response_torques(load(lambda: coarse))),

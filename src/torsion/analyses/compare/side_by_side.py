@@ -10,7 +10,6 @@ import numpy as np
 from pydantic import model_validator
 
 from torsion.analyses.compare.compared_torques import (
-    Harmonics,
     Loaded,
     Torques,
     loaded,
@@ -195,29 +194,28 @@ def check(
     if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
-    harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
+    speed, top, lacking = operating_speeds(study, assembled(replace(study, model="lumped")))
     names = [
         name
         for name in get_args(Model)
         if name != "exact" and name in (settings.models or get_args(Model))
     ]
     progress("check: exact", 0.0)
-    exact = _solved(replace(study, model="exact"), count, top, harmonics)
+    exact = _solved(replace(study, model="exact"), count, top, speed)
     excited = _frequencies(exact.modes, _count_below(exact.modes, top))
     solutions = [exact]
     for position, name in enumerate(names, start=1):
         progress(f"check: {name}", position / (len(names) + 1))
-        solutions.append(_solved(replace(study, model=name), count, top, harmonics, excited))
+        solutions.append(_solved(replace(study, model=name), count, top, speed, excited))
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
     compared = [
         _compared(solution, exact, count, highest, settings.limits) for solution in solutions
     ]
-    speed = None if harmonics is None else harmonics.speed
     return Compared(*settings.limits, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
 
 
-def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None, float, str]:
-    """Return the harmonics at the requested speeds and the highest frequency (Hz) among them.
+def operating_speeds(study: Study, system: System) -> tuple[FloatArray | None, float, str]:
+    """Return the requested speeds (speeds,) rad/s and the highest frequency (Hz) of the requested orders at them.
 
     None, 0 and why where no torques can be compared.
     """
@@ -227,12 +225,11 @@ def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None,
         return None, 0.0, "nothing excites the train at an order or a fixed frequency"
     if speeds is None:
         return None, 0.0, "`operation` says no speeds"
-    harmonics = Harmonics(study, np.array([speeds.first, speeds.last]), orders)
     try:
-        highest = loaded(system, harmonics).highest
+        highest = loaded(system, study, np.array([speeds.first, speeds.last]), orders).highest
     except InputError as error:
         return None, 0.0, "; ".join(fault.message for fault in error.faults)
-    return replace(harmonics, speed=speeds.values()), highest, ""
+    return speeds.values(), highest, ""
 
 
 @dataclass(frozen=True)
@@ -250,7 +247,7 @@ def _solved(
     study: Study,
     count: int,
     top: float,
-    harmonics: Harmonics | None,
+    speed: FloatArray | None,
     exact: FloatArray | None = None,
 ) -> _Solved:
     """Return the modes and torques of a model, its shafts divided as a study of that model alone would have it.
@@ -262,7 +259,9 @@ def _solved(
         return modes(assembled(study, highest), number)
 
     def solve(solved_modes: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
-        given = None if harmonics is None else loaded(solved_modes.system, harmonics)
+        given = None
+        if speed is not None:
+            given = loaded(solved_modes.system, study, speed, requested_orders(study))
         if given is not None and exact is not None:
             given = _as_far_from_resonance(given, _frequencies(solved_modes, exact.size), exact)
         return solved_modes, given, [] if given is None else response_torques(given)
@@ -273,7 +272,7 @@ def _solved(
     )
     (solved_modes, given, torques), modes_seconds, torques_seconds = run(candidate)
     return _Solved(
-        solved_modes, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds
+        solved_modes, given, torques, modes_seconds, 0.0 if speed is None else torques_seconds
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import rounding
-from torsion.analyses.response.synthesis import common_cycle, extremes
+from torsion.analyses.response.synthesis import half_range_of
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import FloatArray
 from torsion.assembly.elements import Element, elements
@@ -96,12 +96,9 @@ def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[Co
 
 def exact_half_range(periodic: PeriodicResponse, spans: Sequence[int]) -> FloatArray:
     """Return (speeds,) N m: largest half range of all orders together, true to phase; NaN where nothing was found."""
-    turns, harmonics = common_cycle(list(periodic.orders))
-    torque = periodic.torque[:, :, list(spans)].swapaxes(1, 2)
-    if turns == 0:
-        return np.asarray(np.abs(torque).sum(axis=2).max(axis=1))
     is_known = periodic.status != Found.NONE
-    half, shape = np.full(len(periodic.speed), np.nan), (is_known.sum(), len(spans))
-    upper, lower = extremes(torque[is_known].reshape(math.prod(shape), len(harmonics)), harmonics)
-    half[is_known] = ((upper - lower) / 2.0).reshape(shape).max(axis=1)
+    torque = periodic.torque[is_known][:, :, list(spans)].swapaxes(1, 2)
+    rows = torque.reshape(torque.shape[0] * len(spans), len(periodic.orders))
+    half = np.full(len(periodic.speed), np.nan)
+    half[is_known] = half_range_of(periodic.orders, rows).reshape(-1, len(spans)).max(axis=1)
     return half

@@ -78,18 +78,13 @@ def mean_speed_damping(motion: Orbit) -> float:
 def slip_slope(mechanism: Scene, station: int) -> float:
     """Return the slope (N m s/rad) that a slip of 1 % has at a station that drives; NaN where no speed is rated."""
     rated = mechanism.study.operation.rated
-    steady = (
-        None
-        if rated is None
-        else steady_if_known(mechanism.study, mechanism.system, np.array([rated.speed]))
-    )
-    if rated is None or steady is None:
+    if rated is None:
         return np.nan
-    law = DriveLaw(slip=0.01)
-    return law.slope_at_rated(
-        float(steady.applied[station, 0]),
-        rated.speed * float(mechanism.system.speed_ratio[station]),
-    )
+    steady = steady_if_known(mechanism.study, mechanism.system, np.array([rated.speed]))
+    if steady is None:
+        return np.nan
+    own_speed = rated.speed * float(mechanism.system.speed_ratio[station])
+    return DriveLaw(slip=0.01).slope_at_rated(float(steady.applied[station, 0]), own_speed)
 
 
 def agrees(growth: float, slope: float, inertia: float) -> bool:
