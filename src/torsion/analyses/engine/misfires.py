@@ -4,7 +4,6 @@ The train is linear: to the known response comes that to what the torques of the
 1 N m is computed once for every throw and order.
 """
 
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,6 @@ from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.engine.gas_law import CylinderOrder, State
 from torsion.model.engine.record import EngineRecord
-from torsion.primitives import Torque
 from torsion.study import Study
 
 MOST_SPEEDS = 101  # of those requested; to them come the peaks of every order in every element
@@ -70,9 +68,16 @@ def _half_ranges(
     speed = response.speed[speeds]
     steady = steady_if_known(study, system, speed)
     line_of = {line.order: k for k, line in enumerate(response.lines)}
+    # The torques of an engine stand in the order of its cylinders.
+    of_engine = [
+        torque
+        for torque in system.train.torques
+        if isinstance(torque.cylinder, CylinderOrder) and torque.cylinder.engine == engine.part
+    ]
+    count = len(of_engine) // max(len(engine.cylinders), 1)
     harmonics = [
-        (line_of[order], number, torque)
-        for number, torque in by_cylinder(system.train.torques, engine)
+        (line_of[order], engine.cylinders[position // count].number, torque)
+        for position, torque in enumerate(of_engine)
         if torque.order is not None
         and (order := torque.order * system.stations[torque.station].ratio) in line_of
     ]
@@ -109,20 +114,6 @@ def _half_ranges(
         changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
         half_ranges.append(synthesis(changed_response).half_range)
     return np.array(half_ranges)
-
-
-def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tuple[int, Torque]]:
-    """Return the torques of an engine, each with the number of its cylinder: they stand in the same order."""
-    of_engine = [
-        torque
-        for torque in torques
-        if isinstance(torque.cylinder, CylinderOrder) and torque.cylinder.engine == engine.part
-    ]
-    count = len(of_engine) // max(len(engine.cylinders), 1)
-    return (
-        (engine.cylinders[position // count].number, torque)
-        for position, torque in enumerate(of_engine)
-    )
 
 
 def _chosen_speeds(response: Response) -> IntArray:

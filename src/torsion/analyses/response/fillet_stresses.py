@@ -172,8 +172,17 @@ def stated_fillets(system: System) -> Iterator[Fillet]:
         part = system.train.parts[bar.part]
         for number, notch in enumerate(() if part.shaft is None else part.shaft.notches):
             with _located((*part.path, "notches", number)):
-                detail = _notch(system, bar, notch)
-            yield detail
+                ends = [
+                    (outer, float(section_modulus(outer, bore)), _concentration(notch, outer, bore))
+                    for outer, bore in sorted(set(zip(bar.outer, bar.bore, strict=True)))
+                ]
+            # At the end of the shaft where it stresses most, under the largest torque in it.
+            outer, modulus, concentration = max(ends, key=lambda end: end[2][1] / end[1])
+            radius, factor, error, fit = concentration
+            strength = system.train.shaft(bar).endurance
+            spans = tuple(np.flatnonzero(system.span_part == bar.part).tolist())
+            sizes = radius, outer, None, modulus
+            yield Fillet(bar.name, None, *sizes, factor, error, fit, strength, notch.form, spans)
 
 
 @contextmanager
@@ -183,20 +192,6 @@ def _located(path: Path) -> Iterator[None]:
         yield
     except SolveError as error:
         raise SolveError(error.message, error.hint, path) from error
-
-
-def _notch(system: System, bar: Bar, notch: Notch) -> Fillet:
-    """Return a notch at the end of the shaft where it stresses most, under the largest torque in it."""
-    ends = [
-        (outer, float(section_modulus(outer, bore)), _concentration(notch, outer, bore))
-        for outer, bore in sorted(set(zip(bar.outer, bar.bore, strict=True)))
-    ]
-    outer, modulus, concentration = max(ends, key=lambda end: end[2][1] / end[1])
-    radius, factor, error, fit = concentration
-    strength = system.train.shaft(bar).endurance
-    spans = tuple(np.flatnonzero(system.span_part == bar.part).tolist())
-    sizes = radius, outer, None, modulus
-    return Fillet(bar.name, None, *sizes, factor, error, fit, strength, notch.form, spans)
 
 
 def _concentration(

@@ -296,13 +296,27 @@ class Search:
         if self.reduced is not None:
             around = around.reduced_to(self.reduced)
             highest = BEYOND * self.reduced.highest
-        multipliers = self._distinguish(
-            orbit,
-            by_hill(around, highest, orbit.balance.count, most_rows)
-            if method == "hill"
-            else by_monodromy(around, highest, self.stages),
-        )
-        unhelped = None if self.unhelped is None else self.unhelped(orbit.operation.loading.speed)
+        if method == "hill":
+            multipliers = by_hill(around, highest, orbit.balance.count, most_rows)
+        else:
+            multipliers = by_monodromy(around, highest, self.stages)
+
+        # The drift of the mean speed is apart where both tests say that there is one; a fast growing one has to have
+        # the sign that the torque lost by the vibration gives it.
+        loading = orbit.operation.loading
+        if multipliers.rigid is None or not (self.loses or loading.damping.any()):
+            multipliers = replace(multipliers, rigid=None)
+        else:
+            inertia = float(self.mechanism.layout.inertia.sum())
+            correction = -orbit.operation.on_mean_speed / inertia
+            growth = float(multipliers.exponent[multipliers.rigid].real) + correction
+            if not growth > SLOW or agrees(
+                growth, drift_slope(self.mechanism, loading.speed, orbit)[0], inertia
+            ):
+                multipliers = multipliers.distinguished(correction)
+            else:
+                multipliers = replace(multipliers, rigid=None, is_doubtful=True)
+        unhelped = None if self.unhelped is None else self.unhelped(loading.speed)
         if self.unhelped is None or unhelped is None:
             return multipliers
         bare = unhelped[1]
@@ -314,23 +328,6 @@ class Search:
             drift=multipliers.drift,
             is_doubtful=multipliers.is_doubtful or bare.is_doubtful,
         )
-
-    def _distinguish(self, orbit: Orbit, multipliers: Multipliers) -> Multipliers:
-        """Return the exponents with the drift of the mean speed apart, where both tests say that there is one.
-
-        A fast growing one has to have the sign that the torque lost by the vibration gives it.
-        """
-        loading = orbit.operation.loading
-        if multipliers.rigid is None or not (self.loses or loading.damping.any()):
-            return replace(multipliers, rigid=None)
-        inertia = float(self.mechanism.layout.inertia.sum())
-        correction = -orbit.operation.on_mean_speed / inertia
-        growth = float(multipliers.exponent[multipliers.rigid].real) + correction
-        if growth > SLOW and not agrees(
-            growth, drift_slope(self.mechanism, loading.speed, orbit)[0], inertia
-        ):
-            return replace(multipliers, rigid=None, is_doubtful=True)
-        return multipliers.distinguished(correction)
 
     def drift(self, speed: float) -> float:
         """Return the drift of the mean speed, 1/s; NaN where it was not distinguished."""
