@@ -67,10 +67,9 @@ def run(
         study = replace(study, train=with_steps(study.train))
     if not study.cases:
         return _solve_misfires(study, only, progress, answered)
-    total = 1 + len(study.cases)
+    total, cases = 1 + len(study.cases), dict[str, Findings]()
     part = _share(progress, f"case {NORMAL}", 0, total)
     findings = _solve_misfires(study, only, part, answered)
-    cases = {}
     for position, (name, case) in enumerate(study.cases.items(), start=1):
         part = _share(progress, f"case {name}", position, total)
         part("", 0.0)

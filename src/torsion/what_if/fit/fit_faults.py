@@ -1,17 +1,15 @@
 """Measurements of a fit that the train, its excitation or its speeds do not have, and files that cannot be read."""
 
-import math
 from fractions import Fraction
 
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.errors import Fault, Path
-from torsion.results import listed
+from torsion.results import RPM, listed
 from torsion.study import Study
 from torsion.train import name_fault
 from torsion.what_if.fit.fit_settings import FIT, FitSettings, Measured
 from torsion.what_if.fit.measurements import signal_faults
 
-RPM = 30.0 / math.pi
 ROUNDING = 1e-9  # relative, of a speed in two units
 
 
