@@ -28,26 +28,19 @@ class Output(io.FileIO):
         return memoryview(data).nbytes
 
 
-def _replace_closed_streams() -> None:
-    """Open the null device for each standard stream that was closed when the program started.
-
-    Else the next file that is opened takes the number of the stream, and what is written to the stream goes into it.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            stream = os.fdopen(
-                os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", errors="replace"
-            )
-            setattr(sys, name, stream)
-            setattr(sys, f"__{name}__", stream)
-
-
 def make_streams_last() -> Output | None:
     """Replace standard output and error by streams that last; return what standard output writes to.
 
     Streams that were redirected inside of Python stay, as do those of another system than POSIX: None then.
     """
-    _replace_closed_streams()
+    # The null device is opened for each stream that was closed when the program started: else the next file that is
+    # opened takes the number of the stream, and what is written to the stream goes into it.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            null = os.open(os.devnull, os.O_RDWR)
+            opened = os.fdopen(null, mode, encoding="utf-8", errors="replace")
+            setattr(sys, name, opened)
+            setattr(sys, f"__{name}__", opened)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")

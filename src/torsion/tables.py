@@ -185,7 +185,12 @@ class Table:
         elif marked and all(_THOUSANDS.fullmatch(figure) for _, figure in marked):
             cell, figure = marked[0]
             message = "may be thousands or decimals: every such number of this table has three digits after its mark"
-            self.fault(cell, f"`{figure}` {message}", f"write {_both_ways(figure)}")
+
+            # A number like 40.000 without its mark, and in a way that it can only be a decimal.
+            short = figure.rstrip("0")
+            decimal = f"{short}0" if short[-1] in ".," or short == figure else short
+            hint = f"write {re.sub('[.,]', '', figure)} or {decimal}"
+            self.fault(cell, f"`{figure}` {message}", hint)
 
     def refuse_joined(self, cell: Cell) -> bool:
         """Note a list of which a comma may part two numbers, or be the decimal sign of one."""
@@ -217,13 +222,6 @@ def _separator(text: str) -> str:
         if plain.strip(" \t,;") and not _COMMENT.match(line):
             return next((sign for sign in "\t;" if sign in plain), ",")
     return ","
-
-
-def _both_ways(text: str) -> str:
-    """A number like 40.000 without a mark between thousands, and in a way that it can only be a decimal."""
-    short = text.rstrip("0")
-    decimal = f"{short}0" if short[-1] in ".," or short == text else short
-    return f"{re.sub('[.,]', '', text)} or {decimal}"
 
 
 def _figures(text: str) -> Iterator[str]:

@@ -191,7 +191,14 @@ def amount(text: str) -> tuple[Fraction, str]:
     if len(spelled) > _LONGEST:
         raise UnitFault(f"{_quoted(text)} is too long for a quantity")
     written = spelled[number.end() :].strip()
-    _refuse_slips(spelled, text)
+    if mark := _MARKED.match(spelled):
+        right = f"write {re.sub(r'[^-+0-9]', '', mark[1])}{mark[3]}"
+        raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
+    if _DATE.fullmatch(spelled):
+        hint = (
+            "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
+        )
+        raise UnitFault(f"{_quoted(text)} looks like a date", hint)
     if re.match(r",\s*[0-9]", written):
         raise UnitFault(
             f"{_quoted(text)} has a comma in its number",
@@ -204,18 +211,6 @@ def amount(text: str) -> tuple[Fraction, str]:
     return Fraction(number[0].replace("_", "")), "1" + written if written.startswith(
         "/"
     ) else written
-
-
-def _refuse_slips(spelled: str, text: str) -> None:
-    """Raise UnitFault for marks between thousands, and for a date that a spreadsheet made of a number."""
-    if mark := _MARKED.match(spelled):
-        right = f"write {re.sub(r'[^-+0-9]', '', mark[1])}{mark[3]}"
-        raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
-    if _DATE.fullmatch(spelled):
-        hint = (
-            "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
-        )
-        raise UnitFault(f"{_quoted(text)} looks like a date", hint)
 
 
 def _rounded(number: Fraction, text: str) -> float:

@@ -5,12 +5,11 @@ rotation, so that a run-up smears nothing. All of it is one weighted least-squar
 no sample is interpolated.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 
 DEGREE = 5  # of the mean angle over a window
 ROUNDS = 12  # of placing the samples by the angle of the mean rotation
@@ -107,8 +106,11 @@ def _tracked(
     *,
     derived: bool = False,
 ) -> Tracked:
-    windows = []
-    for part in _windows(angle, revolutions):
+    # Every whole window of so many revolutions.
+    turned = (angle - angle[0]) / (2.0 * np.pi * revolutions) * (1.0 + 1e-12)
+    number, windows = np.floor(turned).astype(int), []
+    for window in range(int(turned[-1] * len(turned) / (len(turned) - 1))):
+        part = np.flatnonzero(number == window)
         if part.size < DEGREE + 1 + 2 * LEAST_SAMPLES * len(orders):
             message = f"{part.size} samples of {revolutions} revolutions are too few for {len(orders)} orders"
             raise ValueError(message)
@@ -116,16 +118,6 @@ def _tracked(
     speed, angle, error = (np.array([window[k] for window in windows]) for k in range(3))
     shape = -1, len(orders)
     return Tracked(speed, angle.astype(np.complex128).reshape(shape), error.reshape(shape))
-
-
-def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
-    """Positions of the samples of every whole window of so many revolutions."""
-    turned = (angle - angle[0]) / (2.0 * np.pi * revolutions) * (1.0 + 1e-12)
-    number, windows = (
-        np.floor(turned).astype(int),
-        int(turned[-1] * len(turned) / (len(turned) - 1)),
-    )
-    return (np.flatnonzero(number == window) for window in range(windows))
 
 
 def _window(

@@ -165,7 +165,13 @@ def optimise(
         if line.angle.size == 2 and len(free) == 1
         else _search(line, variable, free)
     )
-    return Optimum(best, resultant(line), resultant(best), _sensitivity(best, variable, free))
+    worst, error = [], np.pi / 180.0
+    for joint in free:
+        value = float(getattr(best, variable)[joint])
+        below = abs(value - error) if variable == "angle" else value - error
+        indices = index_over(best, variable, joint, np.array([below, value + error]))
+        worst.append(float(indices.max()))
+    return Optimum(best, resultant(line), resultant(best), np.array(worst))
 
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
@@ -234,18 +240,6 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
         if answers[-1][0] <= bound + rounding:
             break
     return _changed(line, variable, free, min(answers, key=lambda pair: pair[0])[1])
-
-
-def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...]) -> FloatArray:
-    """Index with one free joint off by a degree, the worse sense; (free,)."""
-    worst, error = [], np.pi / 180.0
-    for joint in free:
-        value = float(getattr(line, variable)[joint])
-        below = abs(value - error) if variable == "angle" else value - error
-        worst.append(
-            float(index_over(line, variable, joint, np.array([below, value + error])).max())
-        )
-    return np.array(worst)
 
 
 def _changed(line: Line, variable: Variable, joints: tuple[int, ...], values: FloatArray) -> Line:
