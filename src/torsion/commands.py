@@ -157,10 +157,8 @@ def report(
     from torsion.output.write import redraw
 
     source = Path(results)
-    made, folder = (
-        opened(source),
-        Path(out) if out is not None else source if source.is_dir() else source.parent,
-    )
+    made = opened(source)
+    folder = Path(out) if out is not None else source if source.is_dir() else source.parent
     with _writing(None, "the report", folder, OTHER_FOLDER):
         redraw(made, folder, also=also, results=file_at(source))
     return made, folder

@@ -255,11 +255,9 @@ def _container(written: str) -> "UnitsContainer":
 def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
-    container, expected, dimension = (
-        _container(written),
-        _container(unit),
-        _registry().get_dimensionality,
-    )
+    container = _container(written)
+    expected = _container(unit)
+    dimension = _registry().get_dimensionality
     if unit == "rad/s" and container == _container("1/min"):
         container = _container("rpm")
     if dimension(container) != dimension(expected):

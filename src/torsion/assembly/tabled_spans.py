@@ -82,11 +82,9 @@ def with_springs(
     changed = replace(
         system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables
     )
-    before, node, ratio2 = (
-        system.condensed,
-        system.condensed.span[spans],
-        system.span_ratio[spans] ** 2,
-    )
+    before = system.condensed
+    node = system.condensed.span[spans]
+    ratio2 = system.span_ratio[spans] ** 2
     of_tree = (before.tree.flexibility.copy(), before.viscous.copy(), before.loss_factor.copy())
     referred, inside = (taken[0] / ratio2, taken[1] * ratio2, taken[2]), node >= 0
     if (taken[0][~inside] == 0.0).any():

@@ -45,11 +45,9 @@ def amplitudes(
 ) -> Amplitudes:
     """Return every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
     column, roots = solutions(ratio, bottom, top, samples)
-    largest, smallest, number = (
-        np.zeros(len(bottom)),
-        np.full(len(bottom), np.inf),
-        np.zeros(len(bottom), dtype=int),
-    )
+    largest = np.zeros(len(bottom))
+    smallest = np.full(len(bottom), np.inf)
+    number = np.zeros(len(bottom), dtype=int)
     np.maximum.at(largest, column, roots)
     np.minimum.at(smallest, column, roots)
     np.add.at(number, column, 1)

@@ -165,10 +165,8 @@ def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     if is_separate.all():
         return
     root = np.sqrt(tree.moving_inertia)[:, None]
-    run, edges = (
-        np.append(0, np.cumsum(is_separate)),
-        [0, *(np.flatnonzero(is_separate) + 1).tolist(), len(frequency)],
-    )
+    run = np.append(0, np.cumsum(is_separate))
+    edges = [0, *(np.flatnonzero(is_separate) + 1).tolist(), len(frequency)]
     if len(frequency) <= _SHAPES_AT_ONCE:
         edges = [0, len(frequency)]
     for begin, end in pairwise(edges):

@@ -50,12 +50,10 @@ def connected(number: int, driving: IntArray, driven: IntArray) -> IntArray:
     while len(driving):
         a, b = first[driving], first[driven]
         is_separate = a != b
-        driving, driven, a, b = (
-            driving[is_separate],
-            driven[is_separate],
-            a[is_separate],
-            b[is_separate],
-        )
+        driving = driving[is_separate]
+        driven = driven[is_separate]
+        a = a[is_separate]
+        b = b[is_separate]
         np.minimum.at(first, np.maximum(a, b), np.minimum(a, b))
         while np.any(first[first] != first):
             first = first[first]

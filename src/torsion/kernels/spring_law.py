@@ -40,16 +40,12 @@ class SpringLaw(StiffnessTable):
     def at_root(self, s: ComplexArray | complex) -> tuple[ComplexArray, ComplexArray]:
         """K (N m/rad) and dK/ds (N m s/rad) at complex s (rad/s), of its shape."""
         point = np.asarray(s, dtype=np.complex128)
-        k, slope = (
-            np.full(point.shape, self.static, dtype=np.complex128),
-            np.zeros(point.shape, dtype=np.complex128),
-        )
+        k = np.full(point.shape, self.static, dtype=np.complex128)
+        slope = np.zeros(point.shape, dtype=np.complex128)
         for stiffness, tau in self.terms:
             if self.exponent is None:
-                k, slope = (
-                    k + stiffness * point * tau / (1.0 + point * tau),
-                    slope + stiffness * tau / (1.0 + point * tau) ** 2,
-                )
+                k = k + stiffness * point * tau / (1.0 + point * tau)
+                slope = slope + stiffness * tau / (1.0 + point * tau) ** 2
             else:
                 power = stiffness * (point * tau) ** self.exponent
                 k = k + power

@@ -162,12 +162,10 @@ def _proven(
 
 def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Frequency (trains,) rad/s after Rayleigh's steps, and the sum of |torque| |angle at the parent| of its shape."""
-    frequency, passed, left, some = (
-        start.copy(),
-        np.zeros(len(start)),
-        np.arange(len(start)),
-        trains,
-    )
+    frequency = start.copy()
+    passed = np.zeros(len(start))
+    left = np.arange(len(start))
+    some = trains
     for _ in range(_STEPS):
         frequencies = frequency[left]
         shapes = free_shapes(some, frequencies)

@@ -140,10 +140,8 @@ def meridian(profile: Profile) -> Meridian:
     grains, sharp = _grains(profile, fills)
     lines = _lines(profile, fills, grains)
     radii = [_radii(profile, z, core, fills, grains) for z in lines]
-    points, triangles = (
-        _Points(max(max(length.outer) for length in profile.lengths)),
-        list[tuple[int, int, int]](),
-    )
+    points = _Points(max(max(length.outer) for length in profile.lengths))
+    triangles = list[tuple[int, int, int]]()
     for (z0, left), (z1, right) in pairwise(zip(lines, radii, strict=True)):
         for (low0, low1), (high0, high1) in _strips(profile, (z0, z1), core, fills):
             left_points = [
@@ -214,10 +212,8 @@ def _grains(
         / 2.0
     )
     for z, (before, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
-        outer, bore = (
-            (before.outer[1] / 2.0, two.outer[0] / 2.0),
-            (before.bore[1] / 2.0, two.bore[0] / 2.0),
-        )
+        outer = (before.outer[1] / 2.0, two.outer[0] / 2.0)
+        bore = (before.bore[1] / 2.0, two.bore[0] / 2.0)
         for pair, r in (
             (outer, min(outer)),
             (bore, max(bore)),

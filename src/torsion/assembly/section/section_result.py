@@ -116,10 +116,8 @@ def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
     mesh_as_drawn = sound(mesh_as_drawn)
     scaled = Triangles(mesh_as_drawn.points * mesh.scale, mesh_as_drawn.nodes)
     section_moments = moments(scaled)
-    eccentricity, gyration2 = (
-        np.hypot(*section_moments.centroid),
-        section_moments.polar / section_moments.area,
-    )
+    eccentricity = np.hypot(*section_moments.centroid)
+    gyration2 = section_moments.polar / section_moments.area
     if eccentricity > OFF_AXIS * np.sqrt(gyration2 - eccentricity**2):
         x, y = (value / mesh.scale for value in section_moments.centroid)
         raise SectionFault(

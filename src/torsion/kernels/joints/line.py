@@ -124,10 +124,8 @@ def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
     for rank in range(line.angle.shape[-1]):
         small, large = sinh_half[..., rank], cosh_half[..., rank]
         ahead, aside = turn[..., rank] * first, turn[..., rank] * second
-        first, second = (
-            large * ahead - small * np.conj(aside),
-            large * aside - small * np.conj(ahead),
-        )
+        first = large * ahead - small * np.conj(aside)
+        second = large * aside - small * np.conj(ahead)
     return first, second
 
 

@@ -102,10 +102,8 @@ def exact_statics(
     turned, nominal, offset, length, carried = (
         np.asarray(value, dtype=float) for value in given[:-1]
     )
-    shaft, outgoing = (
-        _direction(motion.bend, motion.yaw),
-        _direction(nominal, np.zeros_like(nominal)),
-    )
+    shaft = _direction(motion.bend, motion.yaw)
+    outgoing = _direction(nominal, np.zeros_like(nominal))
     contact, push = _contacts(
         turned, offset, length[..., None] * (outgoing - shaft), shaft, motion.yaw
     )
@@ -114,10 +112,8 @@ def exact_statics(
     size = np.linalg.solve(np.swapaxes(about, -1, -2), passed[..., None])[..., 0]
     couple = np.einsum("...k,...ki->...i", size, np.cross(contact, push))
     scale = carried / couple[..., 2]
-    couple, force = (
-        scale[..., None] * couple,
-        scale[..., None] * np.einsum("...k,...ki->...i", size, push),
-    )
+    couple = scale[..., None] * couple
+    force = scale[..., None] * np.einsum("...k,...ki->...i", size, push)
     sine, cosine = np.sin(nominal), np.cos(nominal)
     return TripodStatics(
         torque=carried * cosine - couple[..., 1] * sine,

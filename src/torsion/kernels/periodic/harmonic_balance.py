@@ -158,11 +158,9 @@ def _newton(
     """One step of Newton's method: the change of the harmonics and of the loads."""
     size, number, loads = len(linear.residual), 2 * count + 1, len(held)
     upper = np.arange(count + 1)
-    row, column, blocks = (
-        linear.entries.row,
-        linear.entries.column,
-        hill_blocks(linear.entries, w0, count, upper),
-    )
+    row = linear.entries.row
+    column = linear.entries.column
+    blocks = hill_blocks(linear.entries, w0, count, upper)
     if linear.extra:
         row = np.append(row, [block[0] for block in linear.extra])
         column = np.append(column, [block[1] for block in linear.extra])

@@ -126,10 +126,8 @@ def through_steps(
     Each is (..., steps, stages, size, size). visited: collects the same matrix at the beginning of each of FEWEST_STEPS
     equal parts of the steps, which must be a multiple of them.
     """
-    steps, unknowns = (
-        mass.shape[-4],
-        int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2,
-    )
+    steps = mass.shape[-4]
+    unknowns = int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2
     product, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
     for first in range(0, steps, chunk):
         some = np.s_[..., first : first + chunk, :, :, :]

@@ -178,10 +178,8 @@ def _other_fits(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
                 )
             ]
         )
-        chi2, prior = (
-            float(np.square(minimum.residual).sum()),
-            float(np.square(minimum.values).sum()),
-        )
+        chi2 = float(np.square(minimum.residual).sum())
+        prior = float(np.square(minimum.values).sum())
         yield OtherFit(factors, chi2, prior, words)
 
 

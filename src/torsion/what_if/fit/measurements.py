@@ -149,10 +149,8 @@ def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "
     """Orders of a signal; raises InputError located at its name."""
     from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
 
-    shaft_orders, signal_path = (
-        np.array([float(order) for order in measurement.orders]) / ratio,
-        (*path, "signal"),
-    )
+    shaft_orders = np.array([float(order) for order in measurement.orders]) / ratio
+    signal_path = (*path, "signal")
     file = FilePath(study.file).parent / (measurement.signal or "")
     try:
         values = np.array(pairs(file, PULSES if measurement.pulses else TIME_AND_SPEED)).T
@@ -204,10 +202,8 @@ def _refuse_orders(measurement: Measured, shaft_orders: FloatArray, path: Path) 
     """Orders that a window is too short for; own: (orders,) per revolution of the shaft."""
     ascending = np.argsort(shaft_orders)
     lowest, gaps = float(shaft_orders.min()), np.diff(shaft_orders[ascending])
-    slow, close = (
-        lowest * measurement.revolutions < LEAST_CYCLES,
-        bool((gaps * measurement.revolutions < APART).any()),
-    )
+    slow = lowest * measurement.revolutions < LEAST_CYCLES
+    close = bool((gaps * measurement.revolutions < APART).any())
     if not slow and not close:
         return
     cycles, needed = (lowest, LEAST_CYCLES) if slow else (float(gaps.min()), APART)
