@@ -27,9 +27,8 @@ class Fault:
     line: int | None = None  # 1-based; set by the reader, which knows where every path stands
     column: int | None = None
     other: Path = ()  # another place that the fault is about; the reader quotes its line
-    file: str = (
-        ""  # where it stands, with its line: a table that the scene names; empty: the scene itself
-    )
+    # Where it stands, with its line: a table that the scene names; empty: the scene itself.
+    file: str = ""
 
     @property
     def sentence(self) -> str:

@@ -292,9 +292,8 @@ class Work(Results):
     ruled: frozenset[str] = frozenset()  # analyses that the rules of the study read
     rules: Any = None  # the module of the rules, for the speeds that their verdicts stand on
     solve: Callable[..., Findings] | None = None  # another study to its findings, as `run` does
-    answered: Callable[..., Any] | None = (
-        None  # chunks of a sweep to their parts, in place of this process
-    )
+    # Chunks of a sweep to their parts, in place of this process.
+    answered: Callable[..., Any] | None = None
 
     def settings(self, name: str, kind: type[Settings]) -> Settings:
         """Return the settings of an analysis, defaults where the file names it without any or not at all."""

@@ -50,9 +50,8 @@ class Spring:
     flexibility: float  # rad/(N m)
     viscous: float = 0.0  # N m s/rad
     loss_factor: float = 0.0  # 1
-    table: "StiffnessTable | None" = (
-        None  # what the three follow; they are then those at one point of it
-    )
+    # What the three follow; they are then those at one point of it.
+    table: "StiffnessTable | None" = None
 
     @property
     def damps(self) -> bool:
@@ -86,9 +85,8 @@ class Section:
     """Constants of a cross-section of any outline."""
 
     torsion_constant: float  # m4; stiffness of a length 1 = shear modulus * torsion constant
-    polar_moment: (
-        float  # m4, about the axis of the shaft; inertia of a length 1 = density * polar moment
-    )
+    # m4, about the axis of the shaft; inertia of a length 1 = density * polar moment.
+    polar_moment: float
     stress_modulus: float  # m3, torque / largest shear stress; NaN where there is no largest one
 
 
@@ -136,9 +134,8 @@ class Constraint:
     driving: int
     driven: int
     ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
-    flexibility: float = (
-        0.0  # rad/(N m) at the driving station's speed (a mesh stiffness); 0 is rigid
-    )
+    # rad/(N m) at the driving station's speed (a mesh stiffness); 0 is rigid.
+    flexibility: float = 0.0
     error: tuple[tuple[int, complex], ...] = ()  # (order, rad)
     after: int | None = None  # of a joint: the part of the joint before it on the same shaft line
     teeth: tuple[int, ...] = ()  # of a mesh: driving and driven; () where its ratio is given
@@ -191,9 +188,8 @@ class Torque:
     path: Path = ()  # where the file says it
     source: str | None = None  # where its figures come from; None where that is not stated
     cylinder: "CylinderOrder | None" = None  # in place of all amounts
-    mesh: tuple[str, float] | None = (
-        None  # in place of all amounts: a mesh, and its transmission error
-    )
+    # In place of all amounts: a mesh, and its transmission error.
+    mesh: tuple[str, float] | None = None
 
 
 Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

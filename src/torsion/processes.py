@@ -20,9 +20,8 @@ SET_DEATH_SIGNAL = 1  # of prctl: what a process gets when its parent has ended
 LONGEST_CHUNK = 16  # calls between two answers
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
-_task: "tuple[Callable[[Any], Any], Sequence[Any]] | None" = (
-    None  # what the processes were begun for
-)
+# What the processes were begun for.
+_task: "tuple[Callable[[Any], Any], Sequence[Any]] | None" = None
 
 
 def shared_out(

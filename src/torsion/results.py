@@ -51,12 +51,10 @@ class Quantity:
     name: str = ""
     key: str = BY_UNIT  # its name in every output, by itself that with its unit; "" stands for the whole result
     printed: Axes = ()  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
-    known_by: str = (
-        ""  # the statuses, over the first axes of the array, that are 0 where its values are known
-    )
-    record: str | None = (
-        None  # its axis runs over records that take the arrays over it: "", or the name of a value
-    )
+    # The statuses, over the first axes of the array, that are 0 where its values are known.
+    known_by: str = ""
+    # Its axis runs over records that take the arrays over it: "", or the name of a value.
+    record: str | None = None
 
     def named(self, name: str) -> "Quantity":
         """Return the quantity under the name of its field or property; its key ends in the unit, spelled like rad_per_s."""

@@ -52,9 +52,8 @@ class Train:
     modal_damping: tuple[
         float, ...
     ] = ()  # damping ratio of each elastic mode, the last of all above; () for none
-    steps: StepForm | None = (
-        "none"  # of shafts that say none of their own; None: all are springs already
-    )
+    # Of shafts that say none of their own; None: all are springs already.
+    steps: StepForm | None = "none"
     sources: tuple[
         tuple[str, str], ...
     ] = ()  # literature of the formulas of its components: key, place in it

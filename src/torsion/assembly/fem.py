@@ -14,9 +14,8 @@ from torsion.sources import source
 from torsion.train import Train
 
 DEGREE, HIGHEST_DEGREE = 4, 10
-SHARE_OF_ERROR = (
-    1e-6  # a frequency of a shaft is right to this share, by the estimate of `element_error`
-)
+# A frequency of a shaft is right to this share, by the estimate of `element_error`.
+SHARE_OF_ERROR = 1e-6
 LARGEST_PHASE = 2.5  # rad along an element: the inner unknowns alone oscillate at pi or more
 FEWEST = 4  # elements of a shaft, for the picture of its shape
 

@@ -42,9 +42,8 @@ class CondensedTrain:
     tree: Tree
     node: IntArray  # (stations,) tree station of each station
     span: IntArray  # (spans,) tree station below each span; -1 where the span closes a loop or doubles another
-    sign: (
-        FloatArray  # (spans,) 1 where the driving station is the parent, -1 where the driven one is
-    )
+    # (spans,) 1 where the driving station is the parent, -1 where the driven one is.
+    sign: FloatArray
     extra: IntArray  # (extra,) spans that close loops
     viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, referred
     loss_factor: FloatArray  # (tree stations,)
@@ -60,9 +59,8 @@ class System:
     stations: tuple[Station, ...]
     spans: tuple[Span, ...]
     inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where fixed; half of each piece of a shaft included
-    flexibility: (
-        FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
-    )
+    # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only.
+    flexibility: FloatArray
     viscous: FloatArray  # (spans,) N m s/rad
     loss_factor: FloatArray  # (spans,)
     dampers: tuple[Damper, ...]
@@ -75,9 +73,8 @@ class System:
     resolved_to: float = (
         math.inf
     )  # Hz, up to which the shafts keep the error of their model; see `assemble`
-    in_tree: BoolArray | None = (
-        None  # (spans,) those of the tree; None: the stiffest that close no loop
-    )
+    # (spans,) those of the tree; None: the stiffest that close no loop.
+    in_tree: BoolArray | None = None
     tables: "Mapping[int, StiffnessTable]" = field(
         default_factory=dict
     )  # of spans that follow one: `tabled_spans`

@@ -19,9 +19,8 @@ FARTHEST = 3.7  # deviations beforehand that a value may move: 1 of 4600 by chan
 START = 1.5  # deviations beforehand at which further searches begin
 DISTINCT = 0.05  # deviations beforehand by which one value at least differs between two minima
 SAME = 1e-6  # of the sum of squares: by as much rounding moves a minimum
-AS_WELL = (
-    6.0  # of the sum of squares, by which data and prior make a minimum 1/20 as likely as the best
-)
+# Of the sum of squares, by which data and prior make a minimum 1/20 as likely as the best.
+AS_WELL = 6.0
 
 
 @dataclass(frozen=True)
@@ -34,9 +33,8 @@ class Identified:
     singular: FloatArray  # (values,) descending; 0 where there are fewer measurements
     directions: FloatArray  # (values, values) a row for each, in prior deviations
     unseen: BoolArray  # (values,) directions that leave every measured value as it is
-    covariance: (
-        FloatArray  # (values, values) of the values in prior deviations, data and prior together
-    )
+    # (values, values) of the values in prior deviations, data and prior together.
+    covariance: FloatArray
 
     @property
     def rank(self) -> int:

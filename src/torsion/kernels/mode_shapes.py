@@ -18,12 +18,10 @@ from torsion.sources import source
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
-_EQUAL_SIZE = (
-    1e-6  # relative; components that near count as equal when the sign of a shape is chosen
-)
-_ROUNDING_OF_ENDS = (
-    8e-15  # of the torque in a shaft; a smaller one at its end is a difference of equal terms
-)
+# relative; components that near count as equal when the sign of a shape is chosen.
+_EQUAL_SIZE = 1e-6
+# Of the torque in a shaft; a smaller one at its end is a difference of equal terms.
+_ROUNDING_OF_ENDS = 8e-15
 _OF_STATIONS, _OF_MODES = ("angle", "torque", "inner", "outer"), ("correction", "passed")
 
 
@@ -98,9 +96,8 @@ class TreeModes:
     angle: FloatArray  # (stations, m) rad; the first of the largest components positive
     torque: FloatArray  # (stations, m) N m, at the root end of span i as it acts on the side of the leaves; 0 at a root
     rigid: int  # number of rigid motions, known from the graph
-    rigid_angle: (
-        FloatArray  # (stations, rigid) rad; constant over each free part, generalised inertia 1
-    )
+    # (stations, rigid) rad; constant over each free part, generalised inertia 1.
+    rigid_angle: FloatArray
     certified: bool = True  # whether `lower` and `upper` are proven, up to the stated rounding of the laws of shafts
     loop_torque: FloatArray = field(
         default_factory=lambda: np.empty((0, 0))

@@ -22,9 +22,8 @@ from torsion.kernels.tree import Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
 _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
-_OF_STIFFNESS = (
-    5.0  # of what a span passes on, less its margin, if 1 + h z is taken to be that of another h
-)
+# Of what a span passes on, less its margin, if 1 + h z is taken to be that of another h.
+_OF_STIFFNESS = 5.0
 _FARTHEST = 0.5  # relative change of a square beyond which a step has left its mode
 _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
 
@@ -60,9 +59,8 @@ class Way:
     load: FloatArray  # (chords, stations, .) of the pairs, less those torques
     lift: FloatArray  # (chords, .) angle of the root in q
     basis: FloatArray | None = None  # (chords, chords, trains) chord torques in place of unit ones
-    terms: FloatArray | None = (
-        None  # (chords, stations, trains) like `load`: sum of its terms without signs
-    )
+    # (chords, stations, trains) like `load`: sum of its terms without signs.
+    terms: FloatArray | None = None
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
         """Return the way of some trains, by position or mask."""

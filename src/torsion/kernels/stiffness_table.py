@@ -32,9 +32,8 @@ class StiffnessTable:
     loss_factor: tuple[float, ...]
     viscous: tuple[float, ...]  # N m s/rad
     holds: bool = False  # the values at its ends beyond them; else it says nothing there
-    key: str = (
-        "table"  # of its component, under which the file gives it; empty: the component itself
-    )
+    # Of its component, under which the file gives it; empty: the component itself.
+    key: str = "table"
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""

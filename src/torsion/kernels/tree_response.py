@@ -39,12 +39,10 @@ class TreeResponse:
     """
 
     angle: ComplexArray  # (stations, frequencies) rad
-    torque: (
-        ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
-    )
-    torque_outer: (
-        ComplexArray  # (stations, frequencies) N m; `torque` itself where no span has inertia
-    )
+    # (stations, frequencies) N m, elastic and damping share together; 0 at a root.
+    torque: ComplexArray
+    # (stations, frequencies) N m; `torque` itself where no span has inertia.
+    torque_outer: ComplexArray
     residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it
     # (frequencies,) growth of relative errors of the data; infinite where singular
     amplification: FloatArray
@@ -118,9 +116,8 @@ class Equations:
     compliance: NDArray[Any]  # hc, (stations, 1) or (stations, columns) rad/(N m)
     force: NDArray[Any]  # (stations, 1) or (stations, columns) N m, 0 on fixed stations
     twist: NDArray[Any] | None  # rad, the same of the spans; none: 0
-    pi: Pi | None = (
-        None  # what the distributed shafts have brought: hc, and -w^2 J at both ends, (shafts, columns)
-    )
+    # What the distributed shafts have brought: hc, and -w^2 J at both ends, (shafts, columns)
+    pi: Pi | None = None
 
 
 @dataclass(frozen=True)

@@ -36,9 +36,8 @@ _OF_CHORDS = (
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
 _ROOTS = 6  # at most to be tried
 _FEW_CHORDS = 16  # up to which all roots are tried; with more, a root that proves no mode is the last (measured)
-_MOST_CHORDS = (
-    45  # whose eigenvalues round by less than _WIDEST, _EIGENVALUE L^2 2^-53; more are not counted
-)
+# Whose eigenvalues round by less than _WIDEST, _EIGENVALUE L^2 2^-53; more are not counted.
+_MOST_CHORDS = 45
 _WIDEST = 2.0**-39  # relative half width, 1.8e-12; one not proven in it is solved by itself
 _SOFT = 0.05  # of s h J, above which a span is soft
 

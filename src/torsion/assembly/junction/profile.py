@@ -74,9 +74,8 @@ class Profile:
 
     lengths: tuple[Length, ...]
     corners: tuple[Corner | None, ...]
-    fixed: Literal["end", "rim", "face"] = (
-        "end"  # last length a hub: its outer surface, or its face around the shaft
-    )
+    # Last length a hub: its outer surface, or its face around the shaft.
+    fixed: Literal["end", "rim", "face"] = "end"
 
     @property
     def plain(self) -> float:

@@ -19,12 +19,10 @@ CLOSE, STEADY = (
     1e-9,
     1e-6,
 )  # relative: gap of the bounds, last change of the stress; no further refinement below both
-SETTLED = (
-    0.05  # relative change of the stress by the last refinement, up to which it counts as known
-)
-OFF_AXIS = (
-    0.1  # centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05
-)
+# Relative change of the stress by the last refinement, up to which it counts as known.
+SETTLED = 0.05
+# Centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05.
+OFF_AXIS = 0.1
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,8 @@ LOSS_STAGE = 0.1  # largest loss factor added at once in the continuation from n
 NEWTON_REACH = 1e-9  # relative: Newton may polish a root, not leave it
 NEWTON_STEPS = 3
 LIGHT = 0.1  # |real part|/|root| up to which the real part from the energies is the better one
-UNRESOLVED = (
-    1e-8  # of the largest column: below it, the shapes of a repeated root are not independent
-)
+# Of the largest column: below it, the shapes of a repeated root are not independent.
+UNRESOLVED = 1e-8
 NEWTON_TOLERANCE = 1e-11  # relative step that a simple root must not exceed at the end
 
 

@@ -21,9 +21,8 @@ from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, altern
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
 _ROUNDINGS = 64.0  # of a coefficient; several times what was found in comparison with many digits
-_LARGEST_LEFT_OUT = (
-    1e-15  # last term at the limit, relative to the first; above, the profile is too steep
-)
+# Last term at the limit, relative to the first; above, the profile is too steep.
+_LARGEST_LEFT_OUT = 1e-15
 
 
 @cache

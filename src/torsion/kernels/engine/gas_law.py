@@ -20,9 +20,8 @@ class GasLaw:
     firing: ComplexArray  # (points, harmonics) N m
     motored: ComplexArray | None = None  # (points or 1, harmonics) N m; None where it is not known
     goes_on: bool = False  # in a straight line beyond its ends
-    stated: float | None = (
-        None  # N m mean gas torque at which it stands where the load is not known
-    )
+    # N m mean gas torque at which it stands where the load is not known.
+    stated: float | None = None
 
     def covers(self, values: FloatArray) -> bool:
         """Whether it is known at loads or speeds."""

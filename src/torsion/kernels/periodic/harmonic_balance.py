@@ -51,9 +51,8 @@ class Linearised:
 class Balance:
     """A periodic solution."""
 
-    harmonic: (
-        ComplexArray  # (coordinates, 2 count + 1) rad; deviation = sum_k harmonic exp(i k w0 t)
-    )
+    # (coordinates, 2 count + 1) rad; deviation = sum_k harmonic exp(i k w0 t)
+    harmonic: ComplexArray
     load: FloatArray  # (unknown loads,)
     steps: int  # of Newton's method
     truncation: float  # estimated size of the harmonics left out / the largest one kept

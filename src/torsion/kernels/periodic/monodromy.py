@@ -13,15 +13,13 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.sources import source
 
 STAGES = 7  # order 13
-ANGLE_PER_STEP = (
-    1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
-)
+# rad: step times the highest frequency; damping of the method is then below 1e-13 a step.
+ANGLE_PER_STEP = 1.5
 FEWEST_STEPS = 16
 MOST_STEPS = 4096
 REAL = 1e-9  # of w0: an imaginary part of an exponent that is rounding
-MOSTLY = (
-    0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
-)
+# Share of the whole train turning evenly beyond which a motion is one of its mean speed.
+MOSTLY = 0.5
 GONE = 1e-6  # factor over a period: what dies out so fast is no motion of the mean speed
 CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations

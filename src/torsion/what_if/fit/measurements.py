@@ -48,9 +48,8 @@ class Curve:
     has_phase: bool
     origin: str  # what of the file it is
     error: FloatArray  # (points,) over the amplitude: standard deviation of what was tracked; 0 of a torsiogram
-    unused: int = (
-        0  # windows of a signal outside the speeds, or in which the order does not stand out
-    )
+    # Windows of a signal outside the speeds, or in which the order does not stand out.
+    unused: int = 0
 
     def of_response(
         self, system: System, speed: FloatArray, angle: ComplexArray, torque: ComplexArray

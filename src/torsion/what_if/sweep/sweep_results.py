@@ -15,9 +15,8 @@ class VariedFigure:
     name: str = result("", (), "component and key")
     law: str = result("", (), "how it varies about the value of the file")
     together: int = result("", (), "figures with the same number vary as one")
-    unit: str | None = (
-        None  # of values in place of the file's, of lists the row; None of a law about the file's
-    )
+    # Of values in place of the file's, of lists the row; None of a law about the file's.
+    unit: str | None = None
 
 
 @reported
