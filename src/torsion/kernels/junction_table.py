@@ -14,10 +14,8 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 
-LOWEST, HIGHEST = (
-    (0.0, 0.01, 0.0),
-    (0.8, 1.5, 1.0),
-)  # bore, height of the step (both / diameter); radius / height
+# Bore, height of the step (both / diameter); radius / height.
+LOWEST, HIGHEST = (0.0, 0.01, 0.0), (0.8, 1.5, 1.0)
 SIZES = (7, 16, 8)
 FILE = "junction_table.txt"
 

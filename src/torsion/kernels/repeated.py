@@ -15,14 +15,10 @@ from torsion.kernels.mode_shapes import Shapes, end_torques
 from torsion.kernels.tree import Tree
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
-_SHIFTS = (
-    1e-6,
-    5e-2,
-)  # first near, to leave all other modes behind, then far, where the response has no rounding
-_STEPS = (
-    2,
-    5,
-)  # of inverse iteration, and one at the end; a step keeps that much of a mode which is one gap away
+# First near, to leave all other modes behind, then far, where the response has no rounding.
+_SHIFTS = (1e-6, 5e-2)
+# Of inverse iteration, and one at the end; a step keeps that much of a mode which is one gap away.
+_STEPS = (2, 5)
 _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group respond alike
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves

@@ -17,10 +17,8 @@ from torsion.kernels.tree import Tree
 CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SINGULAR_LOSS allows of a smaller one
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
-SHORTEST_CHUNK, LONGEST_CHUNK = (
-    512,
-    2048,
-)  # columns; fewer, and calls cost more than sums (measured)
+# Columns; fewer, and calls cost more than sums (measured).
+SHORTEST_CHUNK, LONGEST_CHUNK = 512, 2048
 
 
 class Status(IntEnum):

@@ -29,10 +29,8 @@ from torsion.kernels.variant_modes import (
 
 _STEPS = 6  # of Rayleigh; 3 are usual
 _SETTLED = 1e-10  # relative step of the square after which the next one is below rounding
-_OF_CHORDS = (
-    16.0,
-    256.0,
-)  # times the width that counts without chords need: a running error is a bound
+# Times the width that counts without chords need: a running error is a bound.
+_OF_CHORDS = (16.0, 256.0)
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
 _ROOTS = 6  # at most to be tried
 _FEW_CHORDS = 16  # up to which all roots are tried; with more, a root that proves no mode is the last (measured)

@@ -15,10 +15,8 @@ from torsion.primitives import Section, SectionMesh
 FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2
 LEVELS = 3  # the mesh, its refinement, and one more
 QUICK = 3_000  # triangles that one more refinement may make
-CLOSE, STEADY = (
-    1e-9,
-    1e-6,
-)  # relative: gap of the bounds, last change of the stress; no further refinement below both
+# Relative: gap of the bounds, last change of the stress; no further refinement below both.
+CLOSE, STEADY = 1e-9, 1e-6
 # Relative change of the stress by the last refinement, up to which it counts as known.
 SETTLED = 0.05
 # Centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05.

@@ -16,11 +16,8 @@ from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.kernels.engine.gas_torque import NODES, Cylinder, Panels, harmonics
 
 BURNT = 6.908  # a: 99.9 % of the heat at the end of the duration
-EARLIEST, LATEST, STEP = (
-    math.radians(-60.0),
-    math.radians(30.0),
-    math.radians(3.0),
-)  # of the start of heat
+# Of the start of heat.
+EARLIEST, LATEST, STEP = math.radians(-60.0), math.radians(30.0), math.radians(3.0)
 NODE, WEIGHT = np.polynomial.legendre.leggauss(NODES)
 
 

@@ -28,11 +28,8 @@ FEWEST = 16  # trains of which the frequencies are found at once
 DIGITS = 6  # of the range of a figure, in which its values are chosen
 SAME = 9  # decimals to which two scores are equal
 WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any other
-BROKEN, DOUBTFUL, WITHOUT = (
-    -100.0,
-    -200.0,
-    -1000.0,
-)  # constraint broken; exceeded or not judged; no limit or no answer
+# Constraint broken; exceeded or not judged; no limit or no answer.
+BROKEN, DOUBTFUL, WITHOUT = -100.0, -200.0, -1000.0
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,8 @@ from torsion.what_if.variants.laws import Choice, Law
 
 FEWEST, MOST = 128, 1 << 22
 MOST_COMBINATIONS = 10_000_000
-CHECKED, UNJUDGED = (
-    512,
-    16384,
-)  # samples where nothing else is said: judged, and of frequencies alone
+# Samples where nothing else is said: judged, and of frequencies alone.
+CHECKED, UNJUDGED = 512, 16384
 Method = Literal["sobol", "latin", "random", "grid"]
 Result = Literal["modes", "checks"]
 
