@@ -5,11 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
-from torsion.exchange.comparison import (
-    CaseComparison,
-    Comparison,
-    InputChange,
-)
+from torsion.exchange.comparison import CaseComparison, Comparison, InputChange
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.numbers import NONE, number

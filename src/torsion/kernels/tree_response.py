@@ -47,12 +47,7 @@ class TreeResponse:
     chord_torque: ComplexArray  # (chords, frequencies) N m of each chord of a loop on its end
 
 
-def tree_response(
-    tree: Tree,
-    w: FloatArray,
-    force: NDArray[Any],
-    **given: Any,
-) -> TreeResponse:
+def tree_response(tree: Tree, w: FloatArray, force: NDArray[Any], **given: Any) -> TreeResponse:
     """Response of every station and span; arguments and errors as of `pose`.
 
     A singular frequency is never raised or warned of: see `status`.

@@ -230,11 +230,7 @@ def _roots(tree: Tree, root: int) -> list[int]:
 
 
 def _enclosed(
-    trains: Network,
-    frequency: FloatArray,
-    passed: FloatArray,
-    mode: int | IntArray,
-    way: Way,
+    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: Way
 ) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
     widened: tuple[float, ...] = _OF_CHORDS if way.basis is None else _OF_MODES

@@ -121,12 +121,7 @@ def splines(root: float, tooth: float, fillet: float, number: int, bore: float =
 
 
 def _grooved(
-    points: list[tuple[float, float]],
-    fillet: float,
-    number: int,
-    bore: float,
-    *,
-    is_flat: bool,
+    points: list[tuple[float, float]], fillet: float, number: int, bore: float, *, is_flat: bool
 ) -> Grooved:
     """Floor, fillet, flank and circumference, from the groove's axis on; a floor that is not flat is round.
 

@@ -93,11 +93,7 @@ def points_in_time(count: int) -> int:
 
 
 def balance(
-    equations: Equations,
-    start: ComplexArray,
-    load: FloatArray,
-    held: IntArray,
-    w0: float,
+    equations: Equations, start: ComplexArray, load: FloatArray, held: IntArray, w0: float
 ) -> Balance:
     """Return the periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
 

@@ -54,7 +54,7 @@ class Measured(Declared):
         "CSV file of one order over speed: columns `speed`, `amplitude`, `phase`"
     )
     signal: str | None = given(
-        "file of a signal over time: two columns, time and speed; or one, the times of pulses, with `pulses`",
+        "file of a signal over time: two columns, time and speed; or one, the times of pulses, with `pulses`"
     )
     at: str | None = given("place of the measurement: a point, or for a torque a coupling or shaft")
     order: fields.Exact | None = given("per revolution of the component `at` of `operation`")

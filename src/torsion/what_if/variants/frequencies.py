@@ -106,11 +106,7 @@ def certified(
 
 
 def _as_divided(
-    system: System,
-    train: Train,
-    variants: int,
-    count: int,
-    places: IntArray,
+    system: System, train: Train, variants: int, count: int, places: IntArray
 ) -> FloatArray:
     """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
     tree, chords, node = undamped_tree(system), chord_spans(system), system.condensed.node
