@@ -60,4 +60,4 @@ class BarSpans:
             np.array([piece.polar_area_moment(points) for piece in pieces]) * ratio2[which, None]
         )
         material = np.array([(piece.bar.shear_modulus, piece.bar.density) for piece in pieces])
-        return np.asarray(material.T[..., None] * across)
+        return material.T[..., None] * across

@@ -20,7 +20,7 @@ def solve_symmetric(matrix: Any, load: FloatArray) -> FloatArray:
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
-    return np.asarray(factors.solve(load))
+    return factors.solve(load)
 
 
 def places_along(basis: Any, facets: IntArray) -> tuple[Any, BoolArray]:

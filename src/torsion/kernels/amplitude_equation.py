@@ -113,7 +113,7 @@ def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) ->
 
     def height(growth: FloatArray) -> FloatArray:
         # At its end exactly the upper bound, where the sign is known.
-        return np.asarray(np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column)))
+        return np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column))
 
     growth = find_root(height, np.zeros(len(low)), end, tolerance=TOLERANCE)
     return np.asarray(low * np.exp(growth))

@@ -64,7 +64,7 @@ def slider(
     stored = sum(sign * _above_zero(end / moved, 2.0 - end / moved)[1] for end, sign in ends)
     lost = 4.0 * give / (math.pi * moved) * (moved - half - give) / moved
     touches = 2.0 * ramp(np.full(len(amplitude), -half), amplitude)[1] if half else 1.0
-    return np.asarray(np.where(slips, stiffness * (stored + 1j * lost), stiffness * touches))
+    return np.where(slips, stiffness * (stored + 1j * lost), stiffness * touches)
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class PiecewiseCoupling:
         """Return (columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
         total = sum(stiffness for _, stiffness in self.springs)
         if not (self.half or self.stages):
-            return np.asarray(mean / total)
+            return mean / total
         # No spring carries more than without its begin, nor less than while it is in contact all the time.
         lost = sum(begin * stiffness for begin, stiffness in self.springs)
         loaded = np.flatnonzero(mean > 0.0)

@@ -58,7 +58,7 @@ def _smooth(sizes: tuple[float, float, float]) -> tuple[float, float, float]:
 
 
 def _nodes(size: int) -> FloatArray:
-    return np.asarray(-np.cos(math.pi * np.arange(size) / (size - 1)))
+    return -np.cos(math.pi * np.arange(size) / (size - 1))
 
 
 def _weights(point: float, size: int) -> FloatArray:

@@ -177,16 +177,16 @@ def shaft_inertia(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatAr
     a, b, t = _of_shafts(tree, angle, torque)
     inner = (slopes.inner + slopes.square * slopes.inner_slope) * (a * a)
     outer = (slopes.outer + slopes.square * slopes.outer_slope) * (b * b)
-    return np.asarray(slopes.flexibility_slope * (t * t) + inner + outer)
+    return slopes.flexibility_slope * (t * t) + inner + outer
 
 
 def shaft_elastic(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray) -> FloatArray:
     """Twice the elastic energy (shafts, m) of each shaft in shapes, N m."""
     square, (a, b, t) = slopes.square, _of_shafts(tree, angle, torque)
     ends = slopes.inner_slope * (a * a) + slopes.outer_slope * (b * b)
-    return np.asarray(
-        (slopes.flexibility + square * slopes.flexibility_slope) * (t * t) + square * square * ends
-    )
+    return (slopes.flexibility + square * slopes.flexibility_slope) * (
+        t * t
+    ) + square * square * ends
 
 
 def _of_shafts(

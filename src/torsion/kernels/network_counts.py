@@ -104,7 +104,7 @@ class Way:
 
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
     """(chords, chords, trains) of two (chords, trains)."""
-    return np.asarray(left[:, None] * right[None, :])
+    return left[:, None] * right[None, :]
 
 
 class Elimination:
@@ -254,7 +254,7 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
     matrix[lost] = lean * np.eye(number)
     below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
     total = seen.negative + (stiffness < 0.0) - below
-    return np.asarray(np.where(lost, trains.tree.size if lean > 0 else -1, total))
+    return np.where(lost, trains.tree.size if lean > 0 else -1, total)
 
 
 def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, FloatArray]:

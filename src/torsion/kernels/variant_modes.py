@@ -110,7 +110,7 @@ def ritz_values(
     )
     root = np.linalg.inv(np.linalg.cholesky(kinetic))
     square = np.linalg.eigvalsh(root @ potential @ root.transpose(0, 2, 1))
-    return np.asarray(np.sqrt(np.abs(square[:, modes.rigid :].T)))
+    return np.sqrt(np.abs(square[:, modes.rigid :].T))
 
 
 def parts(size: int, trains: int) -> Iterator[slice]:

@@ -54,7 +54,7 @@ def equilibria(warming: Warming, power: Power, cases: int) -> tuple[IntArray, Fl
     grid = np.linspace(warming.now, warming.highest, SCANNED)
 
     def excess(case: IntArray, temperature: FloatArray) -> FloatArray:
-        return np.asarray(warming.now + warming.rise * power(case, temperature) - temperature)
+        return warming.now + warming.rise * power(case, temperature) - temperature
 
     case, position = (index.ravel() for index in np.indices((cases, SCANNED)))
     above = (excess(case, grid[position]) > 0.0).reshape(cases, SCANNED)

@@ -52,14 +52,12 @@ class Piece:
         """Return the points there, (2, shares)."""
         start, end = np.array(self.start), np.array(self.end)
         if self.center is None:
-            return np.asarray(start[:, None] + np.outer(end - start, share))
+            return start[:, None] + np.outer(end - start, share)
         center = np.array(self.center)
         turn = [math.atan2(*(point - center)[::-1]) for point in (start, end)]
         swept = math.remainder(turn[1] - turn[0], math.tau) * share
-        return np.asarray(
-            center[:, None]
-            + math.dist(start, center)
-            * np.array([np.cos(turn[0] + swept), np.sin(turn[0] + swept)])
+        return center[:, None] + math.dist(start, center) * np.array(
+            [np.cos(turn[0] + swept), np.sin(turn[0] + swept)]
         )
 
 

@@ -94,7 +94,7 @@ def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
         np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends)
     )
     order = np.argsort(present)
-    return np.asarray(order[np.searchsorted(present[order], wanted)])
+    return order[np.searchsorted(present[order], wanted)]
 
 
 def stress_function(

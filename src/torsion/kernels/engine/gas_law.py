@@ -57,7 +57,7 @@ class GasLaw:
         if share == 1.0:
             return torque
         none = 0.0 if motored is None else motored
-        return np.asarray(none + share * (torque - none))
+        return none + share * (torque - none)
 
     def _along(self, values: ComplexArray, number: int, where: FloatArray) -> ComplexArray:
         """(places,) one harmonic of values (points or 1, harmonics), straight between the points."""
@@ -89,7 +89,7 @@ class CylinderOrder:
 
     def amplitude(self, speed: FloatArray, mean: FloatArray | None) -> ComplexArray:
         """(speeds,) N m at own speeds (rad/s) and mean torques applied at `station` (N m; None: not known)."""
-        return np.asarray(self.turned * (self.of_gas(speed, mean) + self.inertia * speed**2))
+        return self.turned * (self.of_gas(speed, mean) + self.inertia * speed**2)
 
     def of_gas(self, speed: FloatArray, mean: FloatArray | None) -> ComplexArray:
         """(speeds,) N m of the gas alone, its phase from firing top dead centre of the cylinder."""

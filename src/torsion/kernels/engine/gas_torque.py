@@ -53,13 +53,11 @@ class Cylinder:
     def volume(self, angle: FloatArray, ratio: float) -> FloatArray:
         """m3 at crank angles, of a compression ratio."""
         top = self.crank.piston(0.0)[0]
-        return np.asarray(
-            self.swept / (ratio - 1.0) + self.area * (top - self.crank.piston(angle)[0])
-        )
+        return self.swept / (ratio - 1.0) + self.area * (top - self.crank.piston(angle)[0])
 
     def lever(self, angle: FloatArray) -> FloatArray:
         """Torque / pressure at crank angles, m3."""
-        return np.asarray(-self.area * self.crank.piston(angle)[1])
+        return -self.area * self.crank.piston(angle)[1]
 
 
 @dataclass(frozen=True)
@@ -129,6 +127,6 @@ class Diagram:
 
         def acting(angle: FloatArray) -> FloatArray:
             pressure = np.interp(angle, self.angle, self.pressure) - around
-            return np.asarray(pressure * cylinder.lever(angle))
+            return pressure * cylinder.lever(angle)
 
         return harmonics(acting, panels, cylinder.revolutions, count)

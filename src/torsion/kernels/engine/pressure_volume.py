@@ -23,7 +23,7 @@ def angle_of_travel(crank: CrankSlider, travel: FloatArray) -> FloatArray:
     radius, rod = crank.radius, crank.rod
     inner = np.sqrt(travel * (2.0 * rod - travel))
     outer = np.sqrt(np.maximum(2.0 * radius - travel, 0.0) * (2.0 * (rod + radius) - travel))
-    return np.asarray(2.0 * np.arctan2(inner, outer))
+    return 2.0 * np.arctan2(inner, outer)
 
 
 class NoLoop(ValueError):

@@ -77,7 +77,7 @@ class Cycle:
             * y**self.shape
             * np.exp(-BURNT * y ** (self.shape + 1.0))
         )
-        return np.asarray(
+        return (
             self.cylinder.volume(angle, self.ratio) ** (self.gamma - 1.0)
             * share
             / -math.expm1(-BURNT)
@@ -96,14 +96,14 @@ class Cycle:
         panel = np.clip(np.searchsorted(edges, flat, side="right") - 1, 0, last)
         half = (flat - edges[panel]) / 2.0
         inner = self._rate(edges[panel][:, None] + half[:, None] * (NODE + 1.0)) @ WEIGHT * half
-        return np.asarray((self._before[panel] + inner).reshape(angle.shape))
+        return (self._before[panel] + inner).reshape(angle.shape)
 
     def closed(self, angle: FloatArray) -> FloatArray:
         """Pa at crank angles between closing and opening."""
         first = self.cylinder.volume(np.array(self.closes), self.ratio)
         volume = self.cylinder.volume(angle, self.ratio)
         added = (self.gamma - 1.0) * self.heat * self._released(angle) if self.heat else 0.0
-        return np.asarray((self.charge * first**self.gamma + added) / volume**self.gamma)
+        return (self.charge * first**self.gamma + added) / volume**self.gamma
 
     def pressure(self, angle: FloatArray) -> FloatArray:
         """Pa at crank angles from closing on, over one cycle."""
@@ -147,7 +147,7 @@ class Cycle:
 @lru_cache(maxsize=32)
 def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
     def acting(angle: FloatArray) -> FloatArray:
-        return np.asarray((cycle.pressure(angle) - around) * cycle.cylinder.lever(angle))
+        return (cycle.pressure(angle) - around) * cycle.cylinder.lever(angle)
 
     return harmonics(acting, Panels.between(cycle.corners), cycle.cylinder.revolutions, count)
 

@@ -74,7 +74,7 @@ def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
     number = int(np.flatnonzero(size > 1e-17 * size.max(initial=0.0))[-1]) + 1 if size.any() else 1
     phase = 2.0 * np.pi * np.outer(share, np.arange(number))
     out = np.cos(phase) @ half[:number].real - np.sin(phase) @ half[:number].imag
-    return np.asarray(out.reshape(len(share), *samples.shape[1:]))
+    return out.reshape(len(share), *samples.shape[1:])
 
 
 @source("HairerWanner1996")
@@ -222,4 +222,4 @@ def rigid_share(
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
     """Return (1/s) ln(multiplier)/period, imaginary part within pi/period of 0; a multiplier of 0 decays infinitely fast."""
     with np.errstate(divide="ignore"):
-        return np.asarray(np.log(np.abs(multiplier)) / period + 1j * np.angle(multiplier) / period)
+        return np.log(np.abs(multiplier)) / period + 1j * np.angle(multiplier) / period

@@ -91,7 +91,7 @@ class ExactSlopes:
         speeds = np.tile(curve.speed, count)
         slopes = curve.of_response(system, speeds, changed.angle, changed.torque)
         values = curve.of_response(system, curve.speed, value.angle, value.torque)
-        return np.asarray((slopes.reshape(count, -1) / values).T)
+        return (slopes.reshape(count, -1) / values).T
 
 
 def _is_linear(study: Study, system: System) -> bool:

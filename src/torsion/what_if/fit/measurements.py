@@ -66,7 +66,7 @@ class Curve:
     @property
     def deviation(self) -> FloatArray:
         """(points,) of the logarithm of an amplitude, and of a phase in rad."""
-        return np.asarray(np.hypot(self.within, self.error))
+        return np.hypot(self.within, self.error)
 
 
 def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:

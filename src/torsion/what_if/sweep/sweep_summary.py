@@ -134,4 +134,4 @@ def _ranks(values: FloatArray) -> FloatArray:
     array([ 1. , -1.5,  1. , -0.5])
     """
     _, rank, count = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(count) - count / 2.0 - len(values) / 2.0)[rank])
+    return (np.cumsum(count) - count / 2.0 - len(values) / 2.0)[rank]

@@ -22,7 +22,7 @@ def units(count: int, figures: int, method: str, seed: int) -> FloatArray:
     from scipy.stats import qmc
 
     if method == "latin":
-        return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
+        return qmc.LatinHypercube(figures, rng=seed).random(count)
     return np.concatenate(
         [
             qmc.Sobol(figures, rng=np.random.default_rng([seed, k])).random(count // SCRAMBLES)
@@ -41,23 +41,21 @@ def factors(law: Law, unit: FloatArray) -> FloatArray:
     from scipy.special import ndtr, ndtri
 
     if law.uniform is not None:
-        return np.asarray(1.0 + law.uniform * (2.0 * unit - 1.0))
+        return 1.0 + law.uniform * (2.0 * unit - 1.0)
     if law.triangular is not None:
         low, middle, high = law.corners
         wide = high - low
         rising = low + np.sqrt(unit * wide * (middle - low))
-        return np.asarray(
-            np.where(
-                unit * wide < middle - low,
-                rising,
-                high - np.sqrt((1.0 - unit) * wide * (high - middle)),
-            )
+        return np.where(
+            unit * wide < middle - low,
+            rising,
+            high - np.sqrt((1.0 - unit) * wide * (high - middle)),
         )
     if law.normal is not None:
         cut = ndtr(-(3.0 if law.within is None else law.within / law.normal))
-        return np.asarray(1.0 + law.normal * ndtri(cut + unit * (1.0 - 2.0 * cut)))
+        return 1.0 + law.normal * ndtri(cut + unit * (1.0 - 2.0 * cut))
     inside = np.clip(unit, 1e-15, 1.0 - 1e-15)
-    return np.asarray(np.exp((law.lognormal or 0.0) * ndtri(inside)))
+    return np.exp((law.lognormal or 0.0) * ndtri(inside))
 
 
 def probability(happens: BoolArray, method: str) -> tuple[float, float, float]:
