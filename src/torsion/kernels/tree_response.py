@@ -82,8 +82,7 @@ def complex_compliance(
     if max(h.ndim, c.ndim, eta.ndim) > 1 or c.any():
         h, c, eta = (values.reshape(len(values), -1) for values in (h, c, eta))
     if not c.any():
-        lossy: NDArray[Any] = h / (1 + 1j * eta) if eta.any() else h
-        return lossy
+        return h / (1 + 1j * eta) if eta.any() else h
     stiffness = np.divide(1.0, h, out=np.full(h.shape, np.inf), where=h > 0)
     rigid = h == 0
     with np.errstate(divide="ignore", invalid="ignore"):

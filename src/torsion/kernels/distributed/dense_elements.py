@@ -149,7 +149,4 @@ def _balance(
     part = bodies.component[:, None] == bodies.component[bodies.free_roots]
     share = part / (inertia @ part)
     turned = share @ part[shafts.node].T
-    balance: FloatArray = -np.repeat(
-        turned, element.modes.shape[1], axis=1
-    ) * element.coupling_turn.reshape(-1)
-    return balance
+    return -np.repeat(turned, element.modes.shape[1], axis=1) * element.coupling_turn.reshape(-1)
