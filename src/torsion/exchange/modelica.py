@@ -36,7 +36,7 @@ class _Text:
     connections: list[str] = field(default_factory=list)
     flanges: dict[int, str] = field(default_factory=dict)  # station: the first flange at it
 
-    def declare(self, kind: str, label: str, modifiers: str = "", comment: str = "") -> str:
+    def declare(self, kind: str, label: str, modifiers: str = "") -> str:
         """Declare a component; return its name, which is legal and occurs once."""
         word = re.sub(r"\W+", "_", label, flags=re.ASCII).strip("_") or "part"
         word = word if word[0].isalpha() else f"p_{word}"
@@ -45,8 +45,8 @@ class _Text:
             count += 1
             name = f"{word}_{count}"
         self.taken.add(name)
-        remark = f' "{_safe(comment or label)}"'
-        self.declared.append(f"  {kind} {name}{f'({modifiers})' if modifiers else ''}{remark};")
+        given = f"({modifiers})" if modifiers else ""
+        self.declared.append(f'  {kind} {name}{given} "{_safe(label)}";')
         return name
 
     def connect(self, flange: str, other_flange: str) -> None:

@@ -18,7 +18,7 @@ from torsion.sources import source
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
-# relative; components that near count as equal when the sign of a shape is chosen.
+# Relative; components that near count as equal when the sign of a shape is chosen.
 _EQUAL_SIZE = 1e-6
 # Of the torque in a shaft; a smaller one at its end is a difference of equal terms.
 _ROUNDING_OF_ENDS = 8e-15
@@ -184,9 +184,8 @@ def shaft_elastic(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatAr
     """Twice the elastic energy (shafts, m) of each shaft in shapes, N m."""
     square, (a, b, t) = slopes.square, _of_shafts(tree, angle, torque)
     ends = slopes.inner_slope * (a * a) + slopes.outer_slope * (b * b)
-    return (slopes.flexibility + square * slopes.flexibility_slope) * (
-        t * t
-    ) + square * square * ends
+    twist = slopes.flexibility + square * slopes.flexibility_slope
+    return twist * (t * t) + square * square * ends
 
 
 def _of_shafts(

@@ -23,7 +23,7 @@ _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group resp
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves
 _CLOSE_OF_SHAFTS = 1e-3  # to 1e-13, which is what laws of shafts allow
-# Up to which one product is faster than one a run of close frequencies (measured)
+# Up to which one product is faster than one a run of close frequencies (measured).
 _SHAPES_AT_ONCE = 256
 _NOTHING = 1e-140  # beside the largest, about 1; products of smaller ones would be subnormal, which are slow
 _SWEEPS = 8  # each squares the inner products

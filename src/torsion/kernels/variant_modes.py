@@ -24,7 +24,6 @@ _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured
 _LARGEST = 2**19  # stations times trains at once
 _STEPS = 6  # of Rayleigh; 2 are usual
 _SETTLED = 1e-8  # relative step after which the next one is below rounding: each squares the error
-_STAYING = 0.7  # of the trains: if more go on, all do, which is sooner done than copying them
 _FARTHEST = 0.3  # relative step beyond which one has left its mode
 _WIDENED = (1.0, 4.0)  # times the width in which counts are expected to enclose it
 
