@@ -49,6 +49,21 @@ def test_random_trains_with_loops_are_those_by_themselves(
         assert (alone.lower <= found.upper[:, k]).all()
 
 
+@pytest.mark.parametrize("row", [0, 1])
+def test_a_train_far_from_the_others_is_solved_by_itself(row: int) -> None:
+    """Its energies in their modes are rounding: there is nothing to begin with."""
+    values = np.ones((2, 6, 4))
+    values[row, 3] = [1e-20, 1e-6, 1e6, 1e20]
+    tree = Tree(np.arange(-1, 5), np.zeros(6), np.zeros(6), np.zeros(6, dtype=bool))
+    ends = np.array([1]), np.array([4])
+    found = network_modes(tree, *values, 4, ends, np.ones((1, 4)))
+    assert found.alone > 0
+    for k in range(4):
+        own = replace(tree, flexibility=values[0, :, k], inertia=values[1, :, k])
+        alone = graph_modes(own, *ends, np.ones(1), 4)
+        assert found.frequency[:, k] == pytest.approx(alone.frequency, rel=2e-13)
+
+
 def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """A start at another mode is not taken: its train is solved by itself."""
     rng = np.random.default_rng(2)

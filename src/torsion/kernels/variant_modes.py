@@ -100,16 +100,27 @@ def ritz_values(
         flexibility = np.concatenate([flexibility, chords[0]])
         middle_flexibility = np.append(middle_flexibility, chords[1])
     twist = torque[:, :number] * middle_flexibility[:, None]
-    twist = np.pad(twist, ((0, 0), (modes.rigid, 0)))
     stiffness = np.divide(1.0, flexibility, out=np.zeros_like(flexibility), where=flexibility > 0.0)
     angle = np.hstack([modes.rigid_angle, modes.angle[:, :number]])
     potential, kinetic = (
         np.einsum("ia,ib,it->tab", shape, shape, weight, optimize=True)
         for shape, weight in ((twist, stiffness), (angle, trains.moving_inertia))
     )
-    root = np.linalg.inv(np.linalg.cholesky(kinetic))
-    square = np.linalg.eigvalsh(root @ potential @ root.transpose(0, 2, 1))
-    return np.sqrt(np.abs(square[:, modes.rigid :].T))
+    rigid, elastic = slice(modes.rigid), slice(modes.rigid, None)
+    along = kinetic[:, rigid, elastic]
+    kinetic = kinetic[:, elastic, elastic] - along.transpose(0, 2, 1) @ np.linalg.solve(
+        kinetic[:, rigid, rigid], along
+    )
+
+    # Periods, of which the longest, those of the lowest modes, have the least rounding; factors keep it from squaring.
+    try:
+        root = np.linalg.inv(np.linalg.cholesky(potential)) @ np.linalg.cholesky(kinetic)
+    except np.linalg.LinAlgError:
+        # The energies of a train far from the middle one are rounding; it is not proven, and solved by itself.
+        return np.repeat(modes.frequency[:number, None], len(kinetic), axis=1)
+    period = np.linalg.svd(root, compute_uv=False).T
+    frequency: FloatArray = 1.0 / np.maximum(period, 2.0**-52 * period[0])
+    return frequency
 
 
 def parts(size: int, trains: int) -> Iterator[slice]:

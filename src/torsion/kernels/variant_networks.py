@@ -28,7 +28,7 @@ from torsion.kernels.variant_modes import (
 )
 
 _STEPS = 6  # of Rayleigh; 3 are usual
-_SETTLED = 1e-10  # relative step of the square after which the next one is below rounding
+_SETTLED = 1e-13  # relative step of the square, after which a train is at rest
 # Times the width that counts without chords need: a running error is a bound.
 _OF_CHORDS = (16.0, 256.0)
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
@@ -202,10 +202,13 @@ def enclosed_each(
                 return bounds, proven
             some = trains.chosen(left)
             way = static = _way(some, station, float(near[left].max()) ** 2)
+            at_rest = np.zeros(len(left), dtype=np.bool_)
             for _ in range(_STEPS if is_modal else 0):
                 way, square = modal_way(some, near[left] ** 2, static)
-                change, near[left] = np.abs(square / near[left] ** 2 - 1.0), np.sqrt(square)
-                if (change <= _SETTLED).all():
+                step = np.where(at_rest, 0.0, square / near[left] ** 2 - 1.0)
+                near[left] *= np.sqrt(1.0 + step)
+                at_rest |= np.abs(step) <= _SETTLED
+                if at_rest.all():
                     break
             bounds[0, left] = near[left]
             bounds[1:, left], proven[left] = _enclosed(
