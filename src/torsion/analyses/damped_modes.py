@@ -57,7 +57,8 @@ def damped(
         modes = modes_as_discretised(system, count)
         ratio = system.modal_ratios(len(modes.frequency))
         root = 2.0 * math.pi * modes.frequency * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
-        shape, torque = modes.shape.astype(complex), modes.torque.astype(complex)
+        shape = modes.shape.astype(complex)
+        torque = modes.torque.astype(complex)
         hertz = root.imag / (2.0 * math.pi)
         return DampedModes(hertz, ratio, root, shape, torque, np.empty(0), speed)
     condensed = system.condensed

@@ -56,7 +56,6 @@ class WhirlMode:
 
     @derived(
         "",
-        (),
         "whirl at the highest speed: forward or backward, a circle, an ellipse or nearly in a plane",
     )
     def whirl(self) -> str:
@@ -119,7 +118,7 @@ class Critical:
         "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound",
     )
 
-    @derived("", (), "whirl: forward or backward, a circle, an ellipse or nearly in a plane")
+    @derived("", "whirl: forward or backward, a circle, an ellipse or nearly in a plane")
     def whirl(self) -> str:
         return sense(self.direction)
 

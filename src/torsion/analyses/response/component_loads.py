@@ -400,7 +400,8 @@ def _station_loads(evidence: Results) -> Iterator[StationLoad]:
 
 def _joint_loads(evidence: Results) -> Iterator[JointLoad]:
     """Yield the largest torque of every joint at its own order, where the response has this order."""
-    response, system = evidence.need(Response), evidence.system
+    response = evidence.need(Response)
+    system = evidence.system
     line_of = {line.order: k for k, line in enumerate(response.lines)}
     for span in (span for span in system.spans if span.error and span.error[0][1]):
         spans = [k for k, other in enumerate(system.spans) if other.part == span.part]

@@ -57,8 +57,10 @@ def compare_first_order(evidence: Results) -> FirstOrderCompared:
 
 def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[ComparedTorque]:
     """nothing: N m, below which a torque is rounding and reported as 0."""
-    response, periodic = evidence.need(Response), evidence.need(PeriodicResponse)
-    orders, first = [line.order for line in response.lines], response.amplitude(element.spans)
+    response = evidence.need(Response)
+    periodic = evidence.need(PeriodicResponse)
+    orders = [line.order for line in response.lines]
+    first = response.amplitude(element.spans)
     exact = element.largest(np.abs(periodic.torque))
     if (top := np.nanmax(exact, initial=0.0)) == 0.0:
         return
@@ -68,7 +70,8 @@ def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[Co
         if first is not None:
             place = int(np.argmax(values := np.where(first < nothing, 0.0, first)))
             if np.isfinite(values[place]):  # of a value that is not known the largest is none
-                largest, speed = float(values[place]), float(response.speed[place])
+                largest = float(values[place])
+                speed = float(response.speed[place])
         # Of the speeds with a periodic motion.
         place = int(np.nanargmax(values := np.where(exact < nothing, 0.0, exact)))
         return ComparedTorque(
