@@ -29,7 +29,8 @@ def torques(report: Report) -> dict[str, tuple[list[float], float]]:
     """
     found, synthesis = {}, report.results["synthesis"]
     for name, figure in report.figures.items():
-        element = figure.caption.removeprefix("Vibratory torque in ").rpartition(",")[0]
+        words = figure.caption.removeprefix("Vibratory torque in ")
+        element = words.rpartition(",")[0] or words
         if name.startswith("torque-") and element in synthesis["element"]:
             factor = {"N m": 1.0, "kN m": 1e-3, "MN m": 1e-6}[figure.plots[0].y.unit]
             found[name] = synthesis["half_range_Nm"][synthesis["element"].index(element)], factor
