@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import field, replace
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes
 
 MOST_MODES = 100_000
+HOLZER = "torsion.analyses.modes.holzer:holzer_modes"  # a name, since it stands on this module
 MOST_JUDGED = 200  # modes that are computed beyond those requested, for a rule
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
@@ -68,6 +70,36 @@ class EnergyShare:
 
     component: str = result("", "station, shaft or element, and the kind of energy")
     share: FloatArray = result("1", ("mode",), "share of the kinetic or elastic energy")
+
+
+@reported
+class HolzerRow:
+    """A station of a Holzer table and the link that leads to it, referred to the reference speed."""
+
+    number: int = result("", "number of the row, from 1")
+    station: str = result("", "name of the station")
+    inertia: float | None = result("kg*m**2", "infinite where fixed, null where a loop is closed")
+    angle: float = result("rad", "angle of the station")
+    inertia_torque: float | None = result("N*m", "omega^2 J angle; null where fixed")
+    before: int | None = result("", "row from which the link leads here; null at a start")
+    through: str | None = result("", "name of the link")
+    torque_in: float | None = result("N*m", "at the end of the link toward the row before")
+    flexibility: float | None = result("rad/(N*m)", "null where the link has inertia inside")
+    twist: float | None = result("rad", "angle of the row before - angle of this row")
+    torque_out: float | None = result("N*m", "at the other end of the link")
+    a: float | None = result("1", "A of a link with inertia inside")
+    h: float | None = result("rad/(N*m)", "H of a link with inertia inside")
+    b: float | None = result("N*m/rad", "B of a link with inertia inside")
+    d: float | None = result("1", "D of a link with inertia inside")
+
+
+@reported
+class HolzerMode:
+    """The Holzer table of one mode: each row follows from the row that it names."""
+
+    mode: int = result("", "counted from 1")
+    residual: float = result("1", "largest torque that nothing balances / largest torque")
+    rows: tuple[HolzerRow, ...] = result("", "stations and the links that lead to them")
 
 
 @reported
@@ -145,6 +177,15 @@ class Modes(Displayed, Keyed):
             energy *= np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
         energy /= energy.sum(axis=0)
         return energy
+
+    @derived(
+        "",
+        "Holzer tables of the lowest modes: at most 12, and 600 rows of all (the first in any case)",
+    )
+    def holzer(self) -> tuple[HolzerMode, ...]:
+        """Return the tables with rows as people read them."""
+        tables: tuple[HolzerMode, ...] = resolve_name(HOLZER)(self)
+        return tables
 
     @derived("", "energy of named stations, inner segments of shafts, and elastic elements")
     def energy_shares(self) -> tuple[EnergyShare, ...]:

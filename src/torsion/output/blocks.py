@@ -19,6 +19,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.numbers import (
     DIGITS,
     ROUNDING,
+    Scale,
     cell,
     given,
     number,
@@ -224,30 +225,19 @@ def table(
             for k, column in enumerate(columns)
             if column.unit == unit
         )
-        chosen = scale(
-            unit[1:], [min(filter(None, (max(held, default=0.0) for held in sizes)), default=0.0)]
+        tops = filter(None, (max(held, default=0.0) for held in sizes))
+        chosen = scale(unit[1:], [min(tops, default=0.0)])
+        columns = tuple(
+            _with_prefix(column, chosen) if column.unit == unit else column for column in columns
         )
         short = short.replace("~", chosen.unit)
-        columns = tuple(
-            replace(
-                column,
-                unit=chosen.unit,
-                factor=chosen.factor,
-                short=column.short.replace("~", chosen.unit),
-            )
-            if column.unit == unit
-            else column
-            for column in columns
-        )
-    return Table(
-        columns,
-        tuple(values),
-        caption,
-        tuple(marks)[:most],
-        short,
-        rows_in_summary,
-        summary,
-    )
+    summarised = short, rows_in_summary, summary
+    return Table(columns, tuple(values), caption, tuple(marks)[:most], *summarised)
+
+
+def _with_prefix(column: Column, chosen: Scale) -> Column:
+    short = column.short.replace("~", chosen.unit)
+    return replace(column, unit=chosen.unit, factor=chosen.factor, short=short)
 
 
 def _column(words: str) -> Column:

@@ -17,35 +17,14 @@ from functools import reduce
 import numpy as np
 
 from torsion.analyses.modes.mode_nodes import TINY
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import HolzerMode, HolzerRow, Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
 from torsion.primitives import STEP
-from torsion.results import reported, result
 
+MOST_TABLES, MOST_ROWS = 12, 600  # of modes that are declared, and their rows
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first is 1 in its place
-
-
-@reported
-class HolzerRow:
-    """A station of a Holzer table and the link that leads to it, referred to the reference speed."""
-
-    number: int = result("", "number of the row, from 1")
-    station: str = result("", "name of the station")
-    inertia: float | None = result("kg*m**2", "infinite where fixed, null where a loop is closed")
-    angle: float = result("rad", "angle of the station")
-    inertia_torque: float | None = result("N*m", "omega^2 J angle; null where fixed")
-    before: int | None = result("", "row from which the link leads here; null at a start")
-    through: str | None = result("", "name of the link")
-    torque_in: float | None = result("N*m", "at the end of the link toward the row before")
-    flexibility: float | None = result("rad/(N*m)", "null where the link has inertia inside")
-    twist: float | None = result("rad", "angle of the row before - angle of this row")
-    torque_out: float | None = result("N*m", "at the other end of the link")
-    a: float | None = result("1", "A of a link with inertia inside")
-    h: float | None = result("rad/(N*m)", "H of a link with inertia inside")
-    b: float | None = result("N*m/rad", "B of a link with inertia inside")
-    d: float | None = result("1", "D of a link with inertia inside")
 
 
 @dataclass(frozen=True)
@@ -149,6 +128,17 @@ class HolzerTable:
         """The residual / the largest torque in the table; 0 where there is none."""
         largest = float(np.max(np.abs([self.torque_in, self.torque_out])))
         return self.residual / largest if largest else 0.0
+
+
+def holzer_modes(modes: Modes) -> tuple[HolzerMode, ...]:
+    """Return the tables of the lowest modes, row by row."""
+    count = min(MOST_TABLES, max(1, MOST_ROWS // len(modes.system.train.stations)))
+    lowest = range(min(count, modes.frequency.size))
+    tables = (holzer(modes.system, modes, mode) for mode in lowest)
+    return tuple(
+        HolzerMode(mode, table.relative_residual, tuple(table.rows(modes.system)))
+        for mode, table in enumerate(tables, 1)
+    )
 
 
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
