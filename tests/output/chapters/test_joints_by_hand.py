@@ -199,7 +199,7 @@ def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
     made = joint_tables.couples(JOINTS)
     assert rows(made) == [
         ("inner", "driving", "5.0000", "5.0000", "2", "1.0000", "1.5000", "7.6540", "4321.0", NONE),
-        ("inner", "driven", "5.0000", "5.0000", "0", "1.0000", "1.5000", "7.6540", NONE, NONE),
+        ("inner", "driven", "5.0000", "5.0000", NONE, "1.0000", "1.5000", "7.6540", NONE, NONE),
         ("pot", "driving", "0.040000", "5.0000", "3", "1.0000", "1.5000", "7.6540", NONE, "77.000"),
     ]
     assert [(column.title, column.unit) for column in made.columns][-6:] == [

@@ -33,6 +33,10 @@ class CoupleFound:
         "N", "largest bearing reaction; null without a distance of bearings", default=None
     )
 
+    @derived("", "the same as `order`; null of a steady couple")
+    def varying_order(self) -> int | None:
+        return self.order or None
+
     @derived("N*m", "magnitude of the mean couple")
     def mean_size(self) -> float:
         return math.hypot(*self.mean)

@@ -83,7 +83,7 @@ def couples(joints: Joints) -> Table:
     """Return the secondary couples of the joints whose torque is known."""
     return table(
         "name: < Joint -> | shaft: < Shaft -> on the shaft | torque: Torque [~N m] | mean_size: Mean [~N m] -> mean | "
-        "order: Order -> | amplitude@1: Amplitude, normal [~N m] -> normal | "
+        "varying_order: Order -> | amplitude@1: Amplitude, normal [~N m] -> normal | "
         "amplitude@2: Amplitude, in plane [~N m] -> in plane | largest: Maximum [~N m] -> maximum | "
         "bearing: Bearings [N]:? -> bearing, N | force: Force across [N]:?",
         [
