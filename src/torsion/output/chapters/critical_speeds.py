@@ -1,5 +1,6 @@
 """Chapter: critical speeds, order by mode, and the Campbell diagram."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -65,8 +66,8 @@ def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Frac
     inside = max((crossing.frequency for crossing in crossings if crossing.is_inside), default=0.0)
     reached, right = float(max(orders)) * speeds[1] / 60.0, AROUND * speeds[1]
     # One mode above what matters.
-    wanted = frequencies[frequencies > inside].min(initial=np.inf)
-    wanted = wanted if np.isfinite(wanted) else inside or reached
+    wanted = float(frequencies[frequencies > inside].min(initial=np.inf))
+    wanted = wanted if math.isfinite(wanted) else inside or reached
     top = AROUND * max(min(wanted, 1.15 * reached), inside, 0.25 * reached, 1e-9)
 
     lines, modes, bands = list[Line](), list[Level](), [Band("speed range", *speeds, "range")]
