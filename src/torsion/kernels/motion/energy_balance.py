@@ -13,8 +13,8 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, Reading
 from torsion.kernels.motion.regimes.linear_regime import Regime
 
-RADIANS = 2.0  # of the fastest motion in a window
-GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 4 rad in it
+RADIANS = 3.0  # of the fastest motion in a window
+GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 6 rad in it, and err by 2e-15
 COLUMNS = 40_000  # times at once
 CHECKED = 64  # windows of a linear train in which its balance is verified
 
