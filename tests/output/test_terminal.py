@@ -170,7 +170,17 @@ def test_no_word_of_a_verdict_is_cut_at_80_columns(bare: Findings) -> None:
 
 
 @pytest.mark.parametrize(
-    "scene", ["usv", "haixun_06402", "v12_generator_set", "toleranced_drive", "fan_start", "rao"]
+    "scene",
+    [
+        "usv",
+        "haixun_06402",
+        "v12_generator_set",
+        "two_stroke_ship",
+        "ferry_cases",
+        "toleranced_drive",
+        "fan_start",
+        "rao",
+    ],
 )
 def test_the_summary_has_at_most_25_lines_of_80_columns_with_the_verdict_first(scene: str) -> None:
     findings = solved(scene)

@@ -31,7 +31,8 @@ COLOURS = {
     "note": "yellow",
 }
 MOST_ROWS = 12  # of a table
-MOST_TABLES, MOST_LINES, MOST_SENTENCES = 2, 14, 5  # in the summary; lines of all rows of tables
+MOST_TABLES, MOST_SENTENCES, MOST_LINES = 2, 5, 25  # in the summary
+LAST_LINES = 2  # of the work, and of where the report is
 HEADS = (  # of the box, in the summary
     "Sweep",
     "Design",
@@ -65,21 +66,29 @@ def show(
 
 def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
     """Return the verdict, its worst rows, and frequencies, each in few lines; the verdict first."""
-    items, sentences, tables, room = _title(document), list[str](), 0, MOST_LINES
+    items, sentences, tables = _title(document), list[str](), list[tuple[Table, int]]()
+    lines = len(items) + LAST_LINES
     for block in (item.block for item in document.body):
         match block:
-            case Box(sign=sign, text=text, kind=kind, lines=lines):
+            case Box(sign=sign, text=text, kind=kind, lines=remarks):
                 headline = _in_two_lines(f"{sign} {text}", width)
                 items.append(Text(headline, style=f"bold {COLOURS[kind]}"))
-                sentences += [f"{head}: {_plain(line)}" for head, line in lines if head in HEADS]
+                lines += len(headline.splitlines())
+                sentences += [f"{head}: {_plain(line)}" for head, line in remarks if head in HEADS]
             case Table(summary=words) if words:
                 sentences.append(words)
-            case Table(rows_in_summary=rows) if rows and block.rows and tables < MOST_TABLES:
-                tables += 1
-                grid, height = _grid(block, rows, width, most_lines=room)
-                items.append(grid)
-                room -= height
-    return [*items, *(Text(_in_two_lines(text, width)) for text in sentences[:MOST_SENTENCES])]
+            case Table(rows_in_summary=rows) if rows and block.rows:
+                tables.append((block, rows))
+    last = [_in_two_lines(text, width) for text in sentences[:MOST_SENTENCES]]
+
+    # The rows of the tables have what the sentences and the heads of the tables leave.
+    tables = tables[:MOST_TABLES]
+    room = MOST_LINES - lines - len(tables) - sum(len(text.splitlines()) for text in last)
+    for table, rows in tables:
+        grid, height = _grid(table, rows, width, most_lines=room)
+        items.append(grid)
+        room -= height
+    return [*items, *map(Text, last)]
 
 
 def screen(document: Document, width: int = WIDTH) -> list[RenderableType]:
