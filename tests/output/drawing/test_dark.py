@@ -10,8 +10,9 @@ from tests.output.drawing import dark_colours as module
 from tests.output.drawing.dark_colours import PAPER, contrast, dark
 
 from torsion import output
-from torsion.output.drawing.pens import BANDS, COLOURS, GRADES, GRID, INK, ROLES, SOFT, Pattern
+from torsion.output.drawing.pens import BANDS, COLOURS, GRADES, GRID, INK, ROLES, Pattern
 from torsion.output.drawing.sketch import FILLS
+from torsion.output.drawing.sketch_words import SOFT
 
 OUTPUT = Path(output.__file__).parent
 COLOUR = re.compile("#[0-9a-fA-F]{6}")
