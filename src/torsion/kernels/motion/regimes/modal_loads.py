@@ -34,8 +34,9 @@ class Acting:
 
     @cached_property
     def kind(self) -> tuple[object, ...]:
-        """Loads and rates, the same for terms that differ in their levels and slopes alone."""
-        return *self.load.tolist(), *self.rate.tolist()
+        """Loads, rates, and which rates have slopes: the same for terms that differ in levels and slopes alone."""
+        counts = (count for *_, count in self.by_rate)
+        return *self.load.tolist(), *self.rate.tolist(), *counts
 
     @cached_property
     def by_rate(self) -> list[tuple[complex, IntArray, int]]:
