@@ -282,3 +282,16 @@ def test_counts_of_a_train_with_many_loops_are_few(
     assert len(counts) <= most
     assert not found.certified
     assert ((found.lower < found.frequency) & (found.frequency < found.upper)).all()
+
+
+def test_a_ring_with_a_node_at_its_chord_is_certified() -> None:
+    """Beside a node a step to Rayleigh's quotient leaves its mode: then counts begin from where the mode was."""
+    behind, held = np.array([-1, 0, 1]), np.zeros(3, dtype=bool)
+    flexibility, inertia = 1.0 / np.array([np.inf, 2000.0, 1000.0]), np.array([3.0, 1.0, 2.0])
+    ring = Tree(behind, flexibility, inertia, held)
+    found = counted_modes(ring, np.array([0]), np.array([2]), np.array([1.0 / 4000.0]))
+    stiffness = np.array([[6000.0, -2000, -4000], [-2000, 3000, -1000], [-4000, -1000, 5000]])
+    root = np.sqrt(inertia)
+    squares = np.linalg.eigvalsh(stiffness / root / root[:, None])[1:]
+    assert found.certified
+    np.testing.assert_allclose(found.frequency**2, squares, rtol=1e-13)

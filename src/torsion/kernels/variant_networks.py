@@ -196,14 +196,17 @@ def enclosed_each(
     near = frequency.copy()
     for station in _roots(trains.tree, root):
         proven_before = proven.sum()
-        for is_modal in (True, False):
+        for attempt in ("about the mode", "with static angles", "with static angles as given"):
             left = np.flatnonzero(~proven)
             if not left.size:
                 return bounds, proven
+            if attempt == "with static angles as given":
+                # A step beside a node at a chord may have left its mode.
+                near[left] = frequency[left]
             some = trains.chosen(left)
             way = static = _way(some, station, float(near[left].max()) ** 2)
             at_rest = np.zeros(len(left), dtype=np.bool_)
-            for _ in range(_STEPS if is_modal else 0):
+            for _ in range(_STEPS if attempt == "about the mode" else 0):
                 way, square = modal_way(some, near[left] ** 2, static)
                 step = np.where(at_rest, 0.0, square / near[left] ** 2 - 1.0)
                 near[left] *= np.sqrt(1.0 + step)
