@@ -202,7 +202,10 @@ def enclosed_each(
                 return bounds, proven
             if attempt == "with static angles as given":
                 # A step beside a node at a chord may have left its mode.
+                left = left[np.abs(near[left] - frequency[left]) > _WIDEST * frequency[left]]
                 near[left] = frequency[left]
+                if not left.size:
+                    continue
             some = trains.chosen(left)
             way = static = _way(some, station, float(near[left].max()) ** 2)
             at_rest = np.zeros(len(left), dtype=np.bool_)
