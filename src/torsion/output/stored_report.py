@@ -97,15 +97,16 @@ def opened(path: Path) -> Document:
         message = "holds a report that is damaged or was changed after it was written"
         raise _refused(file, message, again)
 
+    if CONTROL.search(content):
+        raise _refused(file, "holds a report whose texts have control characters", again)
+
     try:
-        if CONTROL.search(content):
-            raise ValueError("its texts have control characters")
         data = json.loads(content)
         document = restored(Document, data["document"], Arrays(data["arrays"]))
         document.report  # noqa: B018  its name is one of REPORTS
-    except (ValueError, TypeError, LookupError, RecursionError) as error:
-        message = f"holds a report of {writer} that is none to torsion {reader}: {error}"
-        raise _refused(file, message, f"draw it with that version, or {again}") from None
+    except (ValueError, TypeError, LookupError, RecursionError):
+        message = f"holds a report of {writer} with other parts than torsion {reader} draws here"
+        raise _refused(file, message, f"draw it with what wrote it, or {again}") from None
     return document
 
 
