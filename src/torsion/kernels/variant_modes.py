@@ -114,7 +114,7 @@ def ritz_values(
 
     # Periods, of which the longest, those of the lowest modes, have the least rounding; factors keep it from squaring.
     try:
-        root = np.linalg.inv(np.linalg.cholesky(potential)) @ np.linalg.cholesky(kinetic)
+        root = np.linalg.solve(np.linalg.cholesky(potential), np.linalg.cholesky(kinetic))
     except np.linalg.LinAlgError:
         # The energies of a train far from the middle one are rounding; it is not proven, and solved by itself.
         return np.repeat(modes.frequency[:number, None], len(kinetic), axis=1)
