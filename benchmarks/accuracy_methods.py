@@ -12,9 +12,14 @@ from benchmarks.accuracy_references import middle_torques
 from benchmarks.accuracy_scenes import Coupling, Disc, Gear, Line, Shaft, halved, scene
 from benchmarks.programs import tolerant
 from benchmarks.references import worst
-from torsion.analyses.compare.compared_torques import Loaded, loaded, response_torques
-from torsion.analyses.compare.model_errors import over_largest
-from torsion.analyses.compare.shaft_divisions import candidates, counted
+from torsion.analyses.compare.model_errors import (
+    Loaded,
+    candidates,
+    counted,
+    loaded,
+    over_largest,
+    response_torques,
+)
 from torsion.analyses.compare.timing import Candidate, Effort
 from torsion.assembly.system import System
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.kernels.factors import incidence_factor, jacobi_svd
+from torsion.kernels.loops import incidence_factor, jacobi_svd
 from torsion.kernels.reduction import reduce_tree, rigidity
 from torsion.kernels.tree import Tree
 

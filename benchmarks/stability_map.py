@@ -9,7 +9,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.page_file import Report, verdict
-from torsion.analyses.stability.stability_map import StabilityMap, stability_map
+from torsion.analyses.stability.stability_over_speed import StabilityMap, stability_map
 from torsion.assembly import assemble
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc

@@ -10,7 +10,7 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case, condensed
 from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line
-from torsion.kernels.damping.damped_tree_modes import damped_modes
+from torsion.kernels.damped_tree_modes import damped_modes
 from torsion.kernels.joints.cross import transfer
 
 DAMPED, JOINT, TEXTBOOK = (

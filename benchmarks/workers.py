@@ -97,7 +97,7 @@ def _run(scene: Path, out: Path, *more: str, word: str = "sweep") -> tuple[float
 
 def _answers(out: Path) -> object:
     """What the results say of the sweep, and every bit of its parts where they are kept."""
-    from torsion.sweeping.parts import read_part
+    from torsion.sweeping.sweep_folder import read_part
 
     found = json.loads((out / "results.json").read_text(encoding="utf-8"))["sweep"]
     sums = out / "parts" / "SHA256SUMS"

@@ -14,15 +14,12 @@ FLOORS = {
     "units": 0,
     "processes": 0,
     "kernels": 0,
-    "usual_ranges": 0.5,
     "results": 1,
     "fields": 1,
     "primitives": 1,
     "tables": 1,
-    "two_columns": 1.5,
     "model": 2,
     "train": 3,
-    "study_actions": 3,
     "study": 4,
     "assembly": 4,
     "findings": 5,
@@ -55,7 +52,7 @@ DOORS = {
     "typer": ("cli.py", "command_endings.py", "exchange_commands.py"),
     "dask": ("sweeping/cluster.py",),
     "distributed": ("sweeping/cluster.py",),
-    "pyarrow": ("sweeping/parts.py",),
+    "pyarrow": ("sweeping/sweep_folder.py",),
 }
 FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init__.py")
 

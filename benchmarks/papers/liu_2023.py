@@ -11,7 +11,7 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, stated
 from torsion.analyses.joints.joint_results import Joints
-from torsion.kernels.joints import couples, cross, line
+from torsion.kernels.joints import cross, line
 
 NAME = "liu_2023"
 SPEED, TORQUE = 60.0, 800.0  # rad/s, N m
@@ -127,7 +127,7 @@ def _checks() -> str:
     """How far the program stands from the joint in space."""
     angle = np.radians(8.0)
     body, ours = space.cross(TURN, angle), cross.transfer(TURN, angle, "N")
-    bent = couples.couples(TURN, angle, TORQUE, convention="N")
+    bent = cross.couples(TURN, angle, TORQUE, convention="N")
     return (
         "Ours was compared with a joint of two pins in space, whose speeds and moments follow from three linear "
         f"equations: speed within {bound(ours.ratio, body.ratio, '1e-14')}, acceleration within "
@@ -176,7 +176,7 @@ def _phases() -> Picture:
 
 
 def _couples() -> Picture:
-    every = [couples.couples(TURN, np.radians(angle), TORQUE, convention="N") for angle in ANGLES]
+    every = [cross.couples(TURN, np.radians(angle), TORQUE, convention="N") for angle in ANGLES]
     named = list(zip(LABELS, every, strict=True))
     panels = [
         Panel("M1, N m", [(label, -one.driving.yoke) for label, one in named]),

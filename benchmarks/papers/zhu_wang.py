@@ -20,8 +20,14 @@ from benchmarks.papers.zhu_wang_theory import (
     response,
     undamped,
 )
-from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, Model, growth
-from torsion.analyses.lateral.tilt_stability import TiltRange, zones
+from torsion.analyses.lateral.tilt_stability import (
+    EXACT,
+    MisalignedShaft,
+    Model,
+    TiltRange,
+    growth,
+    zones,
+)
 
 NAME = "zhu_wang"
 SPEEDS = (25.9, 26.2)  # rad/s of the paper's curves
@@ -70,7 +76,7 @@ def page() -> Page:
                 "quoted from notes on the paper."
             ),
         ),
-        computed_by="`torsion.analyses.lateral.misaligned_shaft`",
+        computed_by="`torsion.analyses.lateral.tilt_stability`",
         tested_by="test_zhu_wang.py",
     )
 

@@ -1,7 +1,7 @@
 """Equations of Zhu and Wang as printed and as they must be: the couple's matrix, its parts, the criteria.
 
 Matrices are for the left side, / (T0/J0), as in
-`torsion.analyses.lateral.misaligned_shaft`; x driving angle, phi misalignment, rad.
+`torsion.analyses.lateral.tilt_stability`; x driving angle, phi misalignment, rad.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from benchmarks.papers.zhu_wang_theory import small_angle
-from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft, linearised, small_angle_part
+from torsion.analyses.lateral.tilt_stability import MisalignedShaft, linearised, small_angle_part
 
 Array = NDArray[np.float64]
 

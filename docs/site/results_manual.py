@@ -12,8 +12,7 @@ from pathlib import Path
 from torsion.analyses import ANALYSES
 from torsion.findings import Plan, UsedSource
 from torsion.output import reports
-from torsion.output.plain import LISTED
-from torsion.output.results_json import LEGEND
+from torsion.output.results_json import LEGEND, LISTED
 from torsion.output.scene import Scene, SpanRow, StationRow
 from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks

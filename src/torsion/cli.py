@@ -146,11 +146,11 @@ def sweep(
     where it was ended. Results are the same to the last bit however many workers there are. Exit status as of `solve`.
     """
     from torsion import commands
-    from torsion.sweeping import swept
+    from torsion.sweeping import sweeper
     from torsion.sweeping.cluster import Workplace
 
     solved = partial(
-        swept.swept,
+        sweeper.swept,
         file,
         out,
         workplace=Workplace(workers, scheduler, scheduler_file),

@@ -370,8 +370,7 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         )
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
-        from torsion.what_if.sweep.sweep_points import Points
-        from torsion.what_if.sweep.sweep_settings import SweepSettings
+        from torsion.what_if.sweep.sweep_settings import Points, SweepSettings
 
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.from_settings(study, settings, variation.figures).words

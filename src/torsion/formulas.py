@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
-from torsion.kernels.damping import ring_damper
-from torsion.kernels.engine import crank_throw
+from torsion.kernels import ring_damper
+from torsion.kernels.engine import crank_slider
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.kernels.joints import cross
 from torsion.kernels.round_sections import polar_area_moment, section_modulus
@@ -102,7 +102,7 @@ def throw_stiffness_carter(
     >>> round(k / (80e9 * np.pi / 32 / 4.05), 12)
     1.0
     """
-    return crank_throw.carter(crank_throw.Throw(journal, pin, web, radius), shear_modulus)
+    return crank_slider.carter(crank_slider.Throw(journal, pin, web, radius), shear_modulus)
 
 
 def throw_stiffness_ker_wilson(
@@ -121,7 +121,7 @@ def throw_stiffness_ker_wilson(
     >>> round(k / (80e9 * np.pi / 32 / 3.4), 12)
     1.0
     """
-    return crank_throw.ker_wilson(crank_throw.Throw(journal, pin, web, radius), shear_modulus)
+    return crank_slider.ker_wilson(crank_slider.Throw(journal, pin, web, radius), shear_modulus)
 
 
 def reciprocating_inertia(*, mass: float, stroke: float, rod_length: float) -> float:

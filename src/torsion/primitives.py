@@ -10,8 +10,8 @@ import numpy as np
 from torsion.errors import Path
 
 if TYPE_CHECKING:
-    from torsion.kernels.engine.gas_law import CylinderOrder
-    from torsion.kernels.stiffness_table import StiffnessTable
+    from torsion.kernels.engine.gas_torque import CylinderOrder
+    from torsion.kernels.stiffness_laws import StiffnessTable
 
 STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 StepForm = Literal["none", "sharp", "handbook"]  # of a step between shafts without a drawing

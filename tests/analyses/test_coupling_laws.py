@@ -11,7 +11,7 @@ import torsion
 from torsion.analyses.damped_modes import DampedModes, damped
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.kernels.spring_law import fractional, prony
+from torsion.kernels.stiffness_laws import fractional, prony
 from torsion.study import Study
 
 PRONY = "prony: {stiffness: 15e3, terms: [[6e3, 50 ms], [9e3, 0.005 s]]}"

@@ -14,7 +14,7 @@ from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.tabled_spans import taken_at
 from torsion.errors import InputError, SolveError
-from torsion.kernels.stiffness_table import StiffnessTable
+from torsion.kernels.stiffness_laws import StiffnessTable
 from torsion.study import Study
 
 HERTZ = 2.0 * math.pi

@@ -11,7 +11,7 @@ from torsion.assembly.element_matrices import element_law, element_matrices
 from torsion.assembly.fem import element_error, phase_error, section_error
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError, SolveError
-from torsion.kernels.distributed.condensed_element import condensed_elements
+from torsion.kernels.distributed.finite_elements import condensed_elements
 from torsion.kernels.round_sections import polar_area_moment
 
 G, RHO = 80e9, 8000.0

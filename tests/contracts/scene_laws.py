@@ -18,10 +18,10 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.kernels.tree_response import Status
 from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import Document
-from torsion.output.figure_csv import csv_of
 from torsion.output.figures.figure import Figure
 from torsion.output.html import html
 from torsion.output.pdf import source
+from torsion.output.report_figures import csv_of
 from torsion.output.results_json import rendered
 from torsion.output.stored_report import opened, stored
 from torsion.rules.verdict_line import Checks

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.factors import jacobi_svd, star_mesh_factor
+from torsion.kernels.loops import jacobi_svd, star_mesh_factor
 from torsion.kernels.mode_shapes import shape_sign
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import reduce_tree, rigidity

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.spring_law import prony
-from torsion.kernels.warming import Warming, equilibria
+from torsion.kernels.stiffness_laws import Warming, equilibria, prony
 
 
 def test_one_relaxing_term_however_divided_reaches_the_bound_of_its_slope() -> None:

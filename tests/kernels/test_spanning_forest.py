@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.spanning_forest import connected, walk
+from torsion.kernels.tree import connected, walk
 
 
 @pytest.mark.parametrize("number", [300, 5000])

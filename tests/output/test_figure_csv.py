@@ -10,8 +10,8 @@ from tests.output.drawing.kinds import BUMP, KINDS, SPEED
 
 import torsion
 from torsion.commands import solved
-from torsion.output.figure_csv import csv_of
 from torsion.output.figures.figure import Figure
+from torsion.output.report_figures import csv_of
 from torsion.output.write import write
 
 SCENES = Path(torsion.__file__).parents[2] / "shafting_specs"

@@ -19,10 +19,9 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
-from torsion.output.html import anchor, css_text, has_long_word, html
+from torsion.output.html import SCRIPTS, anchor, css_text, has_long_word, html
 from torsion.output.numbers import given, number, symbols
-from torsion.output.page_files import SCRIPTS
-from torsion.output.selection import elements
+from torsion.output.scene import elements
 from torsion.rules.verdict_line import WORDS, Checks
 
 VOID = {"meta", "br", "link", "img", "hr"}

@@ -8,7 +8,7 @@ import pytest
 import torsion
 from torsion.analyses.response.component_loads import local_maxima
 from torsion.findings import Findings
-from torsion.output.selection import elements
+from torsion.output.scene import elements
 from torsion.output.station_layout import label, layout
 
 SHAFT, COUPLING, GEAR, JOINT, RIGID, ASIDE = 1.6, 1.0, 0.45, 0.8, 0.5, 0.5

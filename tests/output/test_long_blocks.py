@@ -11,12 +11,11 @@ import pytest
 import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
-from torsion.output.chapters import first_page, plant
+from torsion.output.chapters import plant, verdict
 from torsion.output.chapters.natural_frequencies import all_modes, appendix, chapter
 from torsion.output.data_tables import report_tables as archive
-from torsion.output.document import document
+from torsion.output.document import FIRST, GAP, LAST, MOST_LINES, MOST_ROWS, document, shortened
 from torsion.output.html import html
-from torsion.output.long_blocks import FIRST, GAP, LAST, MOST_LINES, MOST_ROWS, shortened
 from torsion.output.write import write
 from torsion.results import listed
 
@@ -149,6 +148,6 @@ def test_names_in_a_sentence_are_bounded() -> None:
 def test_a_train_too_long_for_a_page_has_no_sketch_on_the_cover(long: Findings) -> None:
     short = torsion.run(torsion.parse(chain(plant.MOST_LINKS + 1)))
     for findings, names in ((short, ["utilisation"]), (long, [])):
-        figures = [block for block in first_page.blocks(findings) if isinstance(block, Figure)]
+        figures = [block for block in verdict.blocks(findings) if isinstance(block, Figure)]
         assert [figure.name for figure in figures] == names
     assert len(plant.sketch(long).links) == 1099

@@ -13,8 +13,7 @@ import torsion
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.stability.first_order_compared import FirstOrderCompared, exact_half_range
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
-from torsion.analyses.stability.stability_map import StabilityMap
-from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Box, Figure, Paragraph, Table

@@ -10,8 +10,8 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.kernels.tree_response import Status
-from torsion.output.plain import finite, numbers, plain
-from torsion.output.selection import Selection
+from torsion.output.results_json import finite, numbers, plain
+from torsion.output.scene import Selection
 
 TRAIN = "name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
 

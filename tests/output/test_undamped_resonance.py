@@ -12,9 +12,9 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
-from torsion.output.figures.ranges import unanswered
+from torsion.output.figures.curves import unanswered
 from torsion.output.results_json import results
-from torsion.output.selection import NO_VALUE
+from torsion.output.scene import NO_VALUE
 from torsion.rules.verdict_line import Checks
 
 SCENE = """

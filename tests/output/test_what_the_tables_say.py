@@ -12,9 +12,9 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Table
 from torsion.output.chapters import chapters, component_loads
-from torsion.output.chapters.joint_tables import in_short
+from torsion.output.chapters.joint_motion import in_short
 from torsion.output.chapters.natural_frequencies import holzer_tables
-from torsion.output.selection import elements
+from torsion.output.scene import elements
 from torsion.rules.verdict_line import Checks
 
 GEARED = """

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.joints import couples, cross
+from torsion.kernels.joints import cross
 
 SPEED, TORQUE, EIGHT = 60.0, 800.0, np.radians(8.0)
 TURN = np.linspace(0.0, 2.0 * np.pi, 97)
@@ -127,7 +127,7 @@ def test_couples_of_13_against_statics_in_space(r: float, paper) -> None:
 def test_program_agrees_with_the_joint_in_space(paper) -> None:
     body, bent = (
         paper["space"].cross(TURN, EIGHT),
-        couples.couples(TURN, EIGHT, TORQUE, convention="N"),
+        cross.couples(TURN, EIGHT, TORQUE, convention="N"),
     )
     assert apart(cross.transfer(TURN, EIGHT, "N").ratio, body.ratio) < RIGHT
     assert apart(bent.driven.yoke, TORQUE * body.driven_couple) < RIGHT

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsion.kernels.joints import couples
+from torsion.kernels.joints import cross
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"
 
@@ -68,10 +68,8 @@ def test_bearings_are_pushed_by_the_couples_of_the_joints(paper) -> None:
         bent = paper["liu_bend_space"].couples(boat, moving, np.array(moving.joint)) / boat.span
         expected = [bent[1], -bent[0], -bent[3], bent[2]]
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(bent).max())
-        front = couples.couples(
-            moving.angle[1], boat.angle, moving.joint[0], convention="N"
-        ).driving
-        rear = couples.couples(moving.angle[3], boat.angle, moving.joint[1], convention="P").driven
+        front = cross.couples(moving.angle[1], boat.angle, moving.joint[0], convention="N").driving
+        rear = cross.couples(moving.angle[3], boat.angle, moving.joint[1], convention="P").driven
         ends = (front, -boat.span), (rear, boat.span)  # distance times force + couple = 0
         own = np.array([value / span for end, span in ends for value in (-end.inplane, end.normal)])
         np.testing.assert_allclose(found, own, rtol=0.0, atol=1e-12 * np.abs(own).max())

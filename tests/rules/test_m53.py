@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.model.component import Material
-from torsion.rules import lacking, m53_factors, settings, verdicts
-from torsion.rules.m53_factors import Throw
+from torsion.rules import lacking, m53_settings, settings, verdicts
+from torsion.rules.m53_settings import Throw
 
 THROW = Throw(200, 200, 12, 12, 70, 260, 140, 20)  # mm
 W_P = math.pi / 16 * 0.2**3
@@ -68,20 +68,20 @@ def judged(study, evidence):
 
 def test_factors_of_the_throw_are_the_reference_values() -> None:
     found = [
-        m53_factors.alpha_b(THROW),
-        m53_factors.alpha_t(THROW),
-        m53_factors.beta_b(THROW),
-        m53_factors.beta_q(THROW),
-        m53_factors.gamma_b(THROW),
-        m53_factors.gamma_t(THROW),
+        m53_settings.alpha_b(THROW),
+        m53_settings.alpha_t(THROW),
+        m53_settings.beta_b(THROW),
+        m53_settings.beta_q(THROW),
+        m53_settings.gamma_b(THROW),
+        m53_settings.gamma_t(THROW),
     ]
     wanted = [1.7327070384, 2.2954436056, 1.8217204262, 2.4407162979, 2.758, 3.7]
     np.testing.assert_allclose(found, wanted, rtol=5e-11)
-    assert m53_factors.alpha_t(THROW, journal=True) == m53_factors.alpha_t(THROW)
-    assert m53_factors.fatigue_strength(800, 200, 12, 1.05) == pytest.approx(
+    assert m53_settings.alpha_t(THROW, journal=True) == m53_settings.alpha_t(THROW)
+    assert m53_settings.fatigue_strength(800, 200, 12, 1.05) == pytest.approx(
         277.2390682499, rel=1e-12
     )
-    assert m53_factors.fatigue_strength(800, 200, 10, 1.0) == pytest.approx(
+    assert m53_settings.fatigue_strength(800, 200, 10, 1.0) == pytest.approx(
         266.5706309874, rel=1e-12
     )
 
@@ -109,8 +109,8 @@ def test_an_acceptability_below_1_15_is_not_kept(judged) -> None:
 
 
 def test_the_oil_bore_of_pure_torsion_has_the_torsion() -> None:
-    assert m53_factors.of_bore(0.0, 50.0) == pytest.approx(50.0, rel=1e-14)
-    assert m53_factors.of_bore(60.0, 0.0) == pytest.approx(60.0, rel=1e-14)
+    assert m53_settings.of_bore(0.0, 50.0) == pytest.approx(50.0, rel=1e-14)
+    assert m53_settings.of_bore(60.0, 0.0) == pytest.approx(60.0, rel=1e-14)
 
 
 def test_a_grain_flow_does_not_help_at_the_oil_bore(judged) -> None:

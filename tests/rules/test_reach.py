@@ -6,7 +6,7 @@ import pytest
 
 import torsion
 from torsion.output import check_words
-from torsion.output.chapters import first_page
+from torsion.output.chapters import verdict
 from torsion.output.headline import headline
 from torsion.output.results_json import results
 from torsion.rules.demands import with_reach
@@ -76,7 +76,7 @@ def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, sco
         "not judged",
         "pass",
     }
-    words = dict(first_page.box(found).lines)
+    words = dict(verdict.box(found).lines)
     until = f"{1200 * scope:.6g}"
     assert f"Not checked: 800 to {until} rpm, required by " in words["Restrictions"]
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from torsion.analyses.power_balance import SAME_SPEED
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.steady import Steady
 from torsion.findings import Results
 from torsion.rules import demands, rule_over_speed

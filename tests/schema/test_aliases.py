@@ -9,10 +9,9 @@ import yaml
 import torsion
 from torsion.errors import InputError
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.schema.declaration_reader import keys_of
+from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, keys_of, other_words
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
-from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, other_words
 from torsion.schema.yaml_source import parse_source
 
 CANONICAL = """name: x

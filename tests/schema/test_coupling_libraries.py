@@ -6,7 +6,7 @@ import pytest
 
 import torsion
 from torsion.errors import InputError
-from torsion.output.chapters.provenance import input_file
+from torsion.output.chapters.closing import input_file
 from torsion.output.write import inputs
 from torsion.runner import run
 from torsion.schema.json_schema import json_schema

@@ -9,8 +9,8 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
-from torsion.kernels.engine.gas_law import CylinderOrder
-from torsion.output.chapters.provenance import input_file
+from torsion.kernels.engine.gas_torque import CylinderOrder
+from torsion.output.chapters.closing import input_file
 from torsion.output.write import inputs
 from torsion.primitives import Torque
 from torsion.study import Study

@@ -20,7 +20,7 @@ import torsion
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Verbatim
-from torsion.output.chapters.provenance import input_file
+from torsion.output.chapters.closing import input_file
 from torsion.output.results_json import results
 from torsion.schema.scene_reader import located
 from torsion.schema.scene_tables import with_tables

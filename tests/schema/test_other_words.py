@@ -9,8 +9,8 @@ from torsion.analyses import ANALYSES
 from torsion.errors import InputError
 from torsion.rules import RULES
 from torsion.schema import yaml_source
-from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import of_its_number, other_words
+from torsion.schema.declaration_reader import of_its_number, other_words
+from torsion.schema.fault_text import without_mark
 
 ANALYSIS_FOR = {word: meaning for word, key, meaning in other_words() if key == "<analysis>"}
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"

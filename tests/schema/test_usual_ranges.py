@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from tests.for_all import for_all
 
 from torsion.errors import InputError
+from torsion.fields import LARGEST, SMALLEST, USUAL
 from torsion.model import KINDS, component_class
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling
@@ -19,7 +20,6 @@ from torsion.model.shaft import Shaft
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
 from torsion.schema.scene_reader import parse
-from torsion.usual_ranges import LARGEST, SMALLEST, USUAL
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 

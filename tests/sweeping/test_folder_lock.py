@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from torsion.errors import InputError
-from torsion.sweeping.folder_lock import LOCK, alone
+from torsion.sweeping.sweep_folder import LOCK, alone
 
 HOLDING = """
 import sys
 from pathlib import Path
-from torsion.sweeping.folder_lock import alone
+from torsion.sweeping.sweep_folder import alone
 
 with alone(Path(sys.argv[1])):
     print("at work", flush=True)

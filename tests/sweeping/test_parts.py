@@ -16,15 +16,14 @@ import torsion
 from torsion.cli import app
 from torsion.columns import NotInColumns
 from torsion.errors import BAD_INPUT, Fault, InputError, SolveError
-from torsion.sweeping import cluster, parts, sweeper, worker_task
+from torsion.sweeping import cluster, sweep_folder, sweeper, worker_task
 from torsion.sweeping.cluster import Workplace, check_workplace, unprotected
 from torsion.sweeping.sweep_folder import SweepFolder
 from torsion.sweeping.sweeper import Stopped, Sweeper
 from torsion.what_if.sweep import sweep_run
 from torsion.what_if.sweep.sweep_results import Sweep
 from torsion.what_if.variants import frequencies
-from torsion.what_if.variants.chunks import chunks
-from torsion.what_if.variants.one_by_one import Answers
+from torsion.what_if.variants.chunks import Answers, chunks
 
 pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
 SCENE = """name: drive
@@ -299,9 +298,11 @@ def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> No
         np.array([True, False, True]),
     )
     part = np.array([[1.1, 0.0], [0.9, 1.0], [1.0, 1.0]]), answers
-    checksum = parts.write_part(tmp_path / "part.parquet", *parts.columns(chunk, variation, part))
-    found, about = parts.read_part(tmp_path / "part.parquet", checksum)
-    values, back = parts.part_of(found, about)
+    checksum = sweep_folder.write_part(
+        tmp_path / "part.parquet", *sweep_folder.columns(chunk, variation, part)
+    )
+    found, about = sweep_folder.read_part(tmp_path / "part.parquet", checksum)
+    values, back = sweep_folder.part_of(found, about)
     assert list(found["tail.diameter label"]) == ["55 mm", "60 mm", "60 mm"]
     assert np.array_equal(values, part[0])
     assert np.array_equal(back.frequency, answers.frequency, equal_nan=True)

@@ -20,7 +20,7 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.kernels.spring_law import SpringLaw
+    from torsion.kernels.stiffness_laws import SpringLaw
 
 MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling
 ONLY_REAL = "a table gives stiffness and damping only at real frequencies"
@@ -48,7 +48,7 @@ def damped(
     Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
     InputError where a damping needs a mean torque that is not known.
     """
-    from torsion.kernels.damping.damped_tree_modes import damped_modes
+    from torsion.kernels.damped_tree_modes import damped_modes
 
     if system.bars is not None:
         message = f"damped modes of the model {system.model} are not built"

@@ -5,9 +5,7 @@ A slope is -dT/dω of a drive and +dT/dω of a load, at own speed; a positive on
 
 import numpy as np
 
-from torsion.analyses.loads_and_drivers import Balance
-from torsion.analyses.power_balance import power_balance
-from torsion.analyses.speed_tables import interpolated, uncovered
+from torsion.analyses.power_balance import Balance, interpolated, power_balance, uncovered
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
 from torsion.model.machine_torques import DriveLaw

@@ -10,15 +10,21 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
-from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
-from torsion.analyses.power_balance import keeping_last, power_balance
-from torsion.analyses.speed_tables import uncovered
+from torsion.analyses.power_balance import (
+    Balance,
+    Load,
+    Shared,
+    Shares,
+    keeping_last,
+    power_balance,
+    uncovered,
+)
 from torsion.arrays import FloatArray
 from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
-from torsion.kernels.spanning_forest import closing_no_loop, walk
+from torsion.kernels.tree import closing_no_loop, walk
 from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study

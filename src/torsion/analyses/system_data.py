@@ -220,7 +220,7 @@ def system_data(evidence: Results) -> SystemData:
 
 def _lumps(evidence: Results, bar: Bar) -> tuple[float, float, float]:
     """Return the inertia (kg m2) of a shaft at its driving end, between its ends and at its driven end."""
-    from torsion.assembly.shafts import bar_segments
+    from torsion.assembly.spans import bar_segments
 
     lumps = bar_segments(bar, evidence.system.segments[bar.name])[1]
     return float(lumps[0]), float(lumps[1:-1].sum()), float(lumps[-1])

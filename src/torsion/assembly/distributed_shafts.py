@@ -9,8 +9,7 @@ import numpy as np
 
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.lumped import MOST
-from torsion.assembly.shafts import bar_segments, is_uniform, phase
-from torsion.assembly.spans import Piece, Row, Span
+from torsion.assembly.spans import Piece, Row, Span, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar, Station

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.shafts import is_uniform
-from torsion.assembly.spans import Piece
+from torsion.assembly.spans import Piece, is_uniform
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Law, Shafts
@@ -40,8 +39,11 @@ class BarSpans:
             from torsion.assembly.element_matrices import element_law
 
             return Shafts(node, (element_law(self.pieces, self.degree, ratio2),)).turned(turned)
-        from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
-        from torsion.kernels.distributed.uniform_shaft import uniform_shafts
+        from torsion.kernels.distributed.continuous_shafts import (
+            profile_points,
+            profile_shafts,
+            uniform_shafts,
+        )
 
         uniform = sum(is_uniform(piece.bar) for piece in self.pieces)
         length = np.array([piece.length for piece in self.pieces])

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
-from torsion.assembly.shafts import bar_segments, is_uniform, phase
-from torsion.assembly.spans import Row
+from torsion.assembly.spans import Row, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
 from torsion.primitives import Bar

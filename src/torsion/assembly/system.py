@@ -15,15 +15,14 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
-from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, Walk, closing_no_loop, connected, walk
 from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans
     from torsion.kernels.distributed.span_laws import Shafts
-    from torsion.kernels.stiffness_table import StiffnessTable
+    from torsion.kernels.stiffness_laws import StiffnessTable
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 
 if TYPE_CHECKING:
-    from torsion.kernels.stiffness_table import StiffnessTable
+    from torsion.kernels.stiffness_laws import StiffnessTable
 
 WORDS = {
     "frequency": ("Hz", 2.0 * np.pi),

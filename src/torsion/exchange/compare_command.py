@@ -1,14 +1,123 @@
 """The command `torsion compare`."""
 
 import json
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from torsion.errors import printable, refusal
-from torsion.exchange.comparison import compare_results, read_results
-from torsion.exchange.comparison_page import comparison_data, comparison_document
+from torsion.exchange.comparison import (
+    CaseComparison,
+    Comparison,
+    InputChange,
+    compare_results,
+    read_results,
+)
 from torsion.lasting_output import say
+from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.document import Cover, Document, numbered
 from torsion.output.html import html as render_page
+from torsion.output.numbers import NONE, number
+from torsion.output.reports import REPORTS
 from torsion.output.terminal import show
+from torsion.rules.verdict_line import WORDS
+
+SHORT = 12  # digits of a checksum
+DISCLAIMER = "Both calculations are as they were reported; nothing was solved again."
+
+
+def comparison_document(comparison: Comparison) -> Document:
+    """Return the comparison as a document of tables."""
+    facts = [
+        ("A", f"{comparison.name_before}, input SHA-256 {comparison.checksum_before[:SHORT]}"),
+        ("B", f"{comparison.name_after}, input SHA-256 {comparison.checksum_after[:SHORT]}"),
+    ]
+    blocks = [block for case in comparison.cases for block in _case_blocks(case)]
+    cover = Cover(REPORTS["compare"].title, comparison.name_after, tuple(facts), DISCLAIMER)
+    return Document(cover, tuple(numbered(blocks)), "compare")
+
+
+def comparison_data(comparison: Comparison) -> dict[str, Any]:
+    """Return the comparison as data for JSON; NaN is None."""
+    data: dict[str, Any] = asdict(comparison) | {"is_changed": comparison.is_changed}
+    for case in data["cases"]:
+        for pair in case["modes"]:
+            if math.isnan(pair["criterion"]):
+                pair["criterion"] = None
+    return data
+
+
+def _case_blocks(case: CaseComparison) -> Iterator[Block]:
+    """The chapter of one case: verdict, then every table with a change."""
+    yield Heading(f"Case {case.name}" if case.name else "Model file")
+    verdicts = [
+        verdict or "case not present" for verdict in (case.verdict_before, case.verdict_after)
+    ]
+    head = f"Case {case.name}: " if case.name else "Verdict: "
+    yield Paragraph(f"{head}checks of A {verdicts[0]}, of B {verdicts[1]}.", brief=True)
+    if not case.is_changed:
+        yield Paragraph("No change.", brief=True)
+        return
+    if case.inputs:
+        titles = "< Component -> | < Input -> | < A -> | < B -> | < Unit -> | Change [%]:3 -> %"
+        yield _table(titles, map(_input_row, case.inputs), "Input that differs")
+    if any(pair.is_changed for pair in case.modes):
+        titles = (
+            "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
+            "| Change [%]:3 -> % | MAC:3 -> MAC"
+        )
+        rows = (
+            (
+                pair.before or "new",
+                pair.after or "gone",
+                pair.frequency_before,
+                pair.frequency_after,
+                pair.change,
+                pair.criterion,
+            )
+            for pair in case.modes
+        )
+        yield _table(titles, rows, "Natural frequencies")
+    if case.checks:
+        titles = (
+            "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
+            "| Utilisation A [%]:4 -> % A | Utilisation B [%]:4 -> % B"
+        )
+        differing = (
+            (
+                change.what,
+                change.component,
+                change.rule,
+                "not present" if before is None else WORDS[before],
+                "not present" if after is None else WORDS[after],
+                change.utilisation_before,
+                change.utilisation_after,
+            )
+            for change in case.checks
+            for before, after in [(change.verdict_before, change.verdict_after)]
+        )
+        yield _table(titles, differing, "Checks that differ")
+
+
+def _table(titles: str, rows: Iterable[tuple[Any, ...]], caption: str) -> Block:
+    return table(titles, rows, caption, short=caption)
+
+
+def _input_row(change: InputChange) -> tuple[Any, ...]:
+    before, after, relative = change.before, change.after, None
+    if isinstance(before, int | float) and isinstance(after, int | float) and before:
+        relative = after / before - 1.0
+    values = _value(before), _value(after)
+    return change.component or NONE, change.what, *values, change.unit, relative
+
+
+def _value(value: Any) -> Any:
+    """Return a value of the input for a cell: a number, or the words of anything else."""
+    if isinstance(value, list):
+        return ", ".join(number(x) if isinstance(x, int | float) else str(x) for x in value) or NONE
+    return float(value) if isinstance(value, int | float) else value
 
 
 def compare(before: Path, after: Path, page: Path | None = None, *, as_json: bool = False) -> bool:

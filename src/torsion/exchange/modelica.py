@@ -19,7 +19,7 @@ from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, refusal
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import connected
 from torsion.study import Study
 
 ROTATIONAL = "Modelica.Mechanics.Rotational"

@@ -6,12 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.chords import around, pairs
+from torsion.errors import SolveError
 from torsion.kernels.elimination import eliminate_undamped, forced
-from torsion.kernels.factors import jacobi_svd, star_mesh_factor
-from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
+from torsion.kernels.mode_shapes import (
+    Shapes,
+    TreeModes,
+    orthogonalise,
+    orthonormal,
+    repeated_groups,
+    shape_sign,
+)
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import (
+    ReducedTrain,
     Rigidity,
     cut,
     reduce_tree,
@@ -19,10 +26,63 @@ from torsion.kernels.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
-from torsion.kernels.spanning_forest import closing_no_loop, walk
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, closing_no_loop, walk
+from torsion.kernels.tree_response import around, pairs
 from torsion.sources import source
+
+_DGEJSV_FULL_ACCURACY = 2  # joba='F': columns are scaled, rows may be badly scaled too
+
+
+def star_mesh_factor(train: ReducedTrain) -> FloatArray:
+    """Return G (bodies, rank) of any graph of springs; parallel springs add.
+
+    Cholesky's factorisation with the largest s/J as pivot, s being the row's sum, by the star-mesh rule; it ends at
+    s = 0, so that the rank is exact.
+    """
+    inertia, tie, root = train.inertia, train.ground.copy(), 1.0 / np.sqrt(train.inertia)
+    mesh = np.zeros((len(inertia), len(inertia)))
+    np.add.at(mesh, (train.inner, train.outer), train.stiffness)
+    mesh += mesh.T
+    np.fill_diagonal(mesh, 0.0)
+    left, columns = np.ones(len(inertia), dtype=bool), []
+    for _ in range(len(inertia)):
+        total = mesh.sum(axis=1) + tie
+        pivot = int(np.argmax(np.where(left, total / inertia, -1.0)))
+        if not total[pivot] > 0.0:
+            break
+        share = mesh[pivot] / total[pivot]
+        column = -share
+        column[pivot] = 1.0
+        columns.append(np.sqrt(total[pivot]) * column * root)
+        mesh += np.outer(share, mesh[pivot])
+        tie += share * tie[pivot]
+        mesh[pivot], mesh[:, pivot], tie[pivot], left[pivot] = 0.0, 0.0, 0.0, False
+        np.fill_diagonal(mesh, 0.0)
+    return np.array(columns).reshape(-1, len(inertia)).T.copy(order="F")
+
+
+def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return left singular vectors (rows, columns), singular values (columns,), descending, and right ones.
+
+    `vectors` holds "U" and "V" where they are wanted. One-sided Jacobi rotations after a QR decomposition, dgejsv
+    (Drmac and Veselic 2008): relative accuracy wherever the columns are well conditioned once scaled. Needs at least
+    as many rows as columns; raises SolveError where the rotations do not converge.
+    """
+    from scipy.linalg import lapack
+
+    columns = matrix.shape[1]
+    if columns == 0:
+        return np.empty((matrix.shape[0], 0)), np.empty(0), np.empty((0, 0))
+    jobs = {"jobu": 0 if "U" in vectors else 3, "jobv": 0 if "V" in vectors else 3}
+    values, left, right, work, _, info = lapack.dgejsv(
+        matrix, joba=_DGEJSV_FULL_ACCURACY, jobr=1, jobt=0, jobp=0, **jobs
+    )
+    if info != 0:
+        raise SolveError(
+            f"dgejsv did not converge (info {info}); check the train for spans of 0 or infinite stiffness"
+        )
+    return left[:, :columns], values * (work[0] / work[1]), right
+
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 

@@ -11,6 +11,9 @@ from torsion.kernels.mode_shapes import (
     ShaftModes,
     Shapes,
     TreeModes,
+    orthogonalise,
+    repeated_groups,
+    repeated_shapes,
     shaft_elastic,
     shaft_inertia,
     shape_sign,
@@ -24,7 +27,6 @@ from torsion.kernels.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.sturm import bisect, brackets, enclose
 from torsion.kernels.tree import Tree
 from torsion.sources import source

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.spanning_forest import walk
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, walk
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.chords import pairs
 from torsion.kernels.loops import graph_modes, stiffest_tree
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.network_counts import Network, Way, modal_way, network_count
 from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import pairs
 from torsion.kernels.variant_modes import (
     FURTHER,
     Selection,

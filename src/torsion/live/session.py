@@ -1,18 +1,234 @@
 """What `torsion live` follows: a file and those it reads, a thread that solves, and what its pages show."""
 
+import math
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from torsion.analyses import ANALYSES
+from torsion.analyses.undamped_modes import Modes
 from torsion.commands import one_case
-from torsion.errors import InputError, SolveError
-from torsion.live import pictures, sliders
+from torsion.errors import Fault, InputError, SolveError
+from torsion.findings import Findings, Progress, silent
+from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
+from torsion.output.chapters import critical_speeds, forced_response, natural_frequencies, verdict
+from torsion.output.document import numbered
+from torsion.output.figures.figure import Figure
+from torsion.output.html import fragment
+from torsion.results import listed
+from torsion.rules import rule
+from torsion.runner import run
+from torsion.schema.overlay import in_words
 from torsion.schema.scene_reader import read, reread
 from torsion.schema.variation import Variation, movable
+from torsion.schema.varied_figures import Figure as VariedFigure
 from torsion.study import Study
 from torsion.user_files import OPENED, Stamp, stamp
+
+LEFT_OUT = (  # what a picture cannot wait for
+    "tolerances",
+    "sweep",
+    "design",
+    "fit",
+    "periodic",
+    "stability",
+    "stability map",
+    "transient",
+    "check",
+)
+ELSEWHERE = "the live page leaves it out; `torsion solve` computes it"
+Fragment = dict[str, str]
+
+
+def left_out(study: Study) -> tuple[str, ...]:
+    """Return what the pictures of a study omit, in words."""
+    names = [
+        ANALYSES[name].title if name in ANALYSES else name
+        for name in LEFT_OUT
+        if _is_wanted(study, name)
+    ]
+    rules = [
+        f"rule {name}"
+        for name, settings in study.rules
+        if set(rule(name, settings).needs) & set(LEFT_OUT)
+    ]
+    return (*names, *rules, *([f"cases {', '.join(study.cases)}"] if study.cases else []))
+
+
+def _is_wanted(study: Study, name: str) -> bool:
+    return name in study.analyses or (name in ANALYSES and ANALYSES[name].wanted(study))
+
+
+def drawn(
+    study: Study, moved: Iterable[str], progress: Progress = silent
+) -> tuple[Fragment, Fragment]:
+    """Return frequencies with the Campbell diagram, and the first page with the response.
+
+    moved: figures that are not those of the file.
+    """
+    quick = [name for name in ANALYSES if name not in LEFT_OUT and _is_wanted(study, name)]
+    findings = run(replace(study, cases={}), only=quick, progress=progress)
+    plan = replace(
+        findings.plan,
+        left_out=(*findings.plan.left_out, *((name, ELSEWHERE) for name in left_out(study))),
+    )
+    if moved_names := listed(moved):  # no checksum of a file stands for them
+        study = replace(study, file=f"{study.file} with another {moved_names}", text="")
+    findings = replace(findings, plan=plan, study=study)
+    changed = [Paragraph(f"{study.shown_file}.", "note")] if moved_names else []
+    blocks = [
+        Heading("Verdict"),
+        *changed,
+        *verdict.blocks(findings),
+        *forced_response.without_tables(findings),
+    ]
+    page = fragment([*numbered([block for block in blocks if not isinstance(block, PageEnd)])])
+    return _modes(findings), page
+
+
+def _modes(findings: Findings) -> Fragment:
+    modes = findings.get(Modes)
+    if modes is None or not modes.frequency.size:
+        reason = next(
+            (why for what, why in findings.plan.left_out if what == ANALYSES["modes"].title),
+            "there are none",
+        )
+        return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
+    blocks = [
+        *_criticals(findings),
+        Heading("Natural frequencies"),
+        natural_frequencies.frequencies(modes),
+    ]
+    return fragment([*numbered(blocks)])
+
+
+def _criticals(findings: Findings) -> Iterator[Block]:
+    """Yield the Campbell diagram; nothing where no order excites."""
+    if "critical_speeds" in findings.results:
+        yield from (
+            block
+            for block in critical_speeds.chapter(findings)
+            if isinstance(block, Heading | Figure)
+        )
+
+
+STEPS = 100  # of a slider without steps of its own, about
+
+
+@dataclass(frozen=True)
+class Slider:
+    """Figures that vary as one, and the positions of their slider: a value, or the number of one."""
+
+    name: str
+    figures: tuple[VariedFigure, ...]
+    low: float
+    high: float
+    step: float
+
+    @property
+    def nominal(self) -> float | None:
+        """The position that is the file as it stands; None where there is none."""
+        first = self.figures[0]
+        places = (
+            np.flatnonzero(np.isclose(first.all_values(), first.nominal)) if first.places else None
+        )
+        if places is not None:
+            return float(places[0]) if places.size else None
+        return None if math.isnan(first.nominal) else first.nominal
+
+    def value(self, position: float) -> float:
+        """Return the value of its figures at a position; raises InputError where it has no such position."""
+        slack = 1e-6 * self.step  # of decimals
+        if not self.low - slack <= position <= self.high + slack:
+            message = f"the slider '{self.name}' goes from {self.low:g} to {self.high:g}"
+            raise InputError([Fault((), message)], message)
+        first = self.figures[0]
+        return float(first.all_values()[round(position)]) if first.places else position
+
+
+def sliders_of(variation: Variation) -> dict[str, Slider]:
+    """Return the sliders of a file by their names."""
+    columns: dict[int, list[VariedFigure]] = {}
+    for figure in variation.figures:
+        columns.setdefault(figure.column, []).append(figure)
+    return {slider.name: slider for slider in map(_slider, columns.values())}
+
+
+def _slider(figures: list[VariedFigure]) -> Slider:
+    name, first = ", ".join(figure.name for figure in figures), figures[0]
+    if first.places:
+        return Slider(name, tuple(figures), 0.0, first.places - 1.0, 1.0)
+    low, high = np.sort(first.ends).tolist()
+    digits = 1 - math.floor(math.log10((high - low) / STEPS))
+    step = 10.0 ** (1 - digits)
+    ends = math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step
+    return Slider(
+        name, tuple(figures), round(ends[0], max(digits, 0)), round(ends[1], max(digits, 0)), step
+    )
+
+
+def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
+    """Return the study with its sliders at these positions; the others are as in the file. Raises InputError."""
+    figures, values = at_positions(variation, positions)
+    return (
+        replace(replace(variation, figures=figures).study(values), case=study.case)
+        if figures
+        else study
+    )
+
+
+def at_positions(
+    variation: Variation, positions: Mapping[str, float]
+) -> tuple[tuple[VariedFigure, ...], tuple[float, ...]]:
+    """Return the figures whose sliders are moved, and their values."""
+    sliders, pairs = sliders_of(variation), list[tuple[VariedFigure, float]]()
+    for name, position in positions.items():
+        if name not in sliders:
+            message = f"the file has no figure '{name}' that may vary"
+            raise InputError([Fault((), message)], message)
+        value = sliders[name].value(position)
+        pairs += [(figure, value) for figure in sliders[name].figures]
+    return tuple(figure for figure, _ in pairs), tuple(value for _, value in pairs)
+
+
+def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Return every slider as the page shows it, with the figure of the file in words."""
+    sliders = []
+    for name, slider in sliders_of(variation).items():
+        position = positions.get(name, slider.nominal)
+        sliders.append(
+            {
+                "name": name,
+                "low": slider.low,
+                "high": slider.high,
+                "step": slider.step,
+                "nominal": slider.nominal,
+                "now": slider.low if position is None else position,
+                "moved": name in positions,
+                "text": _words(slider, positions.get(name), variation),
+            }
+        )
+    return sliders
+
+
+def _words(slider: Slider, position: float | None, variation: Variation) -> str:
+    """Return what the file states, or would state with the slider at a position."""
+    first = slider.figures[0]
+    if position is None:
+        nominal_node = variation.source.at(first.paths[0][0]) if first.paths else None
+        return "as in the file" if nominal_node is None else in_words(nominal_node.value)
+    value = slider.value(position)
+    if first.rows:
+        return first.words(value)
+    _, node = next(first.puts(value, variation.source))
+    share = f" ({100.0 * (value - 1.0):+.3g} %)" if first.law.first is None else ""
+    return f"{in_words(node.value)}{share}"
+
 
 TICK = 0.025  # s between two looks at the files
 GONE = 8  # ticks that a file may be missing for, while an editor puts another in its place
@@ -118,12 +334,12 @@ class Session:
         if self._is_stale or self._read is None:
             self._read = self._open()
         study, variation = self._read
-        words = "; ".join(pictures.left_out(study))
+        words = "; ".join(left_out(study))
         notes = f"Left out on this page: {words}." if words else ""
-        self._show(sliders={"turn": turn, "each": sliders.shown(variation, positions)})
+        self._show(sliders={"turn": turn, "each": shown(variation, positions)})
         self._show(notes={"text": notes})
-        solved = sliders.moved_study(study, variation, positions)
-        modes, report = pictures.drawn(solved, positions, progress)
+        solved = moved_study(study, variation, positions)
+        modes, report = drawn(solved, positions, progress)
         self._show(modes={"turn": turn, **modes}, report={"turn": turn, **report})
 
     def _open(self) -> tuple[Study, Variation]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from torsion import fields
 from torsion.fields import Declared, Quantity, excludes, exclusive, given, needs, refuse, required
-from torsion.kernels.power_law import PowerLaw, power_law
+from torsion.kernels.stiffness_laws import PowerLaw, power_law
 from torsion.model.component import Component, Lowering
 from torsion.model.elastic_element import (
     HYSTERESES,

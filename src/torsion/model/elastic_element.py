@@ -28,9 +28,7 @@ from torsion.fields import (
 )
 
 if TYPE_CHECKING:
-    from torsion.kernels.spring_law import SpringLaw
-    from torsion.kernels.stiffness_table import StiffnessTable
-    from torsion.kernels.warming import Warming
+    from torsion.kernels.stiffness_laws import SpringLaw, StiffnessTable, Warming
 
 HYSTERESES = ("loss_factor", "psi", "magnifier")
 DAMPINGS = ("viscous", *HYSTERESES)
@@ -112,7 +110,7 @@ class CouplingTable(Declared):
 
     def lowered(self, scale: float) -> "StiffnessTable":
         """In SI at the coupling's own speed; scale: as of `Arrival`, by which stiffness and damping are divided."""
-        from torsion.kernels.stiffness_table import StiffnessTable
+        from torsion.kernels.stiffness_laws import StiffnessTable
 
         key, values = given_damping(self) or ("", (0.0,) * len(self.at))
         eta = tuple(loss_factor((key, value)) for value in values)
@@ -146,7 +144,7 @@ class PronySpring(Declared):
 
     def lowered(self, scale: float) -> "SpringLaw":
         """In SI at the coupling's own speed; scale: as of `CouplingTable.lowered`."""
-        from torsion.kernels.spring_law import prony
+        from torsion.kernels.stiffness_laws import prony
 
         return prony(self.stiffness / scale, tuple((k / scale, tau) for k, tau in self.terms))
 
@@ -163,7 +161,7 @@ class FractionalSpring(Declared):
 
     def lowered(self, scale: float) -> "SpringLaw":
         """In SI at the coupling's own speed; scale: as of `CouplingTable.lowered`."""
-        from torsion.kernels.spring_law import fractional
+        from torsion.kernels.stiffness_laws import fractional
 
         return fractional(self.stiffness / scale, self.k1 / scale, self.tau, self.exponent)
 
@@ -212,7 +210,7 @@ class CouplingWarming(Declared):
 
     def lowered(self) -> "tuple[Warming, float, float | None]":
         """The record, the factor on the stiffness now, and the loss factor now (None: the coupling's own)."""
-        from torsion.kernels.warming import Warming
+        from torsion.kernels.stiffness_laws import Warming
 
         key, values = given_damping(self, HYSTERESES) or ("", ())
         of_psi = 2.0 * math.pi if key == "psi" else 1.0

@@ -19,7 +19,7 @@ from torsion.errors import Path
 from torsion.results import one_line
 
 if TYPE_CHECKING:
-    from torsion.kernels.warming import Warming
+    from torsion.kernels.stiffness_laws import Warming
     from torsion.model.compressor.record import CompressorRecord
     from torsion.model.elastic_element import MisfireHeat, OverFrequency
     from torsion.model.engine.record import EngineRecord

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.fields import Quantity, exclusive, given, required
-from torsion.kernels.power_law import power_law
+from torsion.kernels.stiffness_laws import power_law
 from torsion.model.component import Component, Lowering
 from torsion.model.parts import CouplingRatings, PendulumRecord, Symbol
 from torsion.primitives import tabled_spring

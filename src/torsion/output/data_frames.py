@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, SpanTorque
-from torsion.output.plain import plain
-from torsion.output.results_json import listed
-from torsion.output.selection import Selection
+from torsion.output.results_json import listed, plain
+from torsion.output.scene import Selection
 from torsion.results import RPM, quantities
 from torsion.rules.verdict_line import Checks
 

@@ -18,9 +18,8 @@ from torsion.errors import refusal
 from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.document import Document
-from torsion.output.plain import plain, shown
-from torsion.output.scene import checksum, span_rows, station_rows
-from torsion.output.selection import Selection
+from torsion.output.results_json import plain, shown
+from torsion.output.scene import Selection, checksum, span_rows, station_rows
 from torsion.output.table_text import (
     csv_rows,
     file_name,
@@ -147,8 +146,8 @@ def workbook(document: Document, findings: Findings) -> bytes:
     for table in data_tables(findings):
         sheet = book.create_sheet(table.name[:LONGEST_SHEET])
         sheet.append(table.columns)
-        for cell in sheet[1]:
-            cell.font = Font(bold=True)
+        for title in sheet[1]:
+            title.font = Font(bold=True)
         sheet.freeze_panes = "A2"
         for row in table.rows:
             sheet.append(inert_cells(row))

@@ -1,9 +1,11 @@
 """The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
+import re
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from functools import cache
 from hashlib import sha256
+from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -12,11 +14,31 @@ from torsion.output.blocks import Heading
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.page_data import Page
 from torsion.output.drawing.svg import framed
-from torsion.output.drawing.text import SUBSCRIPT
+from torsion.output.drawing.words import SUBSCRIPT
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE
-from torsion.output.page_files import TEMPLATES, script, style
 from torsion.output.table_text import figures
+
+TEMPLATES = Path(__file__).parent / "templates"
+SCRIPTS = tuple(
+    f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page")
+)
+
+
+def style() -> str:
+    """Return the style of the page on a screen and on paper, and of its drawings on a dark screen."""
+    return f"{template_text('report.css')}\n{template_text('report_dark.css')}"
+
+
+def script() -> str:
+    """Return the scripts of the page in one text, without indents."""
+    return "\n".join(re.sub(r"\n\s+", "\n", template_text(name)) for name in SCRIPTS)
+
+
+def template_text(name: str, folder: Path = TEMPLATES) -> str:
+    """Return the text of a file of the page without the blank space around it."""
+    return (folder / name).read_text(encoding="utf-8").strip()
+
 
 LONG_WORD = 20  # characters
 

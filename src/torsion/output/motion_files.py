@@ -11,7 +11,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.document import Document
-from torsion.output.selection import elements
+from torsion.output.scene import elements
 from torsion.output.table_text import inert, one_line
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
 from torsion.output.numbers import counted, number
 from torsion.output.reported_values import harmonic_name
-from torsion.output.selection import NO_VALUE, Element, elements, highest
+from torsion.output.scene import NO_VALUE, Element, elements, highest
 from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study

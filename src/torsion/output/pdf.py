@@ -12,9 +12,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from torsion.errors import Fault, InputError
 from torsion.output.document import Document
 from torsion.output.drawing.svg import svg
-from torsion.output.drawing.text import SUBSCRIPT
+from torsion.output.drawing.words import SUBSCRIPT
 from torsion.output.figures.figure import Figure
-from torsion.output.page_files import TEMPLATES, template_text
+from torsion.output.html import TEMPLATES, template_text
 
 COLOURS = {
     "fail": "#b3261e",

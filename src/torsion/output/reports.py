@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 KEY = "report"  # of a report in a file of results
-STEPS = "provenance:steps"  # chapter before which the appendices of the full report stand
+STEPS = "closing:steps"  # chapter before which the appendices of the full report stand
 FILES = "files"  # key of the names of its files
 END = "\n}\n"  # of a file of results
 
@@ -44,10 +44,10 @@ REPORTS = {
             "natural_frequencies:appendix",
             "@system data",
             "@tooth forces",
-            "provenance:steps",
-            "provenance:sources",
+            "closing:steps",
+            "closing:sources",
             "sources_used",
-            "provenance:input_file",
+            "closing:input_file",
         ),
         "report",
         {
@@ -72,22 +72,22 @@ REPORTS = {
             "joint_motion:summary",
             "verdict:judged",
             "joint_motion:alone",
-            "provenance:steps",
+            "closing:steps",
             "verdict:remarks",
-            "provenance:input_file",
+            "closing:input_file",
         ),
         "joints",
         keys=("joints", "checks"),
-        columns="joint_tables:columns",
+        columns="joint_motion:columns",
     ),
     "check": Report(
         "Models of a shaft train compared",
-        ("model_comparison", "provenance:steps", "provenance:input_file"),
+        ("model_comparison", "closing:steps", "closing:input_file"),
         "check",
         keys=("check",),
     ),
     "compare": Report("Two calculations compared", (), "compare"),
     "study": Report(
-        "Error against run time", ("provenance:input_file",), "study"
+        "Error against run time", ("closing:input_file",), "study"
     ),  # behind the run times
 }

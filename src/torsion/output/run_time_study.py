@@ -23,8 +23,8 @@ from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, 
 from torsion.output.document import Document, document
 from torsion.output.html import html
 from torsion.output.numbers import given, number
-from torsion.output.plain import finite
 from torsion.output.reports import REPORTS
+from torsion.output.results_json import finite
 from torsion.output.scene import checksum
 from torsion.output.write import inputs, write_texts
 

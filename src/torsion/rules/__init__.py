@@ -88,7 +88,7 @@ def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
 def verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of every rule that the study names, in its order."""
     if evidence.study.train.has_tables_over("vibratory torque"):
-        from torsion.rules.other_solutions import worst_of_solutions
+        from torsion.rules.supplements import worst_of_solutions
 
         return worst_of_solutions(evidence, _judge)
     return _judge(evidence)

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from torsion import fields
-from torsion.analyses.speed_tables import SAME_SPEED
+from torsion.analyses.power_balance import SAME_SPEED
 from torsion.arrays import FloatArray
 from torsion.fields import required
 from torsion.results import listed

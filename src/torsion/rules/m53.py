@@ -16,7 +16,7 @@ from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.parts import Part
-from torsion.rules import m53_factors as factors
+from torsion.rules import m53_settings as factors
 from torsion.rules.demands import (
     START,
     engines_of,
@@ -26,8 +26,7 @@ from torsion.rules.demands import (
     restricted,
     unjudged,
 )
-from torsion.rules.m53_factors import RANGES
-from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
+from torsion.rules.m53_settings import CAST, RANGES, SAME_SIZE, SIZES, M53Settings, contradictions
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
 from torsion.rules.shaft_limits import (
     MM,

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from torsion import fields
-from torsion.analyses.power_balance import power_balance, rated_power
+from torsion.analyses.power_balance import SAME_SPEED, power_balance, rated_power
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.grid import apart, missed_peaks
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.steady import Steady
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
@@ -265,7 +264,7 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
     notes += (mainly if note == MOSTLY else note for note in clause.notes)
     doubt = ""
     if evidence.study.train.has_nonlinear_couplings:
-        from torsion.rules.beside_exact_motion import UNPROVEN, unproven, words
+        from torsion.rules.supplements import UNPROVEN, unproven, words
 
         notes.append(words(evidence, clause.spans, float(curve.speed[row])))
         if clause.spans.size and np.any(is_open := unproven(evidence) & clause.within):

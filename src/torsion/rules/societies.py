@@ -5,7 +5,7 @@ Crankshafts and generator shafts are judged by the society's own table where one
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Literal
 
@@ -15,13 +15,15 @@ from pydantic import Field
 from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.parts import Part, ShaftRecord
 from torsion.results import listed
-from torsion.rules import rule_over_speed, society_limits
+from torsion.rules import rule_over_speed
 from torsion.rules.demands import (
+    BARRED_BELOW,
     MISFIRE,
     coverage,
     engines_of,
@@ -37,13 +39,179 @@ from torsion.rules.shaft_limits import (
     MM,
     PA,
     ROUNDING,
+    Limit,
+    LimitCurve,
     LimitedShaft,
+    Mark,
+    Piece,
     diameters,
     with_role,
 )
-from torsion.rules.society_limits import Duty
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
+
+LAST = 1.15  # speed ratio above which the tables of crankshafts end
+STEEL_STRENGTH, STEEL_YIELD = 440.0, 225.0  # N/mm2, above which f_m counts
+CARBON_CAP, ALLOY_CAP = 590.0, 835.0  # N/mm2, the greatest tensile strength in f_m
+SET_RANGE = 0.9, 1.1  # speed ratios of a generator set in use
+Duty = Literal["propulsion", "generator set"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """constant + square r^2 + (root + slope (r - 0.8)) sqrt(r - 1) of the speed ratio r, the root from r = 1 on."""
+
+    constant: float
+    square: float = 0.0
+    root: float = 0.0
+    slope: float = 0.0
+
+    def evaluate(self, ratio: FloatArray) -> FloatArray:
+        """Return (speeds,) the row at speed ratios."""
+        rise = (self.root + self.slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+        return np.asarray(self.constant + self.square * ratio**2 + rise)
+
+
+@dataclass(frozen=True)
+class CrankTable:
+    """Limits of crankshafts up to the rated speed and above it, and while a barred range is passed."""
+
+    below: Row
+    above: Row
+    passing: float = 2.0  # times the limit in continuous use
+    below_per_mm: Row = Row(0.0)  # more for every mm of the diameter
+    above_per_mm: Row = Row(0.0)
+
+
+KR_IN_LINE = CrankTable(
+    Row(45.0, -24.0), Row(21.0, slope=237.0)
+)  # four-stroke in-line, V 45 and 60 degrees
+KR_OTHER = CrankTable(Row(45.0, -29.0), Row(16.0, slope=237.0))  # two-stroke, and other V
+CCS_CRANK = CrankTable(
+    Row(52.0, -33.8),
+    Row(18.1, root=87.3),
+    below_per_mm=Row(-0.031, 0.02),
+    above_per_mm=Row(-0.0113, root=-0.052),
+)
+KR_SET_CRANK = {"in-line": (21.0, 90.0), "other": (16.0, 90.0)}  # in use, and below
+KR_SET_SHAFT = 31.0, 118.0
+Letters = tuple[str, str]  # of the limits in continuous use and of passing
+OWN, NUMBERED = ("tau_C", "tau_T"), ("tau_1", "tau_2")
+
+
+@dataclass(frozen=True)
+class Society:
+    """What one society's rule set is."""
+
+    title: str
+    edition: str
+    mark: Mark  # of its limits of line shafts
+    letters: Letters = OWN
+    crank: Literal["", "kr", "ccs"] = ""  # whose table of crankshafts
+    crank_edition: str = ""  # where that is another text
+    crank_mark: Mark = "to be verified"
+    mesh: float | None = None  # greatest vibratory torque of a gear / its rated torque
+    has_majors: bool = False  # limits where major critical speeds may lie
+    scope: float = 1.05  # speed ratio up to which stresses are to be reported
+    not_judged: tuple[tuple[str, str], ...] = ()  # what, why
+
+
+_CCS = "CCS Part 3 Ch. 12"
+_M68 = "formulas of IACS UR M68 as {} has them"
+SOCIETIES: Mapping[str, Society] = {
+    "kr": Society(
+        "KR",
+        "KR Rules 2025 Part 5 Ch. 4",
+        "rule text",
+        NUMBERED,
+        "kr",
+        "",
+        "rule text",
+        has_majors=True,
+        scope=1.2,
+    ),
+    "lr": Society(
+        "LR",
+        _M68.format("LR"),
+        "to be verified",
+        mesh=1.0 / 3.0,
+    ),
+    "dnv": Society(
+        "DNV",
+        _M68.format("DNV"),
+        "to be verified",
+        not_judged=(
+            ("fatigue by CG-0038", "not checked: low cycle, high cycle and transient criteria"),
+        ),
+    ),
+    "abs": Society("ABS", _M68.format("ABS"), "to be verified"),
+    "bv": Society("BV", _M68.format("BV"), "to be verified", NUMBERED),
+    "ccs": Society("CCS", _M68.format(_CCS), "to be verified", crank="ccs", crank_edition=_CCS),
+    "nk": Society(
+        "NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4, taken for NK"
+    ),
+    "rina": Society("RINA", _M68.format("RINA"), "to be verified", NUMBERED),
+}
+
+
+def strength_factor(strength: float | None, *, alloy: bool) -> float:
+    """Return f_m of tau_1 and tau_3 for a tensile strength above 440 N/mm2 (KR), 1 where none is known.
+
+    >>> round(strength_factor(600.0, alloy=True), 10)
+    1.2424242424
+    """
+    counted = min(strength or 0.0, ALLOY_CAP if alloy else CARBON_CAP)
+    return 1.0 + 2.0 / 3.0 * (max(counted, STEEL_STRENGTH) / STEEL_STRENGTH - 1.0)
+
+
+def yield_factor(limit: float | None) -> float:
+    """Return f_m of tau_2 for a yield strength above 225 N/mm2 (KR), 1 where none is known.
+
+    >>> round(yield_factor(350.0), 10)
+    1.5555555556
+    """
+    return max(limit or 0.0, STEEL_YIELD) / STEEL_YIELD
+
+
+def crank_curve(
+    table: CrankTable, letters: Letters, diameter: float, strength: float = 1.0, yields: float = 1.0
+) -> LimitCurve:
+    """Return the limits of the crankshaft of a main engine; strength, yields: the factors f_m.
+
+    >>> curve = crank_curve(KR_IN_LINE, NUMBERED, 200.0)
+    >>> [round(float(value), 4) for value in curve.continuous(np.array([0.8, 1.0, 1.05]))]
+    [29.64, 21.0, 34.2487]
+    """
+
+    def limit(row: Row, per_mm: Row, factor: float) -> Limit:
+        return lambda ratio: factor * (row.evaluate(ratio) + diameter * per_mm.evaluate(ratio))
+
+    below, above = (table.below, table.below_per_mm), (table.above, table.above_per_mm)
+    last = "tau_3" if letters == NUMBERED else letters[0]
+    return LimitCurve(
+        (
+            Piece(letters[0], 1.0, limit(*below, strength)),
+            Piece(last, LAST, limit(*above, strength)),
+        ),
+        Piece(letters[1], BARRED_BELOW, limit(*below, table.passing * yields)),
+    )
+
+
+def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
+    """Return the limits of a shaft of a generator set, whose range of use nothing is barred in; factor: f_m.
+
+    >>> set_curve((31.0, 118.0), 1.0).continuous(np.array([0.5, 0.9, 1.1, 1.2]))
+    array([118.,  31.,  31.,  nan])
+    """
+
+    def flat(value: float) -> Limit:
+        return lambda ratio: np.full(ratio.shape, factor * value)
+
+    (first, last), (use, below) = SET_RANGE, limits
+    return LimitCurve(
+        (Piece("tau_2", first, flat(below), is_open=True), Piece("tau_1", last, flat(use)))
+    )
+
 
 OTHER_ROLES = ("crank", "generator")
 MAJORS_FROM = {"propulsion": 0.8, "generator set": 0.9}  # speed ratio, up to 1.1 (KR 5-4-204)
@@ -103,7 +271,7 @@ class SocietyRule(M68):
 
     def __init__(self, settings: M68Settings, name: str) -> None:
         super().__init__(settings, name)
-        self.society = society = society_limits.SOCIETIES[name]
+        self.society = society = SOCIETIES[name]
         self.title, self.mark, self.scope = society.title, society.mark, society.scope
         self.letters = society.letters
         if society.crank == "ccs":
@@ -136,8 +304,8 @@ class SocietyRule(M68):
     ) -> LimitedShaft:
         """Return a crankshaft with the limits of a table by diameter, of which the greatest limits most."""
         diameter = max(outer for outer, _ in diameters(study.train, number)) * MM
-        table = society_limits.CCS_CRANK
-        curve = society_limits.crank_curve(table, self.society.letters, diameter)
+        table = CCS_CRANK
+        curve = crank_curve(table, self.society.letters, diameter)
         notes = (f"diameter {diameter:.4g} mm",)
         return LimitedShaft(number, part.name, curve, self.society.crank_mark, notes)
 
@@ -211,9 +379,9 @@ class EngineSocietyRule(SocietyRule):
         material, settings = study.train.materials[record.material], self.settings
         tensile, yielding = material.tensile_strength or 0.0, material.yield_strength or 0.0
         is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
-        strength = society_limits.strength_factor(tensile * PA, alloy=is_alloy)
-        yields = society_limits.yield_factor(yielding * PA)
-        cap = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
+        strength = strength_factor(tensile * PA, alloy=is_alloy)
+        yields = yield_factor(yielding * PA)
+        cap = ALLOY_CAP if is_alloy else CARBON_CAP
         agreed = tuple[str, ...]()
         if tensile * PA > cap * (1 + ROUNDING):
             agreed = (f"strength above {cap:g} N/mm2 by agreement with {self.society.title}",)
@@ -221,16 +389,16 @@ class EngineSocietyRule(SocietyRule):
         engine, is_better = settings.engine
         factor = min(strength, yields)
         notes: tuple[str, ...] = "generator shaft", f"f_m {factor:.4g}"
-        curve = society_limits.set_curve(society_limits.KR_SET_SHAFT, factor)
+        curve = set_curve(KR_SET_SHAFT, factor)
         if record.role == "crank" and settings.duty == "propulsion":
-            table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
+            table = KR_IN_LINE if is_better else KR_OTHER
             letters = self.society.letters
-            curve = society_limits.crank_curve(table, letters, 0.0, strength, yields)
+            curve = crank_curve(table, letters, 0.0, strength, yields)
             factors = f"f_m {strength:.4g}, of tau_2 {yields:.4g}"
             notes = engine, factors, "without a calculation by IACS UR M53"
         elif record.role == "crank":
-            limits = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
-            curve, notes = society_limits.set_curve(limits, factor), (engine, notes[1])
+            limits = KR_SET_CRANK["in-line" if is_better else "other"]
+            curve, notes = set_curve(limits, factor), (engine, notes[1])
         mark = self.society.crank_mark
         return LimitedShaft(number, part.name, curve, mark, notes, restrictions=agreed)
 

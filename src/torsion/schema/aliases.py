@@ -5,9 +5,8 @@ from typing import Any
 
 from torsion.errors import Fault
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.schema.declaration_reader import keys_of, mappings_of
+from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, keys_of, mappings_of
 from torsion.schema.fault_text import Node
-from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS
 
 
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:

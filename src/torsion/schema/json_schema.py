@@ -14,9 +14,8 @@ from torsion.model.component import Component
 from torsion.rules import RULES
 from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
-from torsion.schema.declaration_reader import keys_of, mappings_of
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, keys_of, mappings_of
 from torsion.schema.manual import declarations, first_line, setting_examples
-from torsion.schema.other_words import SECTIONS_BY_ALIAS
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source

@@ -28,8 +28,7 @@ from torsion.rules import settings as rule_settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import CaseKeys
-from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
-from torsion.schema.other_words import SECTIONS_BY_ALIAS
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, keys_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 

@@ -11,9 +11,8 @@ from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
 from torsion.model.parts import Part
-from torsion.schema.declaration_reader import entries_of
+from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.other_words import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS
 from torsion.study import Change
 
 SECTIONS = (

@@ -23,11 +23,12 @@ from torsion.schema.declaration_reader import (
     declared,
     empty_lists,
     entries_of,
+    of_its_number,
     one_component,
     unknown_word,
+    word_for,
 )
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.other_words import of_its_number, word_for
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (

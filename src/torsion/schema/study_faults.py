@@ -135,7 +135,7 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     (
         "train links analyses",
         "check",
-        lambda study: _analysis("analyses.compare.shaft_divisions:loop_faults")(
+        lambda study: _analysis("analyses.compare.model_errors:loop_faults")(
             study, ("analyses", "check")
         ),
     ),
@@ -178,7 +178,7 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
         "transient",
         "analyses.motion.events.transient_settings:transient_faults",
     ),
-    ("train operation analyses excitations", "fit", "what_if.fit.fit_faults:fit_faults"),
+    ("train operation analyses excitations", "fit", "what_if.fit.measurements:fit_faults"),
     (
         "train materials operation analyses",
         lambda study: "lateral" in study.analyses or study.has_supports,

@@ -17,9 +17,8 @@ from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
 from torsion.schema.aliases import aliases_of
-from torsion.schema.declaration_reader import items_of, keys_of
+from torsion.schema.declaration_reader import items_of, key_for, keys_of
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.other_words import key_for
 from torsion.schema.yaml_source import is_number, parse_source, resolved
 from torsion.tables import FORMULA_ERROR, Cell, Table, head_of, unit_fault
 

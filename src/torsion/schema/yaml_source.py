@@ -13,9 +13,8 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
-from torsion.schema.fault_text import Node, Source, end_of, input_error
-from torsion.schema.missing_marks import missing_mark
-from torsion.schema.other_words import ALIAS
+from torsion.schema.declaration_reader import ALIAS
+from torsion.schema.fault_text import Node, Source, end_of, input_error, missing_mark
 from torsion.user_files import LARGEST_SCENE, read_file
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten

@@ -2,26 +2,119 @@
 
 import csv
 import hashlib
+import io
 import json
 import math
 import os
 import re
+import socket
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from torsion.errors import Fault, InputError, printable
+from torsion.errors import Fault, InputError, printable, refusal
 from torsion.findings import Work, version
 from torsion.output.table_text import inert
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
-from torsion.sweeping.parts import SUFFIX, columns, part_of, read_part, write_part
 from torsion.user_files import LARGEST_SIGNAL, read_file
 from torsion.what_if.sweep.sweep_settings import SweepSettings
-from torsion.what_if.variants.chunks import Chunk, Part
+from torsion.what_if.variants.chunks import Answers, Chunk, Part
+
+SUFFIX = ".parquet"
+ABOUT = "torsion"  # key of what a part says of its columns, in JSON
+Columns = Mapping[str, np.ndarray]  # (variants,) each
+
+
+def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, dict[str, Any]]:
+    """The columns of a part, and what they hold."""
+    values, answers = part
+    table: dict[str, np.ndarray] = {"variant": np.arange(chunk.begin, chunk.end)}
+    about: dict[str, Any] = {
+        "figures": [figure.name for figure in variation.figures],
+        "method": answers.method,
+    }
+    for figure, column in zip(variation.figures, values.T, strict=True):
+        table[figure.name] = column
+        if figure.rows:
+            table[f"{figure.name} label"] = np.array(
+                [figure.words(value) for value in column.tolist()]
+            )
+    about["modes"] = [f"mode {mode} (Hz)" for mode in range(1, 1 + len(answers.frequency))]
+    table |= dict(zip(about["modes"], answers.frequency, strict=True))
+    about["checks"] = []
+    for key, (used, fails) in answers.checks.items():
+        name = ", ".join(filter(None, key))
+        about["checks"].append([*key, name])
+        table[f"{name}: utilisation"], table[f"{name}: fails"] = used, fails
+    table["fault"] = np.array([answers.faults.get(variant, "") for variant in range(chunk.size)])
+    return table, about
+
+
+def part_of(columns_of_part: Columns, about: Mapping[str, Any]) -> Part:
+    """What the columns of a part hold, to the last bit as they were written."""
+    values = np.stack([columns_of_part[name] for name in about["figures"]], axis=1)
+    frequency = (
+        np.stack([columns_of_part[name] for name in about["modes"]])
+        if about["modes"]
+        else np.empty((0, len(values)))
+    )
+    checks = {
+        (rule, clause, where, what): (
+            columns_of_part[f"{name}: utilisation"],
+            columns_of_part[f"{name}: fails"],
+        )
+        for rule, clause, where, what, name in about["checks"]
+    }
+    faults = {
+        variant: str(why) for variant, why in enumerate(columns_of_part["fault"].tolist()) if why
+    }
+    return values, Answers(frequency, checks, faults, about["method"])
+
+
+def write_part(path: Path, columns_of_part: Columns, about: Mapping[str, Any]) -> str:
+    """Write the columns so that the file is there whole or not at all; return its SHA-256."""
+    import pyarrow
+    from pyarrow import parquet
+
+    table = pyarrow.table({name: pyarrow.array(column) for name, column in columns_of_part.items()})
+    content = io.BytesIO()
+    parquet.write_table(
+        table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True
+    )
+    under_way = path.with_name(f"{path.name}.part")
+    with under_way.open("wb") as file:
+        file.write(content.getbuffer())
+        file.flush()
+        os.fsync(file.fileno())
+    under_way.replace(path)
+    return sha256(content.getbuffer()).hexdigest()
+
+
+def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns of a file and what they hold; raises InputError if a bit differs from what was written."""
+    from pyarrow import ArrowException, parquet
+
+    try:
+        content = path.read_bytes()
+        if sha256(content).hexdigest() != checksum:
+            raise ValueError(
+                "it is damaged: its SHA-256 differs from the SHA-256 of the file that was written"
+            )
+        table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
+        about = json.loads(table.schema.metadata[ABOUT.encode()])
+        return {name: table[name].to_numpy() for name in table.column_names}, about
+    except (ArrowException, OSError, ValueError, KeyError, TypeError) as error:
+        message = f"{path} cannot be read as a part of a sweep: {error}"
+        raise InputError(
+            [Fault((), message)], f"{message} (remove it; it is then solved again)"
+        ) from None
+
 
 OF = "sweep.json"  # what the parts are of
 SUMS = "SHA256SUMS"  # of the parts, beside them; `sha256sum -c` reads it
@@ -225,3 +318,32 @@ def _differences(
                 "not given" if value is None else printable(str(value)) for value in (before, after)
             )
             yield f"`{key}` was {old} and is {new}"
+
+
+LOCK = "sweep.lock"
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """The folder for this process alone; raises InputError where another one is at work there.
+
+    On Windows, which has no such lock, it is for the user to see to it.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / LOCK).open("a+", encoding="utf-8", errors="replace") as file:
+        if os.name == "posix":
+            import fcntl
+
+            try:
+                fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                file.seek(0)
+                message = f"{printable(file.read()) or 'another command'} is at work in {folder}"
+                raise refusal(message, "wait for it, or choose another folder with -o") from None
+        file.truncate(0)
+        file.write(f"process {os.getpid()} on {socket.gethostname()}")
+        file.flush()
+        try:
+            yield
+        finally:
+            (folder / LOCK).unlink(missing_ok=True)

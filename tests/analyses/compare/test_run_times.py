@@ -7,8 +7,8 @@ import pytest
 
 import torsion
 from torsion.analyses.compare import run_times as module
+from torsion.analyses.compare.model_errors import plain, reference
 from torsion.analyses.compare.run_times import study_times
-from torsion.analyses.compare.shaft_divisions import plain, reference
 from torsion.analyses.compare.timing import Effort, TimedQuantity, Timings
 from torsion.study import Study
 

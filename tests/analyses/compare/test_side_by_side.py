@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.compare.compared_torques import driving_ends, loaded, response_torques
-from torsion.analyses.compare.model_errors import shape_errors
+from torsion.analyses.compare.model_errors import (
+    driving_ends,
+    loaded,
+    response_torques,
+    shape_errors,
+)
 from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_speeds
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.assembly.lumped import SHARE_OF_ERROR

@@ -23,7 +23,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.kernels.engine.crank_slider import CrankSlider
-from torsion.kernels.engine.pressure_volume import angle_of_travel
+from torsion.kernels.engine.pressure_cycles import angle_of_travel
 
 SCENE = Path(__file__).parents[3] / "shafting_specs" / "reciprocating_compressor.yaml"
 STROKE, ROD, AROUND, ORDERS = 0.18, 0.43, 101325.0, 12

@@ -549,7 +549,7 @@ def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
 
 
 def test_the_first_page_names_the_cylinder_that_misfires() -> None:
-    from torsion.output.chapters.first_page import box
+    from torsion.output.chapters.verdict import box
 
     assert ("Engine state", "main engine with cylinder 2 motored (misfire)") in box(
         solved(state="misfire: 2")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from torsion.analyses.lateral.beam_elements import Segment
 from torsion.analyses.lateral.beam_matrices import (
     LONGEST_PHASE,
     Beam,
     Point,
+    Segment,
     assemble_lateral,
     places,
 )

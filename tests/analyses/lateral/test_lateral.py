@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.lateral.beam_elements import Segment
-from torsion.analyses.lateral.beam_matrices import Beam, Point, assemble_lateral, places
-from torsion.analyses.lateral.bending_modes import planes
+from torsion.analyses.lateral.beam_matrices import Beam, Point, Segment, assemble_lateral, places
+from torsion.analyses.lateral.bending_shafts import planes
 from torsion.analyses.lateral.couple_response import answer, speeds_for
 from torsion.analyses.lateral.whirl import criticals, lowest, refined, roots_among, whirl
 from torsion.errors import SolveError

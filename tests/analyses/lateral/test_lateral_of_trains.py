@@ -12,7 +12,7 @@ from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.couple_response import couples_at
 from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
 from torsion.errors import InputError
-from torsion.kernels.joints.couples import couple_harmonics
+from torsion.kernels.joints.cross import couple_harmonics
 from torsion.kernels.tree_response import Status
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling

@@ -8,7 +8,7 @@ from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings
-from torsion.output.chapters.nonlinear_at_peaks import chapter
+from torsion.output.chapters.couplings import chapter
 
 TEXT = """name: x
 operation: {{speeds: {{from: 150 rpm, to: 700 rpm}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import torsion
-from torsion.analyses.stability.common_period import too_long
-from torsion.analyses.stability.mechanism_loads import scene
+from torsion.analyses.stability.common_period import period_too_long
+from torsion.analyses.stability.equations_of_motion import scene
 from torsion.analyses.stability.periodic_orbits import harmonics_at_least
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.assembly import assemble
@@ -161,7 +161,7 @@ def test_orders_of_one_shaft_that_rarely_repeat_are_named_without_a_gear():
         "train: [motor: {inertia: 1}, joint: {angle: 5 deg}, coupling: {stiffness: 1e4}, disc: {name: b, inertia: 1}]\n"
         "excitations: [{at: b, order: 1/977, torque: 1}]\n"
     ).train
-    error = too_long(train, 5, 400, vibratory=True)
+    error = period_too_long(train, 5, 400, vibratory=True)
     assert re.search(
         r"joint-1 \(order 2 of its shaft\) and b .*1/977.* only every 977 revolutions",
         error.message,

@@ -16,8 +16,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.stability.floquet_exponents import Search, growth_search
 from torsion.analyses.stability.mean_speed import drift_slope, missing_slope
 from torsion.analyses.stability.periodic_orbits import PeriodicResponse
-from torsion.analyses.stability.stability_map import StabilityMap
-from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
 from torsion.errors import InputError

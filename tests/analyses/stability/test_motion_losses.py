@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from torsion.analyses.stability.equations_of_motion import scene
 from torsion.analyses.stability.floquet_exponents import Search, damped, growth_search, variation
-from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.periodic_orbits import orbit, response_of
 from torsion.analyses.stability.periodic_speeds import growths
-from torsion.analyses.stability.stability_map import stability_map
-from torsion.analyses.stability.stability_over_speed import stability
+from torsion.analyses.stability.stability_over_speed import stability, stability_map
 from torsion.analyses.stability.straight_modes import basis
 from torsion.assembly import assemble
 from torsion.assembly.system import System

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from torsion.analyses.stability.equations_of_motion import scene
 from torsion.analyses.stability.floquet_exponents import growth_search, modes_that_matter
-from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.requested_motion import MapSettings, StabilitySettings
-from torsion.analyses.stability.stability_map import stability_map
+from torsion.analyses.stability.stability_over_speed import stability_map
 from torsion.analyses.stability.straight_modes import basis
 from torsion.assembly import assemble
 from torsion.assembly.system import System

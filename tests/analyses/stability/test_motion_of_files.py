@@ -13,8 +13,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.stability.periodic_orbits import PeriodicResponse
-from torsion.analyses.stability.stability_map import StabilityMap
-from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks

@@ -3,7 +3,7 @@
 import pytest
 
 from torsion.analyses.response.fillet_stresses import peterson
-from torsion.assembly.junction.fillet_stress import fillet_stress
+from torsion.assembly.junction.axisymmetric import fillet_stress
 from torsion.assembly.junction.profile import Corner, junction
 
 

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.damping.damped_tree_modes import damped_modes
+from torsion.kernels.damped_tree_modes import damped_modes
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import tree_response
 

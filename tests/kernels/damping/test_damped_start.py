@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.damping.damped_roots import (
+from torsion.kernels.damped_tree_modes import (
     DampedTree,
     number_of_roots,
     polish_together,

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from torsion.kernels.damping.ring_damper import magnification, tuned, viscous
+from torsion.kernels.ring_damper import magnification, tuned, viscous
 
 # Nishihara and Asami's optimum, found again by a search to 1e-9: inertia ratio, tuning, c/(2 J_ring w), magnification
 EXACT = (

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.kernels.distributed.condensed_element import CondensedElements, condensed_elements
-from torsion.kernels.distributed.dense_elements import (
+from torsion.kernels.distributed.finite_elements import (
+    CondensedElements,
+    condensed_elements,
     dense_modes,
     static_bends,
 )

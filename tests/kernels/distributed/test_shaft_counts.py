@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsion.kernels.distributed.continuous_shafts import uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.sturm import count_bounds, margins
 from torsion.kernels.tree import Tree
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
-from torsion.kernels.distributed.condensed_element import condensed_elements
-from torsion.kernels.distributed.dense_elements import dense_modes
+from torsion.kernels.distributed.finite_elements import condensed_elements, dense_modes
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes

@@ -4,10 +4,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.distributed.condensed_element import condensed_elements
-from torsion.kernels.distributed.profiled_shaft import profile_points, profile_shafts
+from torsion.kernels.distributed.continuous_shafts import (
+    profile_points,
+    profile_shafts,
+    uniform_shafts,
+)
+from torsion.kernels.distributed.finite_elements import condensed_elements
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 
 LENGTH, RIGIDITY, HEAVY = 1.3, 2e6, 0.7
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from torsion.errors import SolveError
+from torsion.kernels.distributed.continuous_shafts import uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree

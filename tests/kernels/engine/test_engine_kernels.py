@@ -9,11 +9,16 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from torsion.kernels.engine.crank_slider import CrankSlider, Rod
-from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
-from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
-from torsion.kernels.engine.gas_torque import Cylinder, Diagram, Panels, harmonics
-from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted, timed
+from torsion.kernels.engine.crank_slider import CrankSlider, Rod, Throw, carter, ker_wilson
+from torsion.kernels.engine.gas_torque import (
+    Cylinder,
+    CylinderOrder,
+    Diagram,
+    GasLaw,
+    Panels,
+    harmonics,
+)
+from torsion.kernels.engine.pressure_cycles import Cycle, UnreachablePressure, fitted, timed
 
 ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text(encoding="utf-8"))
 RADIUS, ROD, OFFSET = (ORACLES["offset_crank"][key] for key in ("r", "l", "e"))

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsion.kernels.joints import couples, cross, line
+from torsion.kernels.joints import cross, line
 
 ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text())
 CARRIERS = ["driving", "driven"]
 
 
 def intermediate_couples(
-    driving: object, case: line.Line, torque: object, carrier: couples.Carrier = "driving"
-) -> tuple[couples.Couple, ...]:
+    driving: object, case: line.Line, torque: object, carrier: cross.Carrier = "driving"
+) -> tuple[cross.Couple, ...]:
     """Net couple of the two joints on each shaft between joints, in the axes of the joint before it.
 
     `torque` is constant on the first shaft (carrier "driving") or on the last. A plane of 180 degrees with equal
@@ -25,13 +25,13 @@ def intermediate_couples(
     for before, behind, plane in zip(every[:-1], every[1:], case.plane[1:], strict=True):
         turned = (behind.driving.normal + 1j * behind.driving.inplane) * np.exp(1j * plane)
         normal, inplane = before.driven.normal + turned.real, before.driven.inplane + turned.imag
-        nets.append(couples.Couple(normal, inplane, np.zeros(0)))
+        nets.append(cross.Couple(normal, inplane, np.zeros(0)))
     return tuple(nets)
 
 
 def line_couples(
-    driving: object, case: line.Line, torque: object, carrier: couples.Carrier = "driving"
-) -> tuple[couples.Couples, ...]:
+    driving: object, case: line.Line, torque: object, carrier: cross.Carrier = "driving"
+) -> tuple[cross.Couples, ...]:
     """Couples of every joint of a line, each with the torque that its own shafts carry at that angle."""
     turning = line.motion(driving, case)
     offsets = np.cumsum(case.offset).reshape(-1, *np.ones(np.ndim(driving), dtype=int))
@@ -43,10 +43,10 @@ def line_couples(
     ]
     yokes = driving + np.array([0.0 * turning.error[0], *turning.error[:-1]]) + offsets
     triples = zip(yokes, case.angle, before, strict=True)
-    return tuple(couples.couples(yoke, angle, carried) for yoke, angle, carried in triples)
+    return tuple(cross.couples(yoke, angle, carried) for yoke, angle, carried in triples)
 
 
-def double_cardan(angle: object, torque: object, arrangement: str) -> couples.CoupleHarmonics:
+def double_cardan(angle: object, torque: object, arrangement: str) -> cross.CoupleHarmonics:
     """Net couple on the intermediate shaft of two equal joints with yokes in line, over x (P).
 
     Z: none. W: T t sin 2x about the normal, T s (1 - cos 2x) in the plane (x counted in convention N; peak 2 T s).
@@ -54,7 +54,7 @@ def double_cardan(angle: object, torque: object, arrangement: str) -> couples.Co
     bend, given = np.asarray(angle, dtype=float), np.asarray(torque, dtype=float)
     factor = 1.0 if arrangement == "W" else 0.0
     slope, tilt = factor * given * np.tan(bend), factor * given * np.sin(bend)
-    return couples.CoupleHarmonics(tilt, 1j * slope, tilt + 0j)
+    return cross.CoupleHarmonics(tilt, 1j * slope, tilt + 0j)
 
 
 def close(found: object, expected: object, relative: float = 1e-13) -> None:
@@ -63,12 +63,12 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
     )
 
 
-def size(couple: couples.Couple) -> np.ndarray:
+def size(couple: cross.Couple) -> np.ndarray:
     return np.hypot(couple.normal, couple.inplane)
 
 
 def follows(
-    history: couples.Couple, closed: couples.CoupleHarmonics, angle: np.ndarray, within: float
+    history: cross.Couple, closed: cross.CoupleHarmonics, angle: np.ndarray, within: float
 ) -> None:
     """A couple over the angle is its mean and second harmonic."""
     turn = np.exp(2j * angle)
@@ -81,14 +81,14 @@ def follows(
 def test_liu_2023_couples_at_eight_degrees_and_its_corrected_torque() -> None:
     expected = {key: float(value) for key, value in ORACLES["liu2023_r8_alpha30_T800"].items()}
     angle = np.radians(8.0)
-    found = couples.couples(np.radians(30.0), angle, 800.0, convention="N")
+    found = cross.couples(np.radians(30.0), angle, 800.0, convention="N")
     close(
         [-found.driving.yoke, found.driven.yoke, found.driven_torque],
         [expected[key] for key in ("M1", "M2", "T2")],
     )
     close(size(found.driving), -expected["M1"])
     close(size(found.driven), -expected["M2"])
-    zero, quarter = (couples.couples(x, angle, 800.0, convention="N") for x in (0.0, np.pi / 2.0))
+    zero, quarter = (cross.couples(x, angle, 800.0, convention="N") for x in (0.0, np.pi / 2.0))
     close([zero.driving.yoke, zero.driven_torque], [expected["M1_max"], expected["T2_max"]])
     close([-quarter.driven.yoke, quarter.driven_torque], [expected["M2_max"], expected["T2_min"]])
     printed = (1.0 - (np.sin(angle) * np.cos(np.radians(30.0))) ** 2) / np.cos(angle) * 800.0
@@ -100,7 +100,7 @@ def test_liu_2023_couples_at_eight_degrees_and_its_corrected_torque() -> None:
 def test_harmonics_of_unit_torque_agree_with_the_reference_values(degrees: int) -> None:
     expected, (driving, driven) = (
         ORACLES[f"joint_{degrees}"],
-        couples.couple_harmonics(np.radians(degrees), 1.0),
+        cross.couple_harmonics(np.radians(degrees), 1.0),
     )
     close([driving.mean, np.abs(driven.normal)], [expected["tan_b_over_2"]] * 2)
     close([driven.mean, np.abs(driven.inplane)], [expected["sin_b_over_2"]] * 2)
@@ -113,7 +113,7 @@ def turn(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("convention", ["P", "N"])
 @pytest.mark.parametrize("carrier", CARRIERS)
 def test_couple_stands_square_to_both_pins_of_the_cross(
-    carrier: couples.Carrier, convention: cross.Convention
+    carrier: cross.Carrier, convention: cross.Convention
 ) -> None:
     rng = np.random.default_rng(1)
     for _ in range(300):
@@ -133,7 +133,7 @@ def test_couple_stands_square_to_both_pins_of_the_cross(
         )
         square = np.cross(pin, driven_pin)
         along = square / (square @ (first if carrier == "driving" else second)) * 3.0
-        found = couples.couples(driving, angle, 3.0, carrier, convention)
+        found = cross.couples(driving, angle, 3.0, carrier, convention)
         scale = 1e-14 * np.linalg.norm(along)
         assert abs(found.driving_torque - along @ first) < scale
         assert abs(found.driven_torque - along @ second) < scale
@@ -150,18 +150,18 @@ def test_couple_stands_square_to_both_pins_of_the_cross(
 @pytest.mark.parametrize("convention", ["P", "N"])
 @pytest.mark.parametrize("carrier", CARRIERS)
 def test_fixed_axes_hold_a_mean_and_a_second_harmonic_only(
-    carrier: couples.Carrier, convention: cross.Convention
+    carrier: cross.Carrier, convention: cross.Convention
 ) -> None:
     x, angle = np.linspace(0.0, 7.0, 71), 0.7
-    found = couples.couples(x, angle, 5.0, carrier, convention)
+    found = cross.couples(x, angle, 5.0, carrier, convention)
     own = x if carrier == "driving" else x + cross.transfer(x, angle, convention).error
-    closed = couples.couple_harmonics(angle, 5.0, carrier, convention)
+    closed = cross.couple_harmonics(angle, 5.0, carrier, convention)
     for history, part in zip((found.driving, found.driven), closed, strict=True):
         follows(history, part, own, 2e-14)
 
 
 @pytest.mark.parametrize("carrier", CARRIERS)
-def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: couples.Carrier) -> None:
+def test_torque_varies_along_a_line_as_speed_does_inversely(carrier: cross.Carrier) -> None:
     x, case = (
         np.linspace(0.0, 6.0, 31),
         line.line_of([0.3, 0.5, 0.2], [0.0, 0.4, 1.0], [0.1, 0.7, -0.3]),
@@ -214,16 +214,16 @@ def test_moments_of_a_whole_line_in_space_balance() -> None:
         np.testing.assert_allclose(total, expected, rtol=0.0, atol=1e-13)
 
 
-def in_space(couple: couples.Couple, shaft: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def in_space(couple: cross.Couple, shaft: np.ndarray, normal: np.ndarray) -> np.ndarray:
     return couple.normal * normal + couple.inplane * np.cross(shaft, normal)
 
 
 @pytest.mark.parametrize("carrier", CARRIERS)
 def test_couples_at_almost_ninety_degrees_do_the_work_of_the_torques(
-    carrier: couples.Carrier,
+    carrier: cross.Carrier,
 ) -> None:
     angle, x = np.radians(89.99), np.linspace(-4.0, 4.0, 101)
-    found = couples.couples(x, angle, 1.0, carrier)
+    found = cross.couples(x, angle, 1.0, carrier)
     assert np.all(np.isfinite(size(found.driving)))
     close(found.driven_torque * cross.transfer(x, angle).ratio, found.driving_torque, 1e-14)
     close(

@@ -7,7 +7,7 @@ import pytest
 from tests.output.browser.opened import EVERY, Opened
 
 from torsion.output.blocks import Table
-from torsion.output.figure_csv import csv_of, file_name
+from torsion.output.report_figures import csv_of, file_name
 from torsion.output.table_text import file_name as table_file
 from torsion.output.table_text import table_text
 

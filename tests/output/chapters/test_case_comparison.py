@@ -15,8 +15,7 @@ import torsion
 from torsion import commands
 from torsion.findings import NORMAL, Findings, Unanswered
 from torsion.output.blocks import Box, Heading, Table
-from torsion.output.chapters.case_comparison import chapter
-from torsion.output.chapters.case_verdict import overview, side_by_side
+from torsion.output.chapters.case_comparison import chapter, overview, side_by_side
 from torsion.output.check_words import is_listed
 from torsion.output.document import document
 from torsion.output.figures.figure import Figure

@@ -9,7 +9,7 @@ import pytest
 import torsion
 from torsion.findings import Findings, Plan, PlanLine
 from torsion.output.blocks import Heading, KeyValues, Paragraph, Table, Verbatim
-from torsion.output.chapters import chapters, provenance
+from torsion.output.chapters import chapters, closing
 from torsion.output.reports import Report
 
 SCENES = Path(__file__).parents[3] / "shafting_specs"
@@ -49,7 +49,7 @@ def test_steps_with_their_times(bare: Findings) -> None:
         (("l", "o"),),
         {"lib": "1"},
     )
-    head, done, time, left, versions = provenance.steps(replace(bare, plan=plan))
+    head, done, time, left, versions = closing.steps(replace(bare, plan=plan))
     assert head == Heading("Appendix: what was computed")
     assert isinstance(done, Table)
     assert isinstance(left, Table)
@@ -58,15 +58,14 @@ def test_steps_with_their_times(bare: Findings) -> None:
     assert left.rows == (("l", "o"),)
     assert versions == KeyValues((("lib", "1"),))
     assert (
-        len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={})))))
-        == 3
+        len(list(closing.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 3
     )
 
 
 def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) -> None:
     keyed = torsion.read(SCENES / "keyed_shaft.yaml")
     found = replace(bare, study=keyed)
-    head, _, said, text = provenance.input_file(found)
+    head, _, said, text = closing.input_file(found)
     assert head == Heading("Appendix: the input as read")
     assert isinstance(said, KeyValues)
     sums = [
@@ -77,10 +76,10 @@ def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) ->
     assert said.pairs[0][0].endswith("keyed_shaft.yaml")
     assert said.pairs[1][0].endswith("keyed_60_mm.msh")
     assert text == Verbatim((SCENES / "keyed_shaft.yaml").read_text(encoding="utf-8"))
-    _, _, said, _ = provenance.input_file(replace(bare, study=replace(bare.study, file="")))
+    _, _, said, _ = closing.input_file(replace(bare, study=replace(bare.study, file="")))
     assert isinstance(said, KeyValues)
     assert [name for name, _ in said.pairs] == ["Input"]
-    assert list(provenance.input_file(replace(bare, study=replace(bare.study, text="")))) == []
+    assert list(closing.input_file(replace(bare, study=replace(bare.study, text="")))) == []
 
 
 @pytest.mark.parametrize("name", ["nowhere", "plant:nothing"])

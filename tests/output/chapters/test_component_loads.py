@@ -18,7 +18,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters import component_loads
 from torsion.output.numbers import number
-from torsion.output.selection import NO_VALUE
+from torsion.output.scene import NO_VALUE
 from torsion.rules.shaft_stress import judging, limits_of
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 

@@ -21,7 +21,7 @@ from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.exact_response import MODEL, chapter, first_order_judged
-from torsion.output.selection import elements
+from torsion.output.scene import elements
 
 RPM = 30.0 / math.pi
 TRAIN = """

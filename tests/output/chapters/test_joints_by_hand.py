@@ -23,7 +23,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.component_loads import component_loads
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
-from torsion.output.chapters import joint_tables
+from torsion.output.chapters import joint_motion
 from torsion.output.chapters.joint_motion import alone, chapter, summary
 from torsion.output.numbers import NONE, number
 from torsion.rules.verdict_line import Checks
@@ -142,7 +142,7 @@ def figures(found: Sequence[Block]) -> dict[str, Figure]:
 
 def test_geometry_and_each_joint_alone() -> None:
     degrees, small = 0.03 / DEG, 1e-3 / DEG
-    assert rows(joint_tables.geometry(JOINTS)) == [
+    assert rows(joint_motion.geometry(JOINTS)) == [
         ("inner", "cross", "20", "7", "30", "40", "5", f"{degrees:.4f}", "50", "12.460"),
         ("straight", "cross", "0", "7", "30", "40", "5", "0", NONE, "12.460"),
         ("pot", "tripod", "10", "11", "−50", "160", "3", f"{small:.6f}", "0", "0"),
@@ -151,7 +151,7 @@ def test_geometry_and_each_joint_alone() -> None:
 
 
 def test_lines_of_joints_as_one() -> None:
-    assert rows(joint_tables.lines(JOINTS)) == [
+    assert rows(joint_motion.lines(JOINTS)) == [
         (
             "inner, straight",
             "25.000",
@@ -166,11 +166,11 @@ def test_lines_of_joints_as_one() -> None:
         ("pot, cv", "0", "24.000", NONE, "1.123457", NONE, "0.8765432", NONE, "0"),
     ]
     one = together((FIRST,), (line(0, index=ROUNDING, resultant=1e-6, classical=1.0000001e-6),))
-    assert rows(joint_tables.lines(one))[0][1:4] == ("0", "5.7296·10⁻⁵", NONE)
+    assert rows(joint_motion.lines(one))[0][1:4] == ("0", "5.7296·10⁻⁵", NONE)
 
 
 def test_motion_at_speed() -> None:
-    (made,) = joint_tables.at_speed(JOINTS)
+    (made,) = joint_motion.at_speed(JOINTS)
     assert rows(made) == [
         (
             "inner",
@@ -190,13 +190,13 @@ def test_motion_at_speed() -> None:
             f"{30 * RPM * 20:.1f}",
         ),
     ]
-    assert list(joint_tables.at_speed(together((TRIPOD,)))) == []
+    assert list(joint_motion.at_speed(together((TRIPOD,)))) == []
     limit = joint("a", steepest=ROUNDING)
-    assert rows(next(joint_tables.at_speed(together((limit,)))))[0][4] == "0"
+    assert rows(next(joint_motion.at_speed(together((limit,)))))[0][4] == "0"
 
 
 def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
-    made = joint_tables.couples(JOINTS)
+    made = joint_motion.couples(JOINTS)
     assert rows(made) == [
         ("inner", "driving", "5.0000", "5.0000", "2", "1.0000", "1.5000", "7.6540", "4321.0", NONE),
         ("inner", "driven", "5.0000", "5.0000", NONE, "1.0000", "1.5000", "7.6540", NONE, NONE),
@@ -217,7 +217,7 @@ def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
 def test_couples_without_bearings_and_force() -> None:
     """Torques of less than 1 kN m beside couples of more; neither column of newtons."""
     small = joint("a", torque=-900.0, couples=(couple("driven"),))
-    made = joint_tables.couples(together((small, EVEN)))
+    made = joint_motion.couples(together((small, EVEN)))
     assert rows(made) == [("a", "driven", "−900.00", "5000.0", "2", "1000.0", "1500.0", "7654.0")]
     assert [made.columns[2].unit, made.columns[3].unit] == ["N m", "N m"]
 
@@ -245,7 +245,7 @@ def test_couples_without_bearings_and_force() -> None:
 )
 def test_the_best_choice_and_its_gain(changed: dict, cells: tuple[str, ...], gain: str) -> None:
     found = line(2, 3, optimum=optimum(**changed))
-    made, said = joint_tables.optimum(JOINTS, found)
+    made, said = joint_motion.optimum(JOINTS, found)
     assert isinstance(made, Table)
     assert isinstance(said, Paragraph)
     assert rows(made) == [("outer", *cells)]
@@ -255,19 +255,19 @@ def test_the_best_choice_and_its_gain(changed: dict, cells: tuple[str, ...], gai
     )
     assert gain in said.text
     assert said.brief
-    assert f"Optimum phase: outer {cells[1]} deg." in list(joint_tables.in_short(JOINTS, found))[1]
+    assert f"Optimum phase: outer {cells[1]} deg." in list(joint_motion.in_short(JOINTS, found))[1]
 
 
 def test_a_choice_for_other_joints_than_are_named_is_refused() -> None:
     mixed = line(2, 3, optimum=optimum(names=("outer", "inner")))
-    for reads in (joint_tables.optimum, joint_tables.in_short):
+    for reads in (joint_motion.optimum, joint_motion.in_short):
         with pytest.raises((ValueError, IndexError), match=r"shorter|out of bounds"):
             list(reads(JOINTS, mixed))
 
 
 def test_a_line_in_words() -> None:
     def said(**changed: object) -> str:
-        (sentence,) = joint_tables.in_short(JOINTS, line(0, 1, **changed))
+        (sentence,) = joint_motion.in_short(JOINTS, line(0, 1, **changed))
         return sentence
 
     uneven = "The line of inner, straight rotates its last shaft with a degree of non-uniformity of"
@@ -282,7 +282,7 @@ def test_a_line_in_words() -> None:
 
 
 def test_curves_over_the_angle_as_columns(bare: Findings) -> None:
-    known = dict(joint_tables.columns(bare.having(joints=JOINTS)))
+    known = dict(joint_motion.columns(bare.having(joints=JOINTS)))
     wanted = {
         "angle of first shaft [deg]": [0.0, 100.0, 250.0, 360.0],
         "inner error [deg]": 0.02 * WAVE / DEG,
@@ -322,7 +322,7 @@ def test_blocks_of_the_chapter_in_their_order(bare: Findings) -> None:
     assert all(block.short for block in made if isinstance(block, Table))
     whole = list(chapter(bare.having(joints=JOINTS)))
     shown = [block.short for block in whole if isinstance(block, Table) and block.short]
-    assert shown == [joint_tables.LINES]
+    assert shown == [joint_motion.LINES]
     assert not any(block.brief for block in whole if isinstance(block, Paragraph | Points))
     assert [type(block) for block in whole] == [type(block) for block in made]
 

@@ -6,21 +6,24 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
-from torsion.output.figures.curves_over_speed import TOTAL
-from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
-from torsion.output.figures.frequencies_over_speed import Crossing, highest_shown, met, whirling
-from torsion.output.figures.ranges import (
+from torsion.output.figures.curves import (
     MOST_LINES,
     SPEED,
+    TOTAL,
     Bands,
+    Crossing,
     Lines,
     amplitudes,
     barred_bands,
+    highest_shown,
+    met,
     orders,
     rated_level,
     span,
     unanswered,
+    whirling,
 )
+from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
 from torsion.output.numbers import number
 
 STANDING = "nearly singular: next to a resonance that nothing damps"

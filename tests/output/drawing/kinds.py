@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from tests.output.drawing import curves_by_hand
 
-from torsion.output.figures import curves_over_speed, curves_over_time, joint_curves, mode_shape
+from torsion.output.figures import curves, mode_shape
 from torsion.output.figures.figure import Axis, Cells, Disc, Figure, Link, Panel, Sketch
 
 SPEED = np.linspace(300.0, 1800.0, 61)
@@ -117,8 +117,8 @@ KINDS: dict[str, Figure] = {
         "g", "c", **OVER_SPEED, vibratory=BUMP, mean=BUMP * 0 + 50, unit="N m", limit=70.0
     ),
     "frequency": frequency(),
-    "joint": joint_curves.joint_turn("j", "c", TURN * RAD, PANELS, "<j>"),
-    "stability": curves_over_speed.stability(
+    "joint": curves.joint_turn("j", "c", TURN * RAD, PANELS, "<j>"),
+    "stability": curves.stability(
         "stability",
         "c",
         SPEED * RAD_PER_S,
@@ -126,7 +126,7 @@ KINDS: dict[str, Figure] = {
         [SimpleNamespace(first=840 * RAD_PER_S, last=960 * RAD_PER_S, name="of <mode> 1 & $x$")],
         1500.0,
     ),
-    "stability map": curves_over_speed.stability_map(
+    "stability map": curves.stability_map(
         "c",
         SPEED * RAD_PER_S,
         Axis("joint angle", "deg"),
@@ -156,7 +156,7 @@ KINDS: dict[str, Figure] = {
         near=[BAD, BAD],
         singular=[BAD, SPEED < 320.0],
     ),
-    "over time": curves_over_time.over_time(
+    "over time": curves.over_time(
         "motion 1",
         "c",
         SPEED,

@@ -11,8 +11,7 @@ from tests.output.drawing.dark_colours import PAPER, contrast, dark
 
 from torsion import output
 from torsion.output.drawing.pens import BANDS, COLOURS, GRADES, GRID, INK, ROLES, Pattern
-from torsion.output.drawing.sketch import FILLS
-from torsion.output.drawing.sketch_words import SOFT
+from torsion.output.drawing.sketch import FILLS, SOFT
 
 OUTPUT = Path(output.__file__).parent
 COLOUR = re.compile("#[0-9a-fA-F]{6}")

@@ -8,8 +8,7 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
-from torsion.output.drawing.image import SHADES, cells, palette
-from torsion.output.figures.contours import level_line
+from torsion.output.drawing.image import SHADES, cells, level_line, palette
 from torsion.output.figures.figure import Cells
 
 X, Y = np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0])

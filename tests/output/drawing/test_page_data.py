@@ -14,11 +14,11 @@ from tests.output.drawn import named
 
 from torsion.output.drawing.page_data import LEFT_OUT, MOST_POINTS, THINNED, Page
 from torsion.output.drawing.svg import framed
-from torsion.output.drawing.text import plain
-from torsion.output.figure_csv import Cells, csv_of, pieces
+from torsion.output.drawing.words import plain
 from torsion.output.figures import mode_shape
-from torsion.output.figures.curves_over_time import over_time
+from torsion.output.figures.curves import over_time
 from torsion.output.figures.figure import Axis, Figure
+from torsion.output.report_figures import Cells, csv_of, pieces
 
 
 def read(*figures: Figure) -> tuple[list[dict[str, Any]], list[np.ndarray], list[list[str]]]:

@@ -9,8 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from torsion.output.drawing.frame import GROWTH, horizontal, vertical
-from torsion.output.drawing.scales import degree_step, log_ticks, scale, step_of, texts, ticks_of
+from torsion.output.drawing.frame import (
+    GROWTH,
+    degree_step,
+    horizontal,
+    log_ticks,
+    scale,
+    step_of,
+    texts,
+    ticks_of,
+    vertical,
+)
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.words import width
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel

@@ -14,10 +14,9 @@ from tests.output.drawn import named
 from torsion.output.drawing.frame import WIDTH
 from torsion.output.drawing.pens import COLOURS, DASHES, stroke
 from torsion.output.drawing.svg import description, svg
-from torsion.output.drawing.text import plain
-from torsion.output.drawing.words import GROWTH, SIZE, width
+from torsion.output.drawing.words import GROWTH, SIZE, plain, width
+from torsion.output.figures.curves import orders
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
-from torsion.output.figures.ranges import orders
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -12,12 +12,12 @@ import torsion
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.output import results_json
-from torsion.output.plain import numbers
 from torsion.output.reports import END
 from torsion.output.results_json import (
     SERIES,
     lines,
     listed,
+    numbers,
     text,
     write_json,
 )

@@ -20,7 +20,7 @@ from torsion.study import Study
 from torsion.what_if.design.design_results import Design
 from torsion.what_if.design.design_run import run
 from torsion.what_if.sweep.sweep_results import Sweep
-from torsion.what_if.variants.sampling import units
+from torsion.what_if.variants.laws import uniform_samples
 
 SCENES = Path(__file__).parents[3] / "shafting_specs"
 SCENE = SCENES / "design_coupling.yaml"
@@ -114,7 +114,7 @@ def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
         "cases: {heavy: {set: {disc-2.inertia: 1.6}}}"
     )
     found = designed(text)
-    softest = 1.0 - 0.03 * (1.0 - 2.0 * units(16, 1, "latin", 1).min())
+    softest = 1.0 - 0.03 * (1.0 - 2.0 * uniform_samples(16, 1, "latin", 1).min())
     assert found.picked[0] * softest == pytest.approx(
         (2 * pi * 30.0) ** 2 / (1 / 1.2 + 1 / 1.6), rel=2e-5
     )

@@ -15,7 +15,7 @@ from torsion.output.chapters.design import design_line
 from torsion.rules import rule_over_speed
 from torsion.rules.verdict_line import Checks
 from torsion.what_if.design.design_results import Design
-from torsion.what_if.variants.one_by_one import solved
+from torsion.what_if.variants.chunks import solved
 
 SIZES = """name,stiffness [kN*m/rad],psi,rated_torque [kN*m],vibratory_torque [N*m],mass [kg]
 small,9.6,0.9,1.25,190,34

@@ -11,14 +11,14 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
-from torsion.output.chapters import first_page
+from torsion.output.chapters import verdict
 from torsion.output.chapters.sweep import chapter
 from torsion.output.figures.figure import Figure
 from torsion.rules.verdict_line import Checks
-from torsion.what_if.sweep.sobol_indices import estimated
 from torsion.what_if.sweep.sweep_results import Grid, Sweep
-from torsion.what_if.variants import one_by_one
-from torsion.what_if.variants.sampling import units
+from torsion.what_if.sweep.sweep_run import estimated
+from torsion.what_if.variants import chunks
+from torsion.what_if.variants.laws import units
 
 TWO = """name: two discs
 materials: {steel-2: {shear_modulus: 79.3 GPa, density: 7850 kg/m**3, loss_factor: 0.002}}
@@ -123,7 +123,7 @@ def test_where_a_check_begins_to_fail_is_that_of_the_closed_form() -> None:
 
 
 def test_a_curve_says_on_the_first_page_where_variants_fail() -> None:
-    lines = dict(first_page.box(solved("coupling_curve")).lines)
+    lines = dict(verdict.box(solved("coupling_curve")).lines)
     assert lines["Sweep"].startswith(
         "7 of 26 variants fail a check: rubber coupling.stiffness 48 kN*m/rad to 60"
     )
@@ -195,7 +195,7 @@ def test_lists_that_vary_together_go_row_by_row() -> None:
 
 
 def test_laws_are_side_by_side_in_every_row_of_a_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(chunks, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept(
         "vary: {coupling-1.stiffness: {uniform: 10 %}, disc-2.inertia: {values: [0.4, 0.8, 1.6]}}, samples: 128"
     )
@@ -205,7 +205,7 @@ def test_laws_are_side_by_side_in_every_row_of_a_list(monkeypatch: pytest.Monkey
 
 
 def test_lists_of_numbers_alone_are_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(chunks, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept("vary: {coupling-1.stiffness: {values: [10 kN*m/rad, 20 kN*m/rad, 40 kN*m/rad]}}")
     assert gridded(found).frequency[0] == pytest.approx(exact([1e4, 2e4, 4e4]), rel=1e-13)
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from torsion.what_if.variants.laws import Law
-from torsion.what_if.variants.sampling import SCRAMBLES, factors, probability, units
+from torsion.what_if.variants.laws import SCRAMBLES, Law, factors, probability, units
 
 EXACT = 0.110455774875150582  # two equal discs exceed 34 Hz: ln f is normal
 LAWS = [

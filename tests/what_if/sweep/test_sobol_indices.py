@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from torsion.what_if.sweep.sobol_indices import estimated
-from torsion.what_if.variants.sampling import SCRAMBLES, units
+from torsion.what_if.sweep.sweep_run import estimated
+from torsion.what_if.variants.laws import SCRAMBLES, units
 
 PER_SEQUENCE = 16
 

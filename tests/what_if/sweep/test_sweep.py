@@ -14,14 +14,14 @@ from torsion.columns import NotInColumns
 from torsion.commands import plan
 from torsion.errors import InputError, SolveError
 from torsion.findings import Plan, Unanswered
-from torsion.output.chapters import first_page
+from torsion.output.chapters import verdict
 from torsion.output.numbers import number
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 from torsion.what_if.sweep.sweep_results import Sweep
-from torsion.what_if.sweep.sweep_summary import _decides
-from torsion.what_if.variants import frequencies, one_by_one
-from torsion.what_if.variants.sampling import probability
+from torsion.what_if.sweep.sweep_run import _decides
+from torsion.what_if.variants import chunks, frequencies
+from torsion.what_if.variants.laws import probability
 
 SCENES = Path(__file__).parents[3] / "shafting_specs"
 TWO = """name: two discs
@@ -94,7 +94,7 @@ def test_variants_side_by_side_are_the_file_with_the_figures_written_in(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     study = drive(sweep=f"vary: {VARIED}, samples: 128, results: [modes]")
-    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(chunks, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept(study)
     for variant in (0, 31, 127):
         figures = written(found.factor[variant])
@@ -149,7 +149,7 @@ def test_closed_loops_are_side_by_side(
 ) -> None:
     study = torsion.parse(text % f"vary: {{{vary}}}, samples: 128")
     with monkeypatch.context() as patch:
-        patch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
+        patch.setattr(chunks, "shared_out", lambda *given: pytest.fail("solved one by one"))
         found = swept(study)
     monkeypatch.setattr(frequencies, "certified", refused)
     alone = swept(study)
@@ -180,12 +180,12 @@ def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
     """The last mode of a variant, and the length of a shaft, say in how many segments it is."""
     study, solved, counted = (
         torsion.parse(SHAFTS.replace("VARY", vary)),
-        one_by_one.shared_out,
+        chunks.shared_out,
         list[int](),
     )
     with monkeypatch.context() as patch:
         patch.setattr(
-            one_by_one,
+            chunks,
             "shared_out",
             lambda function, rows: counted.append(len(rows)) or solved(function, rows),
         )
@@ -214,7 +214,7 @@ def test_variants_that_need_shorter_pieces_of_a_shaft_are_solved_by_themselves()
 def test_figures_that_enter_as_a_sum_are_found_side_by_side(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(chunks, "shared_out", lambda *given: pytest.fail("solved one by one"))
     text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
     found = swept(
         torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128")
@@ -243,7 +243,7 @@ def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.Monke
 def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
     left = Unanswered("response", "response", "why", "", None, True, False, "")
     findings = SimpleNamespace(plan=Plan((), (), {}, (left,)))
-    answers = one_by_one.Answers.of_findings(findings, 1)
+    answers = chunks.Answers.of_findings(findings, 1)
     assert answers.faults == {0: "response: why"}
 
 
@@ -265,7 +265,7 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
     }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
     for one in ((half, unknown), (unknown, half)):
-        answers = one_by_one.Answers.of_findings(findings(one), 0)
+        answers = chunks.Answers.of_findings(findings(one), 0)
         assert answers.checks.popitem()[1][0] == [0.5]
 
 
@@ -280,10 +280,10 @@ def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
         "has_limit": True,
         "utilisation": 0.5,
     }
-    answers = one_by_one.Answers.empty(0, 2)
-    for place, verdict in enumerate(("pass", "not judged")):
-        lines = (SimpleNamespace(verdict=verdict, **words),)
-        answers.take(place, one_by_one.Answers.of_findings(findings(lines), 0))
+    answers = chunks.Answers.empty(0, 2)
+    for place, word in enumerate(("pass", "not judged")):
+        lines = (SimpleNamespace(verdict=word, **words),)
+        answers.take(place, chunks.Answers.of_findings(findings(lines), 0))
     assert answers.checks.popitem()[1][1].tolist() == [False, True]
 
 
@@ -303,7 +303,7 @@ def test_variants_have_every_analysis_that_the_checks_of_the_file_read() -> None
 
 def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
     found = torsion.run(drive((*BASE[:1], 0.9, *BASE[2:]), sweep=f"vary: {VARIED}, samples: 128"))
-    whole, made = found.need(Sweep).any_fails, first_page.box(found)
+    whole, made = found.need(Sweep).any_fails, verdict.box(found)
     assert 0 < whole.failing < 128
     assert (made.sign, found.exit_status) == ("!", 1)
     share, low, high = (
@@ -316,7 +316,7 @@ def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
         any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291),
     )
     assert (
-        dict(first_page.box(found.having(sweep=none)).lines)["Sweep"]
+        dict(verdict.box(found.having(sweep=none)).lines)["Sweep"]
         == "none of 128 variants fails (95 % CI 0 to 2.91 %)"
     )
 

@@ -1,14 +1,31 @@
 """How far a model is from the reference: relative errors of frequencies, of mode shapes and of response torques."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from math import pi
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray
-from torsion.assembly.shafts import bar_segments
+from torsion.analyses.compare.timing import Candidate, Effort
+from torsion.analyses.discretisation import assembled
+from torsion.analyses.response.harmonic_components import Line, Sources, excitations, sources
+from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.steady import steady_if_known
+from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.assembly import assemble
+from torsion.assembly.section.solved_sections import resolved
+from torsion.assembly.spans import bar_segments
 from torsion.assembly.system import System
+from torsion.errors import Fault, Path
 from torsion.sources import source
+from torsion.study import FiniteElements, Study
+from torsion.train import Train
 
 TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and any mixture of their shapes is right
 NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared
@@ -103,3 +120,196 @@ def over_peaks(exact: Sequence[ComplexArray], torques: Sequence[ComplexArray]) -
         share[~np.isfinite(torque[:, compared])] = np.inf
         errors.append(float(share.max(initial=0.0)))
     return tuple(errors)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Sections of a system in the order of its components, the same in every model."""
+
+    name: tuple[str, ...]
+    span: IntArray  # (ends,)
+    station: IntArray  # (ends,) of the half segment's inertia
+    lump: FloatArray  # (ends,) kg m2: that inertia; 0 where there is none
+
+
+def driving_ends(system: System) -> Ends:
+    """Return one end for each shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
+    ends = sorted([*_links(system), *_shafts(system)], key=itemgetter(0))
+    _, names, spans, stations, lumps = zip(*ends, strict=True) if ends else ((),) * 5
+    return Ends(names, np.array(spans, int), np.array(stations, int), np.array(lumps, float))
+
+
+def _links(system: System) -> Iterator[tuple[int, str, int, int, float]]:
+    """Yield component, name, span, station and lump of every span that is no shaft; these are the first."""
+    for k in range(len(system.train.springs) + len(system.train.constraints)):
+        span = system.spans[k]
+        if not system.train.parts[span.part].is_point or system.flexibility[k] != 0:
+            yield span.part, span.name, k, span.driving, 0.0
+
+
+def _shafts(system: System) -> Iterator[tuple[int, str, int, int, float]]:
+    """Yield the same of the driving end of every shaft."""
+    for bar in system.train.bars:
+        spans = (k for k, span in enumerate(system.spans) if span.part == bar.part)
+        first = next(k for k in spans if system.spans[k].driving == bar.driving)
+        is_lumped = system.bars is None and bar.density > 0
+        lump = float(bar_segments(bar, system.segments[bar.name])[1][0]) if is_lumped else 0.0
+        yield bar.part, bar.name, first, bar.driving, lump
+
+
+@dataclass(frozen=True)
+class Load:
+    """One harmonic at every speed."""
+
+    line: Line
+    w: FloatArray  # (speeds,) rad/s
+    sources: Sources
+    ground: FloatArray  # (stations, speeds) N m s/rad
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A system with what acts on it and where its torques are compared."""
+
+    system: System
+    ends: Ends
+    loads: tuple[Load, ...]
+
+    @property
+    def highest(self) -> float:
+        """The highest frequency at which the train is excited, Hz."""
+        return max((float(load.w.max()) for load in self.loads), default=0.0) / (2.0 * pi)
+
+
+@dataclass(frozen=True)
+class Torques:
+    """The response to one harmonic at all ends."""
+
+    torque: ComplexArray  # (speeds, ends) N m at own speed
+    residual: FloatArray  # (speeds,) relative
+    status: np.ndarray  # (speeds,) uint8: kernels.tree_response.Status
+
+
+def loaded(
+    system: System, study: Study, speed: FloatArray, orders: tuple[Fraction, ...] | None = None
+) -> Loaded:
+    """Return the system with the torques and joints that excite it, and its damping, at every speed (speeds,) rad/s.
+
+    orders: None for every order; fixed frequencies always. Raises InputError where a mean torque that an excitation or
+    a damping follows is not given.
+    """
+    mean = steady_if_known(study, system, speed)
+    ground = ground_damping(system, speed, mean)
+    loads = tuple(
+        Load(
+            excitation.line,
+            excitation.line.circular_frequency(speed),
+            sources(system, excitation, speed, mean),
+            ground,
+        )
+        for excitation in excitations(system, orders)
+    )
+    return Loaded(system, driving_ends(system), loads)
+
+
+def response_torques(given: Loaded) -> list[Torques]:
+    """Return the torques of every harmonic, and how far they can be trusted."""
+    ends = given.ends
+    torques = list[Torques]()
+    for load in given.loads:
+        solution = answer(given.system, load.w, load.sources, load.ground)
+        half_segment = (load.w**2)[:, None] * ends.lump * solution.angle[:, ends.station]
+        at_ends = solution.torque[:, ends.span] - half_segment
+        torques.append(Torques(at_ends, solution.residual, solution.status))
+    return torques
+
+
+Named = Callable[
+    [str, str, int, Callable[[], System]], Candidate
+]  # of method, words, size and what assembles it
+COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
+
+
+def loop_faults(study: Study, path: Path) -> list[Fault]:
+    """Return the fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
+    if not (study.train.has_shafts and study.train.has_loops):
+        return []
+    message = "errors are against the exact model, which does not support closed loops, and `links` closes one"
+    return [Fault(path, message, "leave `links` or the check out")]
+
+
+def plain(study: Study) -> Study:
+    """Return the study in the exact model, its shafts without a number of segments of their own, sections already solved."""
+    train = divided(resolved(study.train), None)
+    return replace(
+        study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements()
+    )
+
+
+def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
+    """Return the train with so many segments a shaft (or by its name); a massless shaft is a spring and stays as it is."""
+
+    def of(name: str) -> int | None:
+        return number[name] if isinstance(number, Mapping) else number
+
+    bars = (replace(bar, segments=of(bar.name)) if bar.density > 0 else bar for bar in train.bars)
+    return replace(train, bars=tuple(bars))
+
+
+def ready(
+    train: Train,
+    model: str,
+    *,
+    frequency: float = 0.0,
+    degree: int | None = None,
+    elements: int | None = None,
+) -> System:
+    """Return a system with its tree and the laws of its shafts, which are made when first used."""
+    system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
+    _ = system.condensed, system.condensed_shafts
+    return system
+
+
+def candidates(
+    train: Train, frequency: float, effort: Effort, named: Named
+) -> list[list[Candidate]]:
+    """Return every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for."""
+
+    def curve(method: str, what: str, most: int, made: Callable[[int], System]) -> list[Candidate]:
+        numbers = (2**k for k in range(most.bit_length()))
+        return [named(method, counted(n, what), n, partial(made, n)) for n in numbers]
+
+    def finite(degree: int, elements: int) -> System:
+        return ready(train, "fem", frequency=frequency, degree=degree, elements=elements)
+
+    curves = [
+        curve("lumped", "segment", effort.segments, lambda n: ready(divided(train, n), "lumped"))
+    ]
+    for degree in effort.degrees:
+        most = max(1, effort.unknowns // degree)
+        curves.append(curve(f"fem, degree {degree}", "element", most, partial(finite, degree)))
+    exact = partial(ready, train, "exact", frequency=frequency)
+    pieces = max(exact().segments.values())
+    return [*curves, [named("exact", counted(pieces, "piece"), pieces, exact)]]
+
+
+def counted(number: int, what: str) -> str:
+    """Return a number with its noun in the right form."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, Modes]:
+    """Return the lowest `count` modes (None: those up to `highest`, Hz) of the exact model, and of twice as many pieces."""
+    system = assembled(study, highest)
+    if count is None:
+        count = COUNT
+        if highest > 0.0 and system.condensed_shafts is not None:
+            from torsion.analyses.modes.modal_basis import reach
+
+            count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
+    solved_modes = modes(system, count)
+    finer = ready(
+        divided(study.train, {name: 2 * n for name, n in solved_modes.system.segments.items()}),
+        "exact",
+    )
+    return solved_modes, modes_as_discretised(finer, count)

@@ -10,14 +10,18 @@ from math import pi
 
 import numpy as np
 
-from torsion.analyses.compare.compared_torques import (
+from torsion.analyses.compare.model_errors import (
     Loaded,
     Torques,
+    candidates,
     loaded,
+    loop_faults,
+    over_peaks,
+    plain,
+    reference,
+    relative_errors,
     response_torques,
 )
-from torsion.analyses.compare.model_errors import over_peaks, relative_errors
-from torsion.analyses.compare.shaft_divisions import candidates, loop_faults, plain, reference
 from torsion.analyses.compare.timing import (
     FULL,
     QUICK,

@@ -9,19 +9,18 @@ from typing import Annotated, Literal, Self, get_args
 import numpy as np
 from pydantic import model_validator
 
-from torsion.analyses.compare.compared_torques import (
+from torsion.analyses.compare.model_errors import (
+    COUNT,
     Loaded,
     Torques,
     loaded,
-    response_torques,
-)
-from torsion.analyses.compare.model_errors import (
+    loop_faults,
     over_largest,
     relative_errors,
+    response_torques,
     shape_errors,
     shape_weights,
 )
-from torsion.analyses.compare.shaft_divisions import COUNT, loop_faults
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import excitations
@@ -375,7 +374,7 @@ def _count_below(solved_modes: Modes, highest: float) -> int:
         from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - solved_modes.rigid
-    from torsion.analyses.modes.bars import reach
+    from torsion.analyses.modes.modal_basis import reach
 
     reached = reach(tree, w)
     return (

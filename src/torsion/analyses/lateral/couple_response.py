@@ -6,11 +6,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from torsion.analyses.joints.joint_couples import joint_couples
+from torsion.analyses.joints.joint_analysis import joint_couples
 from torsion.analyses.joints.joint_lines import Placed, motions, path_to
 from torsion.analyses.lateral.beam_matrices import places
-from torsion.analyses.lateral.bending_modes import EPS, Planes
-from torsion.analyses.lateral.bending_shafts import BendingShaft
+from torsion.analyses.lateral.bending_shafts import EPS, BendingShaft, Planes
 from torsion.analyses.lateral.whirl import Critical, criticals
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status

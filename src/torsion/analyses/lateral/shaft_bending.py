@@ -10,10 +10,8 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.analyses.joints.joint_lines import Placed, placed
-from torsion.analyses.lateral.beam_elements import DEGREE
-from torsion.analyses.lateral.beam_matrices import assemble_lateral, places
-from torsion.analyses.lateral.bending_modes import Planes, planes
-from torsion.analyses.lateral.bending_shafts import BendingShaft, bending_shafts
+from torsion.analyses.lateral.beam_matrices import DEGREE, assemble_lateral, places
+from torsion.analyses.lateral.bending_shafts import BendingShaft, Planes, bending_shafts, planes
 from torsion.analyses.lateral.couple_response import (
     Answer,
     Largest,

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.lateral.bending_modes import EPS, Planes
+from torsion.analyses.lateral.bending_shafts import EPS, Planes
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.results import derived, reported, result
 from torsion.sources import source

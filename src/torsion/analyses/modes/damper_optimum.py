@@ -8,7 +8,7 @@ from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import of_train
 from torsion.assembly.system import System
 from torsion.findings import Work
-from torsion.kernels.damping.ring_damper import magnification, tuned, viscous
+from torsion.kernels.ring_damper import magnification, tuned, viscous
 from torsion.primitives import Spring, tabled_spring
 from torsion.results import reported, result
 from torsion.train import Train

@@ -14,8 +14,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.kernels.spanning_forest import connected
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, connected
 
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 TINY = 1e-12  # of the largest amplitude (referred to one speed): an angle that may be rounding

@@ -19,7 +19,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import reach, table_path, taken_at
 from torsion.errors import SolveError
 from torsion.kernels.bracketed_search import find_root
-from torsion.kernels.stiffness_table import STEEPEST, StiffnessTable
+from torsion.kernels.stiffness_laws import STEEPEST, StiffnessTable
 
 Modes = Any  # analyses.undamped_modes.Modes, whose module imports this one
 Tables = Mapping[int, StiffnessTable]

@@ -13,7 +13,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import SolveError
 from torsion.findings import Work
-from torsion.kernels.warming import Warming, equilibria
+from torsion.kernels.stiffness_laws import Warming, equilibria
 from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Study

@@ -8,8 +8,8 @@ from typing import TypeVar
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.power_balance import SAME_SPEED
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
-from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -102,7 +102,7 @@ def modes_reaching(system: System, highest: float, known: Modes | None) -> Modes
         return modes
     if tables := system.tables_over("frequency"):
         from torsion.assembly.tabled_spans import taken_at
-        from torsion.kernels.stiffness_table import STEEPEST
+        from torsion.kernels.stiffness_laws import STEEPEST
 
         # They only place points, so that the ends of tables hold. Where a table is too steep for one frequency a mode,
         # they are those at the stiffness of the highest.
@@ -114,7 +114,7 @@ def modes_reaching(system: System, highest: float, known: Modes | None) -> Modes
         return modes_as_discretised(system, modes.frequency.size)
     if system.condensed.extra.size:
         return modes_as_discretised(system, None)
-    from torsion.analyses.modes.bars import reach
+    from torsion.analyses.modes.modal_basis import reach
 
     return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
 

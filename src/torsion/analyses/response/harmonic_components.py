@@ -10,7 +10,7 @@ from itertools import zip_longest
 
 import numpy as np
 
-from torsion.analyses.speed_tables import interpolated
+from torsion.analyses.power_balance import interpolated
 from torsion.analyses.steady import Steady
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System

@@ -15,8 +15,7 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised, span_to
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.chords import Chords
-from torsion.kernels.tree_response import complex_compliance, status, tree_response
+from torsion.kernels.tree_response import Chords, complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant

@@ -13,7 +13,7 @@ import numpy as np
 
 from torsion.analyses.response.synthesis import common_order
 from torsion.errors import SolveError
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import connected
 from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train
 
@@ -40,7 +40,7 @@ def harmonics_needed(rank: int, joints: Sequence[Fraction], torques: Sequence[Fr
     return max(int(rank * max(joint / order, Fraction(1))), int(torque / order) + 2)
 
 
-def too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveError:
+def period_too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> SolveError:
     """Return why a train needs more than `limit` harmonics: the two worst orders and the gear between them.
 
     vibratory: torques are taken along, not the joints alone.

@@ -8,16 +8,19 @@ from functools import partial
 
 import numpy as np
 
-from torsion.analyses.stability.common_period import harmonics_needed, too_long
+from torsion.analyses.stability.common_period import harmonics_needed, period_too_long
 from torsion.analyses.stability.equations_of_motion import (
+    Operating,
+    Scene,
     linearised,
     mean_angle,
+    operating,
+    rigid_deviation,
     spring_torques,
     state,
     torques,
     turning,
 )
-from torsion.analyses.stability.mechanism_loads import Operating, Scene, operating, rigid_deviation
 from torsion.analyses.stability.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -210,7 +213,9 @@ def harmonics_at_least(mechanism: Scene) -> int:
     )
     limit = min(MOST, (MOST_UNKNOWNS // max(1, mechanism.layout.free) - 1) // 2)
     if first > limit and mechanism.order < 1:
-        raise too_long(mechanism.system.train, rank, limit, vibratory=bool(mechanism.torques))
+        raise period_too_long(
+            mechanism.system.train, rank, limit, vibratory=bool(mechanism.torques)
+        )
     return int(min(max(FEWEST, first), MOST))
 
 

@@ -257,7 +257,7 @@ def run_map(work: Work) -> None:
     speeds = stability.speeds or work.study.operation.speeds
     if settings is None or speeds is None or not exciting_joints(work.system):
         return
-    from torsion.analyses.stability.stability_map import stability_map
+    from torsion.analyses.stability.stability_over_speed import stability_map
 
     with work.log.step("stability map", "requested") as step:
         result = stability_map(

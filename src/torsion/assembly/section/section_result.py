@@ -1,16 +1,173 @@
 """A cross-section by mesh: torsion constant, polar moment and stress modulus, with how far each can be trusted."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import skfem
 
-from torsion.assembly.section.section_checks import refuse_size, sound
-from torsion.assembly.section.section_mesh import SectionFault, Triangles, read_triangles, refined
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.section.section_mesh import (
+    Boundary,
+    SectionFault,
+    Triangles,
+    boundary,
+    edges_of,
+    read_triangles,
+    refined,
+)
 from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
+from torsion.kernels.tree import connected
 from torsion.primitives import Section, SectionMesh
+
+SAME = 1e-9  # of the extent: points nearer than this are one
+FLAT = 1e-10  # of a triangle's longest side squared: twice the area of one that is a line
+SMALLEST, LARGEST = 1e-6, 1e3  # m, extent of a section; beyond it the unit is wrong
+_BLOCK = 256  # sides that are compared with all others at once
+
+
+def sound(mesh: Triangles) -> Triangles:
+    """The mesh with its triangles counterclockwise; raises SectionFault where it is not one whole cross-section.
+
+    Overlaps are found without comparing triangles: where all turn the same way, a point is covered as often as the
+    boundary winds around it, and that is once where the boundary has one outline and does not meet itself.
+    """
+    from scipy.spatial import cKDTree
+
+    tolerance = SAME * float(np.ptp(mesh.points, axis=0).max())
+    mesh = _counterclockwise(mesh)
+    corners = mesh.points[np.unique(mesh.nodes[:, :3])]
+    pairs = cKDTree(corners).query_pairs(tolerance, output_type="ndarray")
+    if len(pairs):
+        hint = "merge them, so that triangles join"
+        raise SectionFault("two points of the mesh coincide", hint, corners[pairs[0, 0]])
+    _refuse_broken_sides(mesh)
+    ends = mesh.sides[:, :2].T
+    pieces = len(np.unique(connected(len(mesh.points), *ends)[ends[0]]))
+    if pieces > 1:
+        raise SectionFault(f"the mesh is in {pieces} pieces", "a cross-section is one piece")
+    edge = boundary(mesh)
+    _refuse_meetings(mesh, edge, tolerance)
+    passed = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
+    if np.any(passed > 1):
+        message, point = "the parts of the section meet only in a point", np.argmax(passed)
+        raise SectionFault(message, "a cross-section is one piece", mesh.points[point])
+    if np.count_nonzero(edge.area > 0) != 1:
+        hint = "one outline around the section, holes within it"
+        raise SectionFault("the triangles overlap", hint)
+    return mesh
+
+
+def refuse_size(extent: float, widest: float) -> None:
+    """Raise SectionFault for an extent (m) that no shaft has, or that is not usual."""
+    unit = "`unit` is the unit of the mesh: m, cm, mm or in"
+    if not SMALLEST <= extent <= LARGEST:
+        raise SectionFault(f"the section is {extent:.3g} m wide", unit)
+    if extent > widest:
+        hint = f"{unit}; usual: at most {widest:g} m; if it is meant, `unusual: true` on the shaft says so"
+        raise SectionFault(f"the section is {extent:.3g} m wide", hint)
+
+
+def _counterclockwise(mesh: Triangles) -> Triangles:
+    """All triangles turned if all are clockwise (seen from behind); raises SectionFault if only some are."""
+    twice = _twice_areas(mesh)
+    x = mesh.points[mesh.nodes[:, :3]]
+    longest = np.max(np.sum((x - np.roll(x, 1, axis=1)) ** 2, axis=2), axis=1)
+    small = np.min(np.abs(twice), axis=1) <= FLAT * longest
+    if np.any(small):
+        raise _triangle(mesh, small, "has no area", "remove it or mesh anew")
+    if np.all(twice < 0):
+        return Triangles(mesh.points, mesh.nodes[:, [0, 2, 1, 5, 4, 3]])
+    turned = np.any(twice < 0, axis=1) & np.any(twice > 0, axis=1)
+    if np.any(turned):
+        raise _triangle(mesh, turned, "is turned inside out by a node amid its sides", "mesh anew")
+    inverted = twice[:, 0] < 0
+    if np.any(inverted):
+        minority = inverted if np.count_nonzero(inverted) * 2 <= len(inverted) else ~inverted
+        raise _triangle(
+            mesh, minority, "is inverted", "the corners of all triangles turn the same way"
+        )
+    return mesh
+
+
+def _triangle(mesh: Triangles, where: BoolArray, what: str, hint: str) -> SectionFault:
+    """The fault of the first of some triangles."""
+    first = int(np.argmax(where))
+    return SectionFault(
+        f"triangle {first + 1} {what},", hint, mesh.points[mesh.nodes[first, :3]].mean(axis=0)
+    )
+
+
+def _twice_areas(mesh: Triangles) -> FloatArray:
+    """(triangles, 7) determinant of the map from the unit triangle, at its six nodes and in its middle."""
+    at = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
+    shape = skfem.MeshTri2(*(np.ascontiguousarray(rows.T) for rows in (mesh.points, mesh.nodes)))
+    by = partial(shape.mapping().J, X=at)
+    return np.asarray(by(0, 0) * by(1, 1) - by(0, 1) * by(1, 0))
+
+
+def _refuse_broken_sides(mesh: Triangles) -> None:
+    """Two triangles at a side run along it in opposite directions and have the same node amid it."""
+    sides, edge = mesh.sides, edges_of(mesh.sides)[2]
+    count, forward = np.bincount(edge), np.bincount(edge, weights=sides[:, 0] < sides[:, 1])
+    bad = ((count > 2) | ((count == 2) & (forward != 1)))[edge]
+    if np.any(bad):
+        hint = "a side belongs to one triangle or to two, one on each hand"
+        raise SectionFault("triangles overlap", hint, mesh.points[sides[np.argmax(bad), 0]])
+    low = np.full(len(count), len(mesh.points))
+    np.minimum.at(low, edge, sides[:, 2])
+    torn = sides[:, 2] != low[edge]
+    if np.any(torn):
+        point = mesh.points[sides[np.argmax(torn), 2]]
+        raise SectionFault(
+            "two triangles do not share the node amid their side", "mesh anew", point
+        )
+
+
+def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
+    """The boundary nowhere touches or crosses itself: no overlap, no crack, no hanging node."""
+    first, last, amid = edge.sides.T
+    start, end = np.concatenate([first, amid]), np.concatenate([amid, last])
+    p, q = mesh.points[start], mesh.points[end]
+    low, high = np.minimum(p, q) - tolerance, np.maximum(p, q) + tolerance
+    for begin in range(0, len(start), _BLOCK):
+        block = slice(begin, begin + _BLOCK)
+        near = np.all((low[block, None] <= high) & (low <= high[block, None]), axis=2)
+        side, facing = np.nonzero(
+            near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None])
+        )
+        side = side + begin
+        meets = _meet(
+            np.stack([start[side], end[side]]),
+            np.stack([start[facing], end[facing]]),
+            mesh.points,
+            tolerance,
+        )
+        if np.any(meets):
+            hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
+            raise SectionFault(
+                "the boundary of the section meets itself", hint, p[side[np.argmax(meets)]]
+            )
+
+
+def _meet(first: IntArray, second: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
+    """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
+    shared = (first[:, None] == second).any(axis=(0, 1))
+    touches, apart = np.zeros(first.shape[1], dtype=bool), list[BoolArray]()
+    for (a, b), ends in ((first, second), (second, first)):
+        start, along = points[a], points[b] - points[a]
+        side = list[FloatArray]()
+        for end in ends:
+            x, y = (points[end] - start).T
+            side.append(np.sign(along[:, 0] * y - along[:, 1] * x))
+            share = np.clip((x * along[:, 0] + y * along[:, 1]) / (along**2).sum(axis=1), 0.0, 1.0)
+            away = np.hypot(x - share * along[:, 0], y - share * along[:, 1])
+            touches |= (end != a) & (end != b) & (away <= tolerance)
+        apart.append(side[0] * side[1] < 0)
+    return np.asarray(touches | (~shared & apart[0] & apart[1]))
+
 
 FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2
 LEVELS = 3  # the mesh, its refinement, and one more

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.sources import source
 
 SAMPLES = 4096  # of a revolution; harmonics fall like (radius / rod)^order, so that all that fit a double are there
 
@@ -130,3 +131,34 @@ def of_samples(values: FloatArray, count: int) -> ComplexArray:
     harmonics = np.fft.rfft(values)[: count + 1] / len(values)
     harmonics[1:] *= 2.0
     return np.asarray(harmonics)
+
+
+@dataclass(frozen=True)
+class Throw:
+    """Dimensions in m; journal and pin hollow or solid, web as a rectangle."""
+
+    journal: tuple[float, float, float]  # diameter, bore, length
+    pin: tuple[float, float, float]
+    web: tuple[float, float]  # thickness along the shaft, width
+    radius: float  # of the crank
+
+
+@source("Carter")
+def carter(throw: Throw, shear_modulus: float) -> float:
+    """N m/rad after Carter (Nestorides, handbook; to be verified)."""
+    (d_j, bore_j, l_j), (d_p, bore_p, l_p), (thick, wide) = throw.journal, throw.pin, throw.web
+    length = (l_j + 0.8 * thick) / (d_j**4 - bore_j**4) + 0.75 * l_p / (d_p**4 - bore_p**4)
+    return math.pi * shear_modulus / 32.0 / (length + 1.5 * throw.radius / (thick * wide**3))
+
+
+@source("KerWilson")
+def ker_wilson(throw: Throw, shear_modulus: float) -> float:
+    """N m/rad after Ker Wilson (Nestorides, handbook; to be verified)."""
+    (d_j, bore_j, l_j), (d_p, bore_p, l_p), (thick, wide) = throw.journal, throw.pin, throw.web
+    length = (l_j + 0.4 * d_j) / (d_j**4 - bore_j**4) + (l_p + 0.4 * d_p) / (d_p**4 - bore_p**4)
+    return (
+        math.pi
+        * shear_modulus
+        / 32.0
+        / (length + (throw.radius - 0.2 * (d_j + d_p)) / (thick * wide**3))
+    )

@@ -15,9 +15,8 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Mass, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider
-from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
-from torsion.kernels.engine.gas_torque import Cylinder, Diagram
-from torsion.kernels.engine.pressure_volume import NoLoop, of_loop
+from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, Diagram, GasLaw
+from torsion.kernels.engine.pressure_cycles import NoLoop, of_loop
 from torsion.model.component import Lowering
 from torsion.model.compressor.record import CompressorRecord, End, EndRecord, ThrowRecord
 from torsion.model.engine.crankshaft import VARYING, Crankshaft, check_rod, piston_area
@@ -30,7 +29,7 @@ from torsion.model.engine.gas_laws import (
     over_cycle,
 )
 from torsion.primitives import Torque
-from torsion.two_columns import Columns, named
+from torsion.tables import Columns, named
 
 HEAD: End = "head end"
 CRANK: End = "crank end"

@@ -13,10 +13,8 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.fields import given, needs, refuse, required
-from torsion.kernels.engine.crank_slider import CrankSlider, Rod
-from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
-from torsion.kernels.engine.gas_law import CylinderOrder, State
-from torsion.kernels.engine.gas_torque import Cylinder
+from torsion.kernels.engine.crank_slider import CrankSlider, Rod, Throw, carter, ker_wilson
+from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, State
 from torsion.model.component import STEEL, Lowering
 from torsion.model.engine.crankshaft import VARYING, Crankshaft, piston_area
 from torsion.model.engine.declarations import (

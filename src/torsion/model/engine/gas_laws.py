@@ -10,13 +10,12 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.engine.gas_law import GasLaw
-from torsion.kernels.engine.gas_torque import Cylinder, Diagram
-from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted
+from torsion.kernels.engine.gas_torque import Cylinder, Diagram, GasLaw
+from torsion.kernels.engine.pressure_cycles import Cycle, UnreachablePressure, fitted
 from torsion.model.engine.declarations import Gas, Row, Stated
 from torsion.model.engine.record import PressureCurve
 from torsion.sources import source
-from torsion.two_columns import Columns, pairs
+from torsion.tables import Columns, pairs
 
 COLUMNS = Columns(
     ("angle", "pressure"),

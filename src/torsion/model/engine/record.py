@@ -8,8 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.engine.gas_law import GasLaw, State
-from torsion.kernels.engine.gas_torque import Cylinder
+from torsion.kernels.engine.gas_torque import Cylinder, GasLaw, State
 
 
 @dataclass(frozen=True, eq=False)

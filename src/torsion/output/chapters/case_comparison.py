@@ -1,6 +1,8 @@
 """Chapters: all cases of a file side by side, their checks, frequencies and curves; and what one case changes."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,15 +13,76 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table
-from torsion.output.chapters.case_verdict import Row, side_by_side
+from torsion.output.figures.curves import MAIN, MOST_LINES, SPEED, amplitudes, span
 from torsion.output.figures.figure import Figure, Line, Panel
-from torsion.output.figures.ranges import MAIN, MOST_LINES, SPEED, amplitudes, span
-from torsion.output.headline import Cases
+from torsion.output.headline import Cases, case_verdict, lines_of, omitted_rules
 from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
-from torsion.output.selection import elements, highest, torques
+from torsion.output.scene import elements, highest, torques
+from torsion.results import listed
 from torsion.rules import RULES
-from torsion.rules.verdict_line import WORDS
+from torsion.rules.verdict_line import WORDS, Check
+
+
+def overview(cases: Cases) -> Table:
+    """Return one row a case: its checks, its highest utilisation and its verdict."""
+    rows, marks = list[tuple[object, ...]](), list[str]()
+    omitted = {name: f", without {listed(rules)}" for name, rules in omitted_rules(cases).items()}
+    for name, findings in cases.items():
+        checks, word, case = lines_of(findings), case_verdict(findings), findings.study.case
+        limited = [check for check in checks if check.utilisation is not None]
+        highest = max(limited, key=lambda check: check.utilisation or 0.0, default=None)
+        report, text = NONE, WORDS[word]
+        if not findings.is_answered:
+            text += ": not computed"
+        elif case is not None:
+            report = f"{case.folder}/report.html"
+        text += omitted.get(name, "") if findings.is_judged else " (information)"
+        used, where = None, NONE
+        if highest is not None:
+            used, where = highest.utilisation, f"{highest.where}: {symbols(highest.clause)}"
+        failed = sum(check.fails for check in checks)
+        rows.append((name, report, len(checks), failed, used, where, text))
+        marks.append(word if findings.is_judged else "")
+    return table(
+        "< Case -> | < Report:l | Checks | Failed -> failed | Highest utilisation [%]:4 -> util., % | "
+        "< Component and clause -> component | < Verdict ->",
+        rows,
+        "Cases of the model file",
+        marks=marks,
+        short="Cases",
+        rows_in_summary=4,
+    )
+
+
+@dataclass(frozen=True)
+class Row:
+    """One check in every case that has it."""
+
+    checks: Mapping[str, Check]  # by name of the case
+    worst: str  # name of the case
+
+    @property
+    def check(self) -> Check:
+        """The check of the worst case."""
+        return self.checks[self.worst]
+
+
+def side_by_side(cases: Cases) -> list[Row]:
+    """Return every check of every case, those that fail first, then by utilisation; the worst is one that is judged."""
+    by_key: dict[tuple[str, str, str, str, int], dict[str, Check]] = {}
+    for name, findings in cases.items():
+        seen = Counter[tuple[str, ...]]()
+        for check in lines_of(findings):
+            key = (check.rule, check.clause, check.where, check.what)
+            by_key.setdefault((*key, seen[key]), {})[name] = check
+            seen[key] += 1
+    rows = []
+    for checks in by_key.values():
+        names = [name for name in checks if cases[name].is_judged] or list(checks)
+        rows.append(Row(checks, min(names, key=lambda name: check_words.rank(checks[name]))))
+    return sorted(rows, key=lambda row: check_words.rank(row.check))
+
 
 MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8

@@ -1,18 +1,27 @@
 """Chapter: the conclusion, the restrictions of speed, and what to measure."""
 
+import hashlib
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.undamped_modes import Modes
-from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Points
+from torsion.errors import without_controls
+from torsion.findings import Findings, LeftOut
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Verbatim, table
+from torsion.output.check_words import basis
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
-from torsion.output.numbers import number, order, rpm
+from torsion.output.numbers import number, order, rpm, symbols
 from torsion.output.reported_values import reference, speed_range
-from torsion.rules.verdict_line import Checks
+from torsion.output.scene import checksum, pressure_files, signal_files
+from torsion.primitives import SectionMesh
+from torsion.results import listed
+from torsion.rules.verdict_line import Check, Checks
+from torsion.user_files import LARGEST_SIGNAL, read_file
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -64,3 +73,77 @@ def _measurements(findings: Findings, response: Response) -> Iterator[str]:
         f"Compare the measured natural frequencies with {lowest} Hz. If they differ by more than 5 %, correct the "
         "input data and repeat the calculation."
     )
+
+
+MOST_CLAUSES = 20  # of a rule
+
+
+def steps(findings: Findings) -> Iterator[Block]:
+    """The chapter of what was computed, which is always printed."""
+    plan = findings.plan
+    yield Heading("Appendix: what was computed")
+    yield table(
+        "what: < Step | method: < Method | < Size | why: < Reason",
+        [(line, _singular(line.size)) for line in plan.done],
+        "Computed steps",
+    )
+    if seconds := sum(line.seconds for line in plan.done):
+        yield Paragraph(f"Computing time: {number(seconds, 3)} s.")
+    if plan.left_out:
+        omitted = [LeftOut(*pair) for pair in plan.left_out]
+        yield table("what: < Not computed | why: < Reason", omitted, "Not computed")
+    if plan.versions:
+        yield KeyValues(tuple(plan.versions.items()))
+
+
+def sources(findings: Findings) -> Iterator[Block]:
+    """Appendix: the rules that judged, their clauses and the basis of their limits."""
+    checks: dict[tuple[str, str], list[Check]] = {}
+    for check in findings.need(Checks).lines:
+        checks.setdefault((check.rule, basis(check)), []).append(check)
+    if checks:
+        yield Heading("Appendix: sources of the limits")
+        rows = []
+        for (_, words), group in checks.items():
+            clauses = dict.fromkeys(symbols(check.clause) for check in group)
+            rows.append((group[0], listed(clauses, most=MOST_CLAUSES), words))
+        yield table(
+            "rule: < Rule | < Clauses | < Basis",
+            rows,
+            "Rules used by this run and the basis of their limits",
+        )
+
+
+def _singular(size: str) -> str:
+    """A size of the plan, of which a single one is not said as several.
+
+    >>> _singular("1 lines at 241 speeds, cycle of 1/2 turns")
+    '1 line at 241 speeds, cycle of 1/2 turns'
+    """
+    return re.sub(r"(?<![\d.,/])1 (\w+[^s\W])s\b", r"1 \1", size)
+
+
+def input_file(findings: Findings) -> Iterator[Block]:
+    """Appendix with the text and the checksums of the files; left out where the scene did not come from a file."""
+    study, folder = findings.study, Path(findings.study.file or "").parent
+    if not study.text:
+        return
+    meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
+    files = [folder / file for file in (*pressure_files(study), *signal_files(study))]
+    named = study.shown_file or "Input"
+    sums = [(f"{named} with its tables" if study.tables else named, checksum(study) or "")]
+    sums += [
+        (without_controls(file), _sha256(file))
+        for file in (*dict.fromkeys(meshes), *map(str, files))
+    ]
+    yield Heading("Appendix: the input as read")
+    yield Paragraph("The report was computed from these files. SHA-256:")
+    yield KeyValues(tuple(sums))
+    yield Verbatim(study.text)
+    for name, table_text in study.tables:
+        yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
+        yield Verbatim(table_text)
+
+
+def _sha256(file: str) -> str:
+    return hashlib.sha256(read_file(file, LARGEST_SIGNAL)).hexdigest()

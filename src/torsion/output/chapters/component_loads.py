@@ -12,29 +12,29 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures.curves_over_speed import TOTAL
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel, Role
-from torsion.output.figures.ranges import (
+from torsion.output.figures.curves import (
     SPEED,
+    TOTAL,
     amplitudes,
     barred_bands,
     rated_level,
     span,
     unanswered,
 )
-from torsion.output.figures.ranges import orders as lines_of_orders
-from torsion.output.nearest_criticals import of_torsion
+from torsion.output.figures.curves import orders as lines_of_orders
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel, Role
 from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
     harmonic_name,
+    of_torsion,
     orders_together,
     rated_rpm,
     responds,
     synthesis,
 )
-from torsion.output.selection import Element, elements, highest, torques
+from torsion.output.scene import Element, elements, highest, torques
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 

@@ -11,8 +11,8 @@ from torsion.analyses.engine.engine_results import EngineFound, Engines, misfire
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, table
+from torsion.output.figures.curves import span
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
-from torsion.output.figures.ranges import span
 from torsion.output.numbers import RPM, given, number, rpm, scale
 from torsion.results import listed
 

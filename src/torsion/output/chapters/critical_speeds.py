@@ -13,13 +13,12 @@ from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.figures.curves import MOST_LINES, SPEED, barred_bands, met, rated_level
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Panel
-from torsion.output.figures.frequencies_over_speed import met
-from torsion.output.figures.ranges import MOST_LINES, SPEED, barred_bands, rated_level
-from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, number, order, rpm
 from torsion.output.reported_values import (
     barred_rpm,
+    of_torsion,
     rated_rpm,
     reference,
     speed_range,

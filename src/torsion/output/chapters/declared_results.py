@@ -9,7 +9,7 @@ from torsion.analyses import Analysis
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Points, table
 from torsion.output.data_tables import result_tables
-from torsion.output.selection import Selection
+from torsion.output.scene import Selection
 from torsion.results import is_declared, quantities
 
 MOST_COLUMNS = 5  # of a table on the terminal

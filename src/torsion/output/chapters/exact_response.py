@@ -10,9 +10,8 @@ from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import BoolArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.figures.curves_over_speed import NO_MOTION
-from torsion.output.figures.figure import Figure, Line, Marks, Panel, Symbol
-from torsion.output.figures.ranges import (
+from torsion.output.figures.curves import (
+    NO_MOTION,
     SPEED,
     amplitudes,
     barred_bands,
@@ -20,7 +19,7 @@ from torsion.output.figures.ranges import (
     span,
     unanswered,
 )
-from torsion.output.nearest_criticals import of_torsion
+from torsion.output.figures.figure import Figure, Line, Marks, Panel, Symbol
 from torsion.output.numbers import (
     RPM,
     counted,
@@ -30,11 +29,12 @@ from torsion.output.numbers import (
 )
 from torsion.output.records import along
 from torsion.output.reported_values import (
+    of_torsion,
     rated_rpm,
     unstable_rpm,
     worth_a_figure,
 )
-from torsion.output.selection import Element, elements, torques
+from torsion.output.scene import Element, elements, torques
 from torsion.results import listed
 
 MOST_ROWS = 60

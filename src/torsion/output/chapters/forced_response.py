@@ -12,24 +12,24 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures.curves_over_speed import TOTAL
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
-from torsion.output.figures.ranges import (
+from torsion.output.figures.curves import (
     SPEED,
+    TOTAL,
     amplitudes,
     barred_bands,
     rated_level,
     span,
     unanswered,
 )
-from torsion.output.figures.ranges import orders as lines_of_orders
-from torsion.output.nearest_criticals import of_torsion
+from torsion.output.figures.curves import orders as lines_of_orders
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.numbers import LESS, RPM, counted, exact, number
 from torsion.output.reported_values import (
     UNDAMPED,
     barred_rpm,
     harmonic_name,
     joint_model,
+    of_torsion,
     orders_together,
     rated_rpm,
     reference,
@@ -37,7 +37,7 @@ from torsion.output.reported_values import (
     unstable_rpm,
     worth_a_figure,
 )
-from torsion.output.selection import (
+from torsion.output.scene import (
     Element,
     elements,
     highest,

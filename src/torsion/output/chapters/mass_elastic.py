@@ -12,7 +12,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, table
 from torsion.output.numbers import given_rpm, number, symbols
 from torsion.output.reported_values import rated, reference
-from torsion.output.selection import damps, elements
+from torsion.output.scene import damps, elements
 from torsion.results import listed
 
 MASS_ELASTIC = (

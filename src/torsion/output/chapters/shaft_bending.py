@@ -11,13 +11,20 @@ from torsion.analyses.lateral.whirl import Critical, Whirl, WhirlMode, is_unstab
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
+from torsion.output.figures.curves import (
+    SPEED,
+    amplitudes,
+    highest_shown,
+    met,
+    rated_level,
+    span,
+    unanswered,
+    whirling,
+)
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel
-from torsion.output.figures.frequencies_over_speed import highest_shown, met, whirling
-from torsion.output.figures.ranges import SPEED, amplitudes, rated_level, span, unanswered
-from torsion.output.nearest_criticals import of_bending
 from torsion.output.numbers import RPM, Scale, number, rpm, scale
-from torsion.output.reported_values import rated_rpm, reference
-from torsion.output.selection import highest
+from torsion.output.reported_values import of_bending, rated_rpm, reference
+from torsion.output.scene import highest
 
 AXES = (
     "y is the normal of the plane of the joint upstream of the shaft (otherwise downstream), z is "

@@ -5,16 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.stability.stability_map import StabilityMap
-from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.figures import curves_over_speed
+from torsion.output.figures import curves
 from torsion.output.figures.figure import Axis
-from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, given_rpm, number, rpm
-from torsion.output.reported_values import rated_rpm, reference, tilted, widened
+from torsion.output.reported_values import of_torsion, rated_rpm, reference, tilted, widened
 from torsion.rules.stable_motion import mean_speed_words
 from torsion.rules.verdict_line import Checks
 
@@ -67,9 +65,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield Paragraph(text, "fail")
         name, caption = "stability-growth", "Growth rate over the speed"
         curve = growth_map.speed, growth_map.growth
-        figure = curves_over_speed.stability(
-            name, caption, *curve, growth_map.ranges, rated_rpm(findings)
-        )
+        figure = curves.stability(name, caption, *curve, growth_map.ranges, rated_rpm(findings))
         yield of_torsion(findings, figure)
     if mapped is not None:
         yield from _map(findings, mapped)
@@ -248,9 +244,7 @@ def _map(findings: Findings, growth_map: StabilityMap) -> Iterator[Block]:
     yield Paragraph(text, "note" if missing else "plain")
     caption = f"Growth rate over speed and {what}; the line is growth 0"
     axis, rated = Axis(what, unit), rated_rpm(findings)
-    yield curves_over_speed.stability_map(
-        caption, growth_map.speed, axis, value, growth_map.growth, rated
-    )
+    yield curves.stability_map(caption, growth_map.speed, axis, value, growth_map.growth, rated)
 
 
 def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterator[Block]:
@@ -280,4 +274,4 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
     for count, (name, tilting) in enumerate(stated, start=1):
         caption = f"{name}: growth rate of the tilt by the couple of {tilting.joint}"
         curve, rated = (tilting.speed, tilting.growth), rated_rpm(findings)
-        yield curves_over_speed.stability(f"tilting-{count}", caption, *curve, tilting.zones, rated)
+        yield curves.stability(f"tilting-{count}", caption, *curve, tilting.zones, rated)

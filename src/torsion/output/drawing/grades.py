@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from torsion.output.drawing.frame import END, MIDDLE, WIDTH
 from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, MARKED, Stroke
 from torsion.output.drawing.plot import hatching
-from torsion.output.drawing.text import clean, plain, shown, words
-from torsion.output.drawing.words import GROWTH, SIZE, fitted, width
+from torsion.output.drawing.words import GROWTH, SIZE, clean, fitted, plain, shown, width, words
 from torsion.output.figures.figure import Grade, Share, Shares, Use
 
 Box = tuple[float, float, float, float]

@@ -11,11 +11,10 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.output.drawing.curves import decimated
-from torsion.output.drawing.frame import Frame
-from torsion.output.drawing.scales import Scale
-from torsion.output.drawing.text import plain
-from torsion.output.figure_csv import Piece, file_name, pieces
+from torsion.output.drawing.frame import Frame, Scale
+from torsion.output.drawing.words import plain
 from torsion.output.figures.figure import Axis, Cells, Criticals, Figure, Line, Panel, Stops
+from torsion.output.report_figures import Piece, file_name, pieces
 
 MOST_POINTS = 1200  # of a line; of a longer one first, least, greatest and last of equal bins
 LEAST_BINS = 75  # of such lines over one coordinate

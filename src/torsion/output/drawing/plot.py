@@ -9,8 +9,17 @@ from torsion.output.drawing import image
 from torsion.output.drawing.curves import area, path
 from torsion.output.drawing.frame import Frame, axes, grid
 from torsion.output.drawing.pens import BANDS, INK, SYMBOLS, Stroke, stroke
-from torsion.output.drawing.text import HALO, clean, plain, shown, words
-from torsion.output.drawing.words import ELSEWHERE, SIZE, Room, Word
+from torsion.output.drawing.words import (
+    ELSEWHERE,
+    HALO,
+    SIZE,
+    Room,
+    Word,
+    clean,
+    plain,
+    shown,
+    words,
+)
 from torsion.output.figures.figure import Band, Level, Line, Marks, Pen, Symbol
 
 STEP, SAMPLES = (

@@ -9,8 +9,7 @@ from torsion.output.drawing.frame import RIGHT, TOP, WIDTH, Frame, horizontal, m
 from torsion.output.drawing.image import palette
 from torsion.output.drawing.pens import BANDS, stroke
 from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
-from torsion.output.drawing.text import clean, plain, shown, words
-from torsion.output.drawing.words import GROWTH, width
+from torsion.output.drawing.words import GROWTH, clean, plain, shown, width, words
 from torsion.output.figures.figure import (
     Band,
     Cells,

@@ -15,14 +15,14 @@ from torsion.findings import Work
 from torsion.study import Study, Variation
 from torsion.train import Train
 from torsion.what_if.design.design_settings import DesignSettings, Kept
-from torsion.what_if.variants.frequencies import frequencies
-from torsion.what_if.variants.one_by_one import (
+from torsion.what_if.variants.chunks import (
     TO_BE_VERIFIED,
     Answers,
     Key,
     analyses_of_variant,
     solved,
 )
+from torsion.what_if.variants.frequencies import frequencies
 
 FEWEST = 16  # trains of which the frequencies are found at once
 DIGITS = 6  # of the range of a figure, in which its values are chosen

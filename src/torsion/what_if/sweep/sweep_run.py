@@ -1,20 +1,289 @@
 """A sweep: variants of the file in chunks; frequencies side by side where the train allows it, verdicts one by one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Work
 from torsion.processes import processors
+from torsion.sources import source
 from torsion.study import Variation
-from torsion.what_if.sweep.sweep_points import Points
-from torsion.what_if.sweep.sweep_settings import SweepSettings
-from torsion.what_if.sweep.sweep_summary import summed
-from torsion.what_if.variants.chunks import Chunk, Pace, Part, chunks, duration, joined
+from torsion.what_if.sweep.sweep_results import (
+    Grid,
+    GridAxis,
+    SobolIndex,
+    Sweep,
+    SweptCheck,
+    Turn,
+    VariedFigure,
+)
+from torsion.what_if.sweep.sweep_settings import Points, SweepSettings
+from torsion.what_if.variants.chunks import (
+    Answers,
+    Chunk,
+    Key,
+    Pace,
+    Part,
+    chunks,
+    duration,
+    joined,
+    solved,
+)
 from torsion.what_if.variants.frequencies import frequencies
-from torsion.what_if.variants.one_by_one import solved
+from torsion.what_if.variants.laws import LEVEL, SCRAMBLES, probability
+
+MOST_REPORTED = 100_000  # variants, each of which has its numbers among the results
+
+
+def grid_of(
+    variation: Variation,
+    points: Points,
+    checks: Sequence[SweptCheck],
+    frequency: FloatArray,
+    faults: Mapping[int, str],
+) -> Grid | None:
+    """The grid with its answers; None of samples, and of a very large one."""
+    count = points.samples
+    if points.method != "grid" or count > MOST_REPORTED:
+        return None
+    axes = tuple(
+        _axis([figure for figure in variation.figures if figure.column == k])
+        for k in range(len(points.shape))
+    )
+    used = np.stack([check.utilisation for check in checks]) if checks else np.empty((0, count))
+    fails = (
+        np.any([check.fails for check in checks], axis=0)
+        if checks
+        else np.zeros(count, dtype=np.bool_)
+    )
+    fails[list(faults)] = True
+    greatest = np.fmax.reduce(used, axis=0) if checks else np.full(count, np.nan)
+    decisive = np.where(
+        np.isnan(greatest),
+        -1,
+        np.argmax(np.nan_to_num(used, nan=-np.inf), axis=0) if checks else -1,
+    )
+    turns = tuple(_turns(axes[0].number, checks)) if len(axes) == 1 and axes[0].is_numeric else ()
+    return Grid(
+        axes, frequency, used, greatest, decisive, fails, turns, tuple(sorted(faults.items()))
+    )
+
+
+def _axis(figures: Sequence[Any]) -> GridAxis:
+    first = figures[0]
+    number, unit = first.numbers
+    columns = [figure.all_values().tolist() for figure in figures]
+    words = tuple(
+        ", ".join(figure.words(value) for figure, value in zip(figures, row, strict=True))
+        for row in zip(*columns, strict=True)
+    )
+    in_file = None if np.isnan(first.in_file) else float(first.in_file)
+    return GridAxis(tuple(figure.name for figure in figures), words, number, unit, in_file)
+
+
+def _turns(numbers: FloatArray, checks: Sequence[SweptCheck]) -> Iterator[Turn]:
+    """Between neighbours of which one keeps the limit and the other does not."""
+    for position, check in enumerate(checks):
+        for k in np.flatnonzero(np.diff(check.fails)).tolist():
+            kept, failing = (k, k + 1) if check.fails[k + 1] else (k + 1, k)
+            low, high = check.utilisation[kept], check.utilisation[failing]
+            is_known = low <= 1.0 < high < np.inf
+            between = (
+                numbers[kept] + (1.0 - low) / (high - low) * (numbers[failing] - numbers[kept])
+                if is_known
+                else None
+            )
+            yield Turn(
+                position,
+                float(numbers[kept]),
+                float(numbers[failing]),
+                None if between is None else float(between),
+            )
+
+
+LEAST_RELATIVE_SPREAD = 1e-9  # relative: below it an answer does not vary
+
+
+@source("Saltelli2010")
+@source("Jansen1999")
+def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
+    """Of every frequency and share of a limit that all variants have; nothing of one that does not vary."""
+    columns = len(points.shape)
+    names = [
+        ", ".join(figure.name for figure in points.figures if figure.column == column)
+        for column in range(columns)
+    ]
+    quantities = {f"mode {mode}": hertz for mode, hertz in enumerate(answers.frequency, start=1)}
+    quantities |= {
+        f"{key[1]}: {key[2]}, {key[3]}": used for key, (used, _) in answers.checks.items()
+    }
+    indices = []
+    for words, values in quantities.items():
+        if (
+            not np.isfinite(values).all()
+            or np.ptp(values) <= LEAST_RELATIVE_SPREAD * np.abs(values).max()
+        ):
+            continue
+        value, error = estimated(values.reshape(points.sets, points.samples))
+        indices += [
+            SobolIndex(words, name, *np.column_stack([value[:, k], error[:, k]]).ravel().tolist())
+            for k, name in enumerate(names)
+        ]
+    return tuple(indices)
+
+
+def estimated(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """First and total indices (2, figures), and half of their 95 % intervals.
+
+    values: (2 + figures, samples) of the sets A, B, and A with each column of B; first indices after Saltelli et al.
+    (2010), total ones after Jansen (1999). The interval is Student's t over the sequences left out one after another
+    (jackknife).
+    """
+    from scipy.special import stdtrit
+
+    sequences = values.reshape(len(values), SCRAMBLES, -1)
+    left_out = np.stack([_indices(np.delete(sequences, k, axis=1)) for k in range(SCRAMBLES)])
+    spread = np.sqrt((SCRAMBLES - 1) * left_out.var(axis=0))
+    return _indices(sequences), float(stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0)) * spread
+
+
+def _indices(values: FloatArray) -> FloatArray:
+    """(2, figures) from values (2 + figures, ...)."""
+    first, second, *mixed = (answers.ravel() - values[:2].mean() for answers in values)
+    variance = np.concatenate([first, second]).var()
+    return np.array(
+        [
+            [np.mean(second * (answers - first)) / variance for answers in mixed],
+            [np.mean((first - answers) ** 2) / (2.0 * variance) for answers in mixed],
+        ]
+    )
+
+
+LEAST_SPREAD = 1e-9  # of a share of a limit: below it nothing decides
+MOST_FAULTS = 10
+
+
+def summed(
+    variation: Variation,
+    settings: SweepSettings,
+    points: Points,
+    factor: FloatArray,
+    nominal: FloatArray,
+    answers: Answers,
+) -> Sweep:
+    """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
+    indices = () if points.sets == 1 else sobol_indices(points, answers)
+    factor, frequency = factor[: points.samples], answers.frequency[:, : points.samples]
+    lines = {
+        key: (used[: points.samples], fails[: points.samples])
+        for key, (used, fails) in answers.checks.items()
+    }
+    faults = {variant: why for variant, why in answers.faults.items() if variant < points.samples}
+    names = [figure.name for figure in variation.figures]
+    unsolved = np.zeros(len(factor), dtype=np.bool_)
+    unsolved[list(faults)] = True
+    checks = [
+        _check(key, used, fails | unsolved, factor, names, points.method)
+        for key, (used, fails) in lines.items()
+    ]
+    checks.sort(key=lambda one: (-one.probability, -(one.worst or 0.0)))
+    any_check = None
+    if lines:
+        used = np.fmax.reduce([check.utilisation for check in checks])
+        fails = np.any([check.fails for check in checks], axis=0)
+        any_check = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
+    solved = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
+    solved = solved if solved.size else np.full((len(nominal), 1), np.nan)
+    low, high = np.quantile(solved, (0.025, 0.975), axis=1)
+    return Sweep(
+        tuple(map(_figure, variation.figures)),
+        len(factor),
+        points.method,
+        settings.seed,
+        len(faults),
+        tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS],
+        nominal,
+        solved.mean(axis=1),
+        solved.std(axis=1),
+        low,
+        high,
+        solved.min(axis=1),
+        solved.max(axis=1),
+        tuple(checks),
+        any_check,
+        indices,
+        grid_of(variation, points, checks, frequency, faults),
+        factor,
+        frequency,
+        settings.fail_at_most,
+    )
+
+
+def _figure(figure: Any) -> VariedFigure:
+    unit = None if figure.law.is_relative else "row" if figure.rows else figure.law.unit
+    return VariedFigure(figure.name, figure.law.words, figure.column + 1, unit)
+
+
+def _check(
+    key: Key,
+    used: FloatArray,
+    fails: BoolArray,
+    factor: FloatArray,
+    names: Sequence[str],
+    method: str,
+) -> SweptCheck:
+    share, low, high = probability(fails, method)
+    finite = used[np.isfinite(used)]
+    decides, correlation = _decides(used, factor)
+    middle, best, worst = (
+        float(statistic(finite)) if finite.size else None
+        for statistic in (np.median, np.min, np.max)
+    )
+    return SweptCheck(
+        *key,
+        int(fails.sum()),
+        share,
+        None if method == "grid" else low,
+        None if method == "grid" else high,
+        middle,
+        best,
+        worst,
+        names[decides] if correlation is not None else "",
+        correlation,
+        used,
+        fails,
+    )
+
+
+def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
+    """The figure whose ranks go most with those of the share of a limit, and how much (Spearman 1904)."""
+    is_finite = np.isfinite(used)
+    values = used[is_finite]
+    if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
+        return 0, None
+    share = _ranks(values)
+    ranks = np.column_stack([_ranks(column) for column in factor[is_finite].T])
+    size = np.sqrt((ranks**2).sum(axis=0) * (share @ share))
+    correlation = np.divide(
+        share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0
+    )  # 0: it takes one value alone
+    best = int(np.argmax(np.abs(correlation)))
+    return best, float(correlation[best])
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """(samples,) rank of each about the mean of all; of equal values the mean of their ranks.
+
+    >>> _ranks(np.array([3.0, 1.0, 3.0, 2.0]))
+    array([ 1. , -1.5,  1. , -0.5])
+    """
+    _, rank, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - count / 2.0 - len(values) / 2.0)[rank]
+
 
 JUDGED_AT_ONCE, FREQUENCIES_AT_ONCE = 16, 16384  # variants of a chunk that is kept
 MOST_CHUNKS = 4096  # of variants that are judged

@@ -1,14 +1,149 @@
 """Chunks of the variants of a file: what is solved at once, in this process or on another machine, and kept as one."""
 
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsion.arrays import FloatArray
-from torsion.findings import Progress, silent
-from torsion.what_if.variants.one_by_one import Answers
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import BoolArray, FloatArray
+from torsion.columns import NotInColumns
+from torsion.errors import InputError, SolveError
+from torsion.findings import Findings, Progress, Work, silent
+from torsion.processes import shared_out
+from torsion.study import Variation
+
+READ_BY_CHECKS = (
+    "engine",
+    "coupling temperatures",
+    "nonlinear peaks",
+    "stability",
+    "joints",
+    "lateral",
+    "transient",
+)
+TO_BE_VERIFIED = "to be verified"  # standing of a limit, as the rules call it
+Key = tuple[str, str, str, str]  # rule, clause, where, what
+
+
+@dataclass
+class Answers:
+    """What variants answer, a column each."""
+
+    frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
+    # utilisation and whether it fails, (variants,) each
+    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)
+    faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
+    method: str = ""
+    standing: dict[Key, str] = field(default_factory=dict)  # where the limit of a check is from
+    partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
+
+    @classmethod
+    def empty(cls, modes: int, count: int) -> "Answers":
+        """Of so many variants, as yet without any."""
+        return cls(np.full((modes, count), np.nan))
+
+    @classmethod
+    def of_findings(cls, findings: Findings, modes: int) -> "Answers":
+        """Of one variant; of checks with the same key the worst counts. A fault where an analysis is left unanswered."""
+        answers = cls.empty(modes, 1)
+        unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
+        if unanswered:
+            answers.faults[0] = "; ".join(unanswered)
+            return answers
+        found_modes = findings.get(Modes)
+        if found_modes is not None:
+            frequency = found_modes.frequency[:modes]
+            answers.frequency[: len(frequency), 0] = frequency
+        for check in getattr(findings.results.get("checks"), "lines", ()):
+            if not check.has_limit:
+                continue
+            key = check.rule, check.clause, check.where, check.what
+            utilisation, fails = answers.check(key)
+            if check.utilisation is not None:
+                utilisation[0] = np.fmax(utilisation[0], check.utilisation)
+            is_judged = check.verdict != "not judged"
+            # What is not judged is not known to be kept.
+            fails[0] |= check.fails or not is_judged
+            answers.standing[key] = check.standing
+            if not is_judged:
+                answers.partly.add(0)
+        return answers
+
+    def check(self, key: Key) -> tuple[FloatArray, BoolArray]:
+        """Utilisation and fails (variants,) of a check, to be filled in where it is a new one."""
+        count = self.frequency.shape[1]
+        return self.checks.setdefault(
+            key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_))
+        )
+
+    def take(self, begin: int, answers: "Answers") -> None:
+        """Put what other variants answer into the columns from `begin` on."""
+        columns = slice(begin, begin + answers.frequency.shape[1])
+        self.frequency[:, columns] = answers.frequency
+        for key, (utilisation, fails) in answers.checks.items():
+            columns_of_check = self.check(key)
+            columns_of_check[0][columns], columns_of_check[1][columns] = utilisation, fails
+        self.faults.update((begin + variant, why) for variant, why in answers.faults.items())
+        self.partly.update(begin + variant for variant in answers.partly)
+        self.standing |= answers.standing
+        self.method = self.method or answers.method
+
+
+def solved(
+    work: Work,
+    variation: Variation,
+    values: FloatArray,
+    modes: int,
+    *,
+    judged: bool,
+    partial: Answers | None = None,
+    places: Sequence[int] | None = None,
+) -> Answers:
+    """The answers of variants (variants, figures), each solved and judged by itself, on all processors.
+
+    partial: answers to which those at the `places` alone are added.
+    """
+    answers = Answers.empty(modes, len(values)) if partial is None else partial
+    columns = range(len(values)) if places is None else places
+    solve = work.solve
+    if solve is None or not columns:
+        return answers
+    only = analyses_of_variant(work, judged=judged)
+    rows = values[columns]
+    try:
+        study_of = variation.studies(variation.in_columns(rows))
+    except NotInColumns:
+        study_of = lambda variant: variation.study(rows[variant].tolist())  # noqa: E731
+
+    def answer_of(variant: int) -> Answers:
+        try:
+            study = study_of(variant)
+            findings = solve(study if judged else replace(study, rules=()), only=only)
+            return Answers.of_findings(findings, modes)
+        except (InputError, SolveError) as error:
+            answer = Answers.empty(modes, 1)
+            answer.faults[0] = error.message
+            return answer
+
+    found_answers = shared_out(answer_of, range(len(rows)))
+    for number, (column, answer) in enumerate(zip(columns, found_answers, strict=True), start=1):
+        answers.take(column, answer)
+        work.progress(f"variant {number} of {len(rows)}", number / len(rows))
+    return answers
+
+
+def analyses_of_variant(work: Work, *, judged: bool) -> tuple[str, ...]:
+    """Names of the analyses that a variant needs: modes, and where it is judged what its checks read."""
+    from torsion.analyses import ANALYSES
+
+    wanted = [
+        name
+        for name in READ_BY_CHECKS
+        if name in work.study.analyses or ANALYSES[name].wanted(work.study)
+    ]
+    return ("modes", *((*work.ruled, *wanted) if judged else ()))
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.motion.collocation import Law
 from torsion.kernels.motion.torques import torque_laws
 from torsion.kernels.motion.torques.torque_history import Piece
-from torsion.two_columns import Columns, pairs
+from torsion.tables import Columns, pairs
 
 TIME_AND_TORQUE = Columns(
     ("time", "torque"),

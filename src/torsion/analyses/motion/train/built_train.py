@@ -35,7 +35,7 @@ from torsion.kernels.motion.march import March
 from torsion.kernels.motion.regimes.damped_modes import ModalTrain
 from torsion.kernels.motion.regimes.modal_loads import LoadedModes, Turning
 from torsion.kernels.motion.torques.torque_history import Piece
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import connected
 from torsion.study import Study
 
 MOST_OF_ELEMENTS = 200  # modes of a train with finite elements

@@ -15,7 +15,7 @@ from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.spanning_forest import connected
+from torsion.kernels.tree import connected
 
 NEWTON = 60  # steps that invert a joint's map, which is monotone
 GIVE_YOKES = "`inertia: [driving, driven]`"

@@ -1,17 +1,22 @@
 """Chapters: couplings and dampers whose stiffness follows a table or law, and what follows over the speed."""
 
+import math
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
 from torsion.analyses.modes.coupling_tables import CouplingTables, Table
+from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
+from torsion.analyses.response.pendulums import Pendulums
 from torsion.analyses.response.vibratory_couplings import VibratoryTorque, VibratoryTorques
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.figures.curves import SPEED
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel
-from torsion.output.figures.ranges import SPEED
 from torsion.output.numbers import RPM, Scale, number, rpm, scale
 from torsion.output.records import along
 
@@ -246,3 +251,132 @@ def _telling_speeds(coupling: VibratoryTorque) -> list[int]:
     several, lost = np.flatnonzero(coupling.number > 1), np.flatnonzero(~coupling.settled)
     marked = [*through, *several[:1], *several[-1:], *lost[:1], int(np.argmax(coupling.torque))]
     return sorted({int(k) for k in marked})
+
+
+DAMPERS = (
+    "Each mode of the train without the ring is one undamped mass, with the modal inertia at the housing. The"
+    " optimum ring minimises the peak magnification (amplitude / static twist): viscous (Den Hartog), or "
+    "tuned with a spring and viscous damping (Nishihara and Asami). Use this as a first estimate. Check it in"
+    " the forced response, which includes all modes, the damping and the excitation."
+)
+FAR = math.radians(30.0)  # deflection from which a linear pendulum misses its order by 2 % and more
+PENDULUMS = (
+    "A pendulum of order q = sqrt(R/l) adds the inertia m (R + l)²/(1 − n²/q²) to its carrier at order n. The"
+    " inertia is larger than the mass inertia below q and negative above; at n = q the carrier is fixed for "
+    "this order. The restoring force is the centrifugal force, so that natural frequencies depend on the "
+    "speed. Modes are for {} rpm. At rest the bobs add nothing."
+)
+OUT_OF_LINEAR_RANGE = (
+    "Deflections are linear. On a circular path a deflection φ lowers the order by about φ²/16 (1.7 % at 30 "
+    "degrees). Larger deflections: {}."
+)
+
+
+def dampers(findings: Findings) -> Iterator[Block]:
+    """Yield the rings beside what would be best for each mode that they reach; nothing where none reaches one."""
+    optima = findings.need(Dampers).each
+    if optima:
+        yield Heading("Dampers")
+        yield Paragraph(DAMPERS)
+        yield table(
+            "damper: < Damper -> | mode: Mode without the ring -> mode | frequency: Frequency [Hz] -> Hz | "
+            "inertia: Modal inertia [kg m²] | ratio: Ring / modal inertia:4 | "
+            "viscous: Optimum viscous c [N m s/rad] -> viscous c | viscous_peak: Magnification, viscous:4 | "
+            "stiffness: Optimum k, tuned [N m/rad] -> tuned k | damping: Optimum c, tuned [N m s/rad] -> tuned c | "
+            "tuned_peak: Magnification, tuned:4 | given_peak: Magnification as given:4g -> as given",
+            optima,
+            "Optimum damper rings, at the speed of the damper",
+            short="Optimum damper rings",
+        )
+
+
+def pendulums(findings: Findings) -> Iterator[Block]:
+    """Yield the inertia that each order meets at every pendulum, and the deflection of its bobs."""
+    result = findings.need(Pendulums)
+    yield Heading("Pendulums")
+    yield Paragraph(PENDULUMS.format(rpm(result.speed)))
+    far = [pendulum.pendulum for pendulum in result.each if (pendulum.deflection or 0.0) > FAR]
+    if far:
+        yield Paragraph(OUT_OF_LINEAR_RANGE.format(", ".join(far)), "note")
+    yield table(
+        "pendulum: < Pendulum -> | tuned: Tuned to order:8g -> order | inertia: Inertia of the bobs [kg m²]:7 | "
+        "deflection: Maximum deflection [deg] -> deg | speed: Speed [rpm] -> rpm",
+        result.each,
+        "Pendulums, at the speed of their shaft",
+    )
+    rows = [(pendulum, order) for pendulum in result.each for order in pendulum.at_orders]
+    if rows:
+        yield table(
+            "pendulum: < Pendulum -> | order: Order of the shaft:o -> order | inertia: Inertia [kg m²]:7 | "
+            "deflection: Deflection [deg] -> deg | speed: Speed [rpm] -> rpm",
+            rows,
+            "Inertia and deflection of pendulums by order",
+        )
+
+
+DIFFERS = 0.10  # of the exact amplitude: more is pointed at
+METHOD = (
+    "The response models backlash, stages and dry friction by harmonic balance: each coupling has one "
+    "stiffness for its largest harmonic twist about the mean twist. Natural frequencies are for closed "
+    "backlash, without friction, in the first stage. The program also computes the exact motion at the "
+    "largest amplitude of each coupling and in each quarter of its nonlinear speed range. The total and the "
+    "checks use the larger value. If no exact motion settles, no check passes. The last columns give the mode"
+    " with the largest share in the coupling, and its frequency at this amplitude."
+)
+TITLES = (
+    "coupling: < Coupling -> | component: < Order | speed: Speed [rpm] -> rpm | response: Response -> | "
+    "exact: Exact -> | difference: Difference [%]:2 -> | half_range: Exact total | mode: Mode | "
+    "natural_frequency: Frequency"
+)
+
+
+def nonlinear_at_peaks(findings: Findings) -> Iterator[Block]:
+    """Nothing without such couplings, or without a response."""
+    peaks = findings.get(NonlinearPeaks)
+    if peaks is None or not peaks.each:
+        return
+    yield Heading("Backlash and friction at the peaks of the response")
+    yield Paragraph(METHOD)
+    title = "Backlash and friction at the peaks"
+    yield table(TITLES, peaks.each, "Torque amplitudes at the peaks", short=title)
+    for name in dict.fromkeys(peak.coupling for peak in peaks.each):
+        peaks_of_coupling = [peak for peak in peaks.each if peak.coupling == name]
+        notes = [
+            *_ranges(peaks_of_coupling[0]),
+            *chain.from_iterable(map(_notes, peaks_of_coupling)),
+        ]
+        if notes:
+            yield Paragraph(f"{name}: {' '.join(notes)}", "note")
+
+
+def _ranges(peak: NonlinearPeak) -> Iterator[str]:
+    """Where its play opens, and where there are several solutions."""
+    if peak.opens_from is not None and peak.opens_to is not None:
+        where = f"between {rpm(peak.opens_from)} and {rpm(peak.opens_to)} rpm"
+        where = f"at {rpm(peak.opens_from)} rpm" if peak.opens_from == peak.opens_to else where
+        yield f"the backlash opens {where}: the faces separate and hammer."
+    if peak.several_from is not None and peak.several_to is not None:
+        yield (
+            f"Between {rpm(peak.several_from)} and {rpm(peak.several_to)} rpm the response has several solutions, and "
+            "the amplitude can jump between them. The report shows the largest."
+        )
+
+
+def _notes(peak: NonlinearPeak) -> Iterator[str]:
+    """What a reader must know of a comparison."""
+    speed_words = f"At {rpm(peak.speed)} rpm"
+    if peak.from_rest is not None:
+        yield f"{speed_words} the exact motion that starts without vibration reaches {number(peak.from_rest)} N m."
+    if not peak.ended:
+        yield (
+            f"{speed_words} the exact motion needs too much computing time. Compute the transient response at this speed."
+        )
+    elif peak.exact is None:
+        yield (
+            f"{speed_words} the motion that starts from the response does not settle. Compute the transient "
+            "response at this speed."
+        )
+    elif peak.difference is not None and abs(peak.difference) > DIFFERS:
+        text = f"{speed_words} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
+        leaves = peak.solutions > 1 and peak.response > peak.exact
+        yield text + (", which leaves the largest solution." if leaves else ".")

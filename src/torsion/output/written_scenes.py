@@ -4,6 +4,7 @@ from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
 from torsion.what_if.design.design_results import Design
+from torsion.what_if.fit.fit_results import Fit
 
 
 def designed(document: Document, findings: Findings) -> str | None:
@@ -22,3 +23,18 @@ def designed(document: Document, findings: Findings) -> str | None:
         "Paths of other files count from the folder of the model file.",
     ]
     return "".join(f"# {one_line(line)}\n" for line in head) + text
+
+
+def fitted(document: Document, findings: Findings) -> str | None:
+    """The text of the file; None where nothing was fitted."""
+    fit = findings.get(Fit)
+    if fit is None or document.report.keys:
+        return None
+    changes = "".join(
+        f"# {figure.name}: {figure.given} -> {figure.fitted}\n" for figure in fit.figures
+    )
+    file = one_line(findings.study.shown_file)
+    words = (
+        f"# {file} with the figures that fit its measurements best; files that it names count from"
+    )
+    return f"{words}\n# the folder of that one.\n{changes}{fit.scene}"

@@ -1,4 +1,7 @@
-"""What verdicts make of a response by harmonic balance: never less than the exact motions beside it."""
+"""Verdicts where a coupling by table over vibratory torque has several solutions: the worst of each check stands."""
+
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,8 +13,34 @@ from torsion.analyses.motion.derived.raised_synthesis import (
 )
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.balanced_couplings import balanced_spans
+from torsion.analyses.response.synthesis import synthesis
 from torsion.arrays import BoolArray, IntArray
 from torsion.findings import Results
+from torsion.rules.verdict_line import Check, worst_checks
+
+LARGEST = "largest"
+Judge = Callable[[Results], tuple[Check, ...]]  # by all rules of the study
+
+
+def worst_of_solutions(evidence: Results, judge: Judge) -> tuple[Check, ...]:
+    """Return the checks of the largest solution, each replaced by that of another solution where it is worse."""
+    checks = judge(evidence)
+    response = evidence.get(Response)
+    if response is None or not response.others:
+        return checks
+    cases = {LARGEST: checks}
+    for number, solution in enumerate(response.others, 2):
+        with_solution = evidence.having(response=solution, synthesis=synthesis(solution))
+        cases[f"at solution {number} of the vibratory torque, the largest first"] = judge(
+            with_solution
+        )
+    return tuple(
+        check
+        if words == LARGEST
+        else replace(check, note="; ".join(filter(None, (words, check.note))))
+        for words, check in worst_checks(cases).values()
+    )
+
 
 UNPROVEN = (
     "a backlash or stage leaves its linear range at {speed}: harmonic balance does not bound what follows, so this "

@@ -1,22 +1,142 @@
-"""Modes of finite elements beyond the lowest frequency of an element by itself, by a dense decomposition.
+"""Finite elements of a shaft as spans: the unknowns inside are eliminated at each frequency (dynamic condensation).
 
-For few, coarse elements of high degree of which many modes are wanted. In coordinates whose sum of squares is the
-elastic energy, with the inertia in a factor C, the singular values c of C give s = 1/c^2; Rayleigh's quotient of the
-energies, span by span, corrects them. Massless stations need no care. Nothing is proven.
+The angles inside an element are relative to its static bend, and there in its modes with both ends fixed, of
+stiffness 1 and inertia c_j. With the whole inertia between static bends (a, b at the ends, c across) and the coupling
+g_j of the modes to both, the dynamic stiffness across is -1/h with
 
-Every span that bends has a coordinate; the modes inside the elements are the others.
+    1/h = k + s c + s^2 sum g_inner g_outer/(1 - s c_j),    J = row sum of the inertia + s sum g_end g_turn/(1 - s c_j),
+
+where g_turn couples to the turning of the element as a whole, which has no stiffness at all: no torque, exactly.
+Without unknowns inside, 1/h = k + s c and J is constant: linear elements keep full relative accuracy.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.distributed.condensed_element import CondensedElements
-from torsion.kernels.distributed.span_laws import Shafts
+from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Shafts
 from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
 from torsion.kernels.reduction import Rigidity, bends, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
+
+_ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
+_AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array
+_NEARLY = 1e-6  # how near to 0 or 1 an unknown inside must come when the element turns by 1
+
+
+@dataclass(frozen=True)
+class CondensedElements(Law):
+    """Condensed elements; modes inside, fixed at both ends, as (shafts, inside)."""
+
+    both_ends: ClassVar = ("ends", "coupling")
+    stiffness: FloatArray  # (shafts,) N m/rad, k of the static bend
+    across: FloatArray  # (shafts,) kg m2, c
+    ends: FloatArray  # (shafts, 2) kg m2, row sums at the inner and the outer end
+    modes: FloatArray  # (shafts, inside) s2, c_j = 1/frequency^2
+    coupling: FloatArray  # (shafts, 2, inside) g of the inner and the outer end
+    coupling_turn: FloatArray  # (shafts, inside) g of the turning as a whole: not the rounded sum of the other two
+
+    @cached_property
+    def limit(self) -> float:
+        """Lowest frequency (rad/s) of any element with both ends fixed; infinite without unknowns inside."""
+        largest = float(self.modes.max(initial=0.0))
+        return 1.0 / math.sqrt(largest) if largest > 0.0 else math.inf
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        """(shafts, 3, inside) of s/(1 - s c_j) in 1/h, less its static part, and in both end inertias."""
+        across = self.coupling.prod(axis=1, keepdims=True)
+        return np.concatenate([across, self.coupling * self.coupling_turn[:, None]], axis=1)
+
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        rows = np.empty((self.size, 3, s.shape[1]), dtype=s.dtype)
+        block = max(1, _AT_ONCE // max(self.modes.size, 1))
+        for begin in range(0, s.shape[1], block):
+            part = s[:, None, begin : begin + block]
+            rows[:, :, begin : begin + block] = self._weights @ (
+                part / (1.0 - part * self.modes[:, :, None])
+            )
+        spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
+        return spring, self.ends[:, :1] + rows[:, 1], self.ends[:, 1:] + rows[:, 2]
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        nearest = 1.0 - square * self.modes.max(initial=0.0)
+        return np.asarray(_ROUNDINGS * UNIT_ROUNDOFF / np.maximum(nearest, UNIT_ROUNDOFF))
+
+    def scaled(self, stiffness: ArrayLike, inertia: ArrayLike) -> "CondensedElements":
+        """The elements with their stiffness and inertia multiplied by `stiffness` and `inertia` (shafts,), positive.
+
+        Of one element, as many as there are factors.
+        """
+        k, m = (np.asarray(factor, dtype=np.float64)[:, None] for factor in (stiffness, inertia))
+        g = m / np.sqrt(k)
+        couplings = self.coupling * g[:, None], self.coupling_turn * g
+        return CondensedElements(
+            self.stiffness * k[:, 0],
+            self.across * m[:, 0],
+            self.ends * m,
+            self.modes * (m / k),
+            *couplings,
+        )
+
+    @classmethod
+    def joined(cls, parts: "Sequence[CondensedElements]") -> "CondensedElements":
+        """Elements of one degree, one part after another."""
+        return cls(
+            *(np.concatenate([getattr(part, name.name) for part in parts]) for name in fields(cls))
+        )
+
+
+def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedElements:
+    """Elements with matrices N m/rad and kg m2, (shafts, unknowns, unknowns) each: first the inner, then the outer end.
+
+    The unknowns inside may be angles (nodal elements) or factors of bubbles (hierarchic ones): which, is read off the
+    stiffness. Raises ValueError where turning the element as a whole bends it.
+    """
+    k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
+    if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
+        raise ValueError(
+            f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice"
+        )
+    number, unknowns, _ = k.shape
+    inside = k[:, 2:, 2:]
+    bend = np.zeros(
+        (number, unknowns)
+    )  # static, under the outer end's angle 1, the inner end fixed
+    bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
+    turn = np.ones((number, unknowns))
+    turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
+    inner_bend = turn - bend
+    lower = np.linalg.cholesky(inside)
+    half = np.linalg.solve(lower, m[:, 2:, 2:])
+    held = np.linalg.solve(lower, half.transpose(0, 2, 1))
+    modes, vectors = np.linalg.eigh(0.5 * (held + held.transpose(0, 2, 1)))
+    shapes = np.linalg.solve(lower.transpose(0, 2, 1), vectors)
+    both = np.stack([inner_bend, bend], axis=1)
+    return CondensedElements(
+        np.einsum("bi,bij,bj->b", bend, k, bend),
+        np.einsum("bi,bij,bj->b", inner_bend, m, bend),
+        np.einsum("bei,bij,bj->be", both, m, turn),
+        np.maximum(modes, 0.0),
+        np.einsum("bji,bjl,bel->bei", shapes, m[:, 2:], both),
+        np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], turn),
+    )
+
+
+def _rigid(inside: FloatArray) -> FloatArray:
+    """Unknowns inside (shafts, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
+    exact = np.rint(inside)
+    if np.any(np.abs(inside - exact) > _NEARLY) or np.any((exact != 0.0) & (exact != 1.0)):
+        raise ValueError(
+            "turning an element as a whole bends it: its stiffness has no rigid motion"
+        )
+    return exact
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,0 @@
-"""Damped modes of a tree."""
