@@ -8,7 +8,7 @@ from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings
-from torsion.output.chapters.couplings import chapter
+from torsion.output.chapters.couplings import nonlinear_at_peaks
 
 TEXT = """name: x
 operation: {{speeds: {{from: 150 rpm, to: 700 rpm}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}
@@ -67,5 +67,5 @@ def test_work_has_its_end_and_what_is_not_followed_never_passes(
     assert [one.exact for one in each] == [None] * len(each)
     safe, speed = found.need(Synthesis), each[0].speed
     assert (safe.half_range[found.results["response"].speed == speed] == float("inf")).all()
-    (note,) = (block for block in chapter(found) if "too much computing time" in str(block))
+    (note,) = (block for block in nonlinear_at_peaks(found) if "too much computing time" in str(block))
     assert "Compute the transient response at this speed" in str(note)
