@@ -67,5 +67,7 @@ def test_work_has_its_end_and_what_is_not_followed_never_passes(
     assert [one.exact for one in each] == [None] * len(each)
     safe, speed = found.need(Synthesis), each[0].speed
     assert (safe.half_range[found.results["response"].speed == speed] == float("inf")).all()
-    (note,) = (block for block in nonlinear_at_peaks(found) if "too much computing time" in str(block))
+    (note,) = (
+        block for block in nonlinear_at_peaks(found) if "too much computing time" in str(block)
+    )
     assert "Compute the transient response at this speed" in str(note)
