@@ -25,17 +25,16 @@ def _operation(
         if not isinstance(operand, int | float | complex | Fraction | Column):
             return NotImplemented
         left, right = column.values, plain(operand)
-        if compares:  # the imaginary part is the step of a slope, no number of the file
-            return _common_answer(apply(np.real(left), np.real(right)))
-        return Column(apply(right, left) if reflected else apply(left, right))
+        if not compares:
+            return Column(apply(right, left) if reflected else apply(left, right))
+
+        # The imaginary part is the step of a slope, no number of the file.
+        answers = apply(np.real(left), np.real(right))
+        if answers.any() != answers.all():
+            raise NotInColumns("the variants answer a question of the lowering differently")
+        return bool(answers.all())
 
     return method
-
-
-def _common_answer(answers: np.ndarray) -> bool:
-    if answers.any() != answers.all():
-        raise NotInColumns("the variants answer a question of the lowering differently")
-    return bool(answers.all())
 
 
 _ARITHMETIC = operator.add, operator.sub, operator.mul, operator.truediv, operator.pow
@@ -58,7 +57,7 @@ class Column:
         raise TypeError("a column is not an element of an array")
 
     def __bool__(self) -> bool:
-        return _common_answer(self.values != 0.0)
+        return bool(self != 0.0)
 
     def __neg__(self) -> "Column":
         return Column(-self.values)
@@ -116,26 +115,19 @@ def picker(value: Any) -> Picker | None:
     """
     if isinstance(value, Column):
         return lambda variant: value.values[variant].item()
-    if isinstance(value, Mapping):
-        inner = {key: pick for key, item in value.items() if (pick := picker(item))}
-        return (lambda variant: {**value, **_picked(inner, variant)}) if inner else None
-    if isinstance(value, tuple):
-        places = {position: pick for position, item in enumerate(value) if (pick := picker(item))}
-        make = getattr(type(value), "_make", tuple)
-
-        def replaced(variant: int) -> Any:
-            picked = _picked(places, variant)
-            return make(picked.get(position, item) for position, item in enumerate(value))
-
-        return replaced if places else None
     if isinstance(value, type):
         return None
-    named = {name: pick for name in field_names(value) if (pick := picker(getattr(value, name)))}
-    return (lambda variant: copied(value, **_picked(named, variant))) if named else None
-
-
-def _picked(pickers: Mapping[Any, Picker], variant: int) -> dict[Any, Any]:
-    return {key: pick(variant) for key, pick in pickers.items()}
+    items: Mapping[Any, Any] = {name: getattr(value, name) for name in field_names(value)}
+    make: Callable[[dict[Any, Any]], Any] = lambda picked: copied(value, **picked)  # noqa: E731
+    if isinstance(value, Mapping):
+        items, make = value, lambda picked: {**value, **picked}
+    elif isinstance(value, tuple):
+        items, kind = dict(enumerate(value)), getattr(type(value), "_make", tuple)
+        make = lambda picked: kind({**items, **picked}.values())  # noqa: E731
+    inner = {key: pick for key, item in items.items() if (pick := picker(item))}
+    if not inner:
+        return None
+    return lambda variant: make({key: pick(variant) for key, pick in inner.items()})
 
 
 def joined(alternatives: list[Any], combine: Callable[[np.ndarray], np.ndarray]) -> Any:

@@ -49,15 +49,8 @@ class UsualRange:
 
     def holds(self, number: float) -> bool:
         """Return whether a number (SI) is usual."""
-        return number == 0 or self.low <= self.size(number) <= self.high
-
-    def likely(self, number: float, unit: str) -> str:
-        """The first unit of `slip` that makes a number usual; empty where none does."""
-        for meant in self.slip:
-            value = number * units.to_si(f"1 {meant}", unit)
-            if value and self.holds(value):
-                return meant
-        return ""
+        size = abs(number) if self.low > 0.0 else number
+        return number == 0 or self.low <= size <= self.high
 
     @property
     def ends(self) -> list[float | None]:
@@ -71,16 +64,11 @@ class UsualRange:
             return f"at most {high:.5g}"
         return f"at least {low:.5g}" if math.isinf(high) else f"{low:.5g} to {high:.5g}"
 
-    def size(self, number: float) -> float:
-        return abs(number) if self.low > 0.0 else number
-
 
 def _read_table() -> dict[str, UsualRange]:
     """Read usual_ranges.txt: a row by the SI unit that it holds for, or by the name that a quantity gives."""
-    ranges = {}
-    for line in (
-        Path(__file__).with_name("usual_ranges.txt").read_text(encoding="utf-8").splitlines()
-    ):
+    ranges, file = {}, Path(__file__).with_name("usual_ranges.txt")
+    for line in file.read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
             name, low, high, *words = (cell.strip() for cell in line.split("|"))
             slip, below, above = (*words, "", "", "")[:3]
@@ -245,17 +233,12 @@ class Quantity:
             if isinstance(value, str):
                 return self._within(units.to_si(value, self.unit), *units.written(value, self.unit))
             if isinstance(value, bool) or not isinstance(value, int | float):
-                hint = (
-                    "write a number"
-                    if self.unit == "1"
-                    else f"write a number with a unit, {self.unit}"
-                )
-                raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
+                unit = "" if self.unit == "1" else f" with a unit, {self.unit}"
+                message = f"{shown(value)} is not {units.speak(self.unit)}"
+                raise refuse(message, f"write a number{unit}")
             if units.needs_unit(self.unit):
-                hint = "deg or rad" if self.unit == "rad" else "rpm or rad/s"
-                raise refuse(
-                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one", hint
-                )
+                message = f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one"
+                raise refuse(message, "deg or rad" if self.unit == "rad" else "rpm or rad/s")
             return self._within(float(value), self.unit, 1.0)
         except units.UnitFault as fault:
             raise refuse(fault.message, fault.hint) from None
@@ -273,15 +256,18 @@ class Quantity:
         what, meant = _READING.get()
         if not (meant or self.range.holds(number)):
             lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
-            guess, usual = "", self.range
+            written, usual = number / size, self.range
 
             # What is written with the first unit that makes it usual, as a question; else what it may be.
-            if likely := usual.likely(number / size, self.unit):
-                guess = f"{_with_unit(number / size, likely)}? "
-            elif other := usual.below if usual.size(number) < usual.low else usual.above:
-                guess = f"{other}? "
-            hint = f"{guess}usual: {self.usual_words(unit, size)}{lifts}"
-            raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
+            likely = (
+                _with_unit(written, meant)
+                for meant in usual.slip
+                if (value := written * units.to_si(f"1 {meant}", self.unit)) and usual.holds(value)
+            )
+            is_small = (abs(number) if usual.low > 0.0 else number) < usual.low
+            guess = next(likely, usual.below if is_small else usual.above)
+            hint = f"{guess + '? ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
+            raise refuse(f"{_with_unit(written, unit)} is outside the usual range", hint)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             hint = f"in SI from {SMALLEST:g} to {LARGEST:g}, or 0"
             raise refuse(

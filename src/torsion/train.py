@@ -88,12 +88,9 @@ class Train:
         torques: dict[str, tuple[Torque, ...]] = {}
         for torque in self.torques:
             if torque.order is not None or torque.frequency is not None:
-                part = (
-                    self.stations[torque.station].part
-                    if torque.cylinder is None
-                    else torque.cylinder.engine
-                )
-                name = torque.mesh[0] if torque.mesh else self.parts[part].name
+                engine, part = torque.cylinder, self.stations[torque.station].part
+                name = self.parts[part if engine is None else engine.engine].name
+                name = torque.mesh[0] if torque.mesh else name
                 torques[name] = (*torques.get(name, ()), torque)
         return torques
 
@@ -121,18 +118,18 @@ class Train:
     @property
     def has_corners(self) -> bool:
         """A shaft begins with another diameter or bore where one ends; something may stand between them."""
-        ends = {bar.driven: (bar.outer[1], bar.bore[1]) for bar in self.bars if bar.section is None}
-        starts = [
-            (bar.driving, (bar.outer[0], bar.bore[0])) for bar in self.bars if bar.section is None
-        ]
-        return any(ends.get(station, across) != across for station, across in starts)
+        shafts = [bar for bar in self.bars if bar.section is None]
+        ends = {bar.driven: (bar.outer[1], bar.bore[1]) for bar in shafts}
+        starts = ((ends.get(bar.driving), (bar.outer[0], bar.bore[0])) for bar in shafts)
+        return any(end not in (None, start) for end, start in starts)
 
     @property
     def has_fillets(self) -> bool:
         """A step between shafts is a fillet of a stated radius, or a shaft has notches."""
-        records = [p.shaft for p in self.parts if p.shaft is not None]
         return any(
-            record.notches or (record.step is not None and record.step.round) for record in records
+            part.shaft.notches or (part.shaft.step is not None and part.shaft.step.round)
+            for part in self.parts
+            if part.shaft is not None
         )
 
     @property
@@ -243,65 +240,57 @@ def lowered(
             fault = taken(part.name, part.path, first[part.name], given=part.is_named)
             build.faults.append(fault)
         first.setdefault(part.name, part.path)
-    counted = (
-        None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+
+    # Speeds count from that of the reference.
+    counted = reference and _named(build, reference, ("operation", "at"), point=False)
+    unit = counted.ratio if counted else Fraction(1)
+    parts = (
+        replace(
+            part,
+            ratio=part.ratio / unit,
+            referred_to=None if part.referred_to is None else part.referred_to / unit,
+        )
+        for part in build.parts
     )
-    train = _train(build, Fraction(1) if counted is None else counted.ratio)
-    return replace(train, sources=tuple(citations)), build.faults
+    stations = (replace(station, ratio=station.ratio / unit) for station in build.stations)
+    kinds: dict[type, list[Any]] = {
+        kind: [] for kind in (Inertia, Spring, Bar, Constraint, Damper, Torque)
+    }
+    for primitive in build.primitives:
+        kinds[type(primitive)].append(primitive)
+    primitives: Any = map(tuple, kinds.values())
+    train = Train(
+        tuple(parts),
+        tuple(stations),
+        *primitives,
+        materials=build.materials,
+        sources=tuple(citations),
+    )
+    return train, build.faults
 
 
 def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
     """Lower an excitation at a point, or at the mesh of a gear."""
-    made = (
-        constraint
-        for constraint in build.primitives
-        if isinstance(constraint, Constraint) and constraint.name == excitation.at
-    )
-    mesh = next(
-        (constraint for constraint in made if build.parts[constraint.part].kind == "gear"), None
-    )
-    if mesh is not None:
-        from torsion.model.mesh_excitation import mesh_torque
+    name, at_path = excitation.at, (*path, "at")
+    for mesh in build.primitives:
+        if not isinstance(mesh, Constraint) or mesh.name != name:
+            continue
+        if build.parts[mesh.part].kind == "gear":
+            from torsion.model.mesh_excitation import mesh_torque
 
-        if isinstance(excitation_torque := mesh_torque(excitation, mesh, path), Fault):
-            build.faults.append(excitation_torque)
-        else:
-            build.add(excitation_torque)
-        return
-    if (point := _named(build, excitation.at, (*path, "at"))) is None:
+            if isinstance(excitation_torque := mesh_torque(excitation, mesh, path), Fault):
+                build.faults.append(excitation_torque)
+            else:
+                build.add(excitation_torque)
+            return
+    if (point := _named(build, name, at_path)) is None:
         return
     if excitation.transmission_error is not None or excitation.harmonic != 1:
-        message = f"'{excitation.at}' has no teeth, and so no transmission error"
-        build.faults.append(
-            Fault((*path, "at"), message, "the name of a gear, or `torque` with `order`")
-        )
+        message = f"'{name}' has no teeth, and so no transmission error"
+        hint = "the name of a gear, or `torque` with `order`"
+        build.faults.append(Fault(at_path, message, hint))
         return
-    build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
-
-
-def _train(build: Lowering, unit: Fraction) -> Train:
-    """The train with its speeds counted from one that is `unit` of the first."""
-
-    def select(kind: type) -> tuple:  # type: ignore[type-arg]
-        return tuple(p for p in build.primitives if isinstance(p, kind))
-
-    referred = [
-        None if part.referred_to is None else part.referred_to / unit for part in build.parts
-    ]
-    return Train(
-        tuple(
-            replace(p, ratio=p.ratio / unit, referred_to=to)
-            for p, to in zip(build.parts, referred, strict=True)
-        ),
-        tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
-        select(Inertia),
-        select(Spring),
-        select(Bar),
-        select(Constraint),
-        select(Damper),
-        select(Torque),
-        build.materials,
-    )
+    build.add(excitation.primitive(name, point.stations[0], path, excitation.source))
 
 
 def name_fault(
@@ -309,9 +298,9 @@ def name_fault(
 ) -> Fault | None:
     """The fault of a name that is none of the known components', or that of no point where one is needed.
 
-    known: of every component its kind, and whether it is a point.
+    kinds: of every component its kind, and whether it is a point.
     """
-    names = [known_name for known_name, (_, is_point) in kinds.items() if is_point or not point]
+    names = [component for component, (_, is_point) in kinds.items() if is_point or not point]
     if name in names:
         return None
     listed = f"points: {', '.join(names)}" if point else "the name of a component"
@@ -343,39 +332,32 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
     )
     if first is None or second is None:
         return
-    both, ends_path = f"'{first.name}' and '{second.name}'", (*path, "between")
-    senses = {build.stations[part.stations[0]].sense for part in (first, second)}
+    both, message = f"'{first.name}' and '{second.name}'", ""
+    driving, driven = first.stations[0], second.stations[0]
+    sense = build.stations[driving].sense
     if any("differential" in part.path for part in (first, second)):
+        message = "a half of a differential takes no link"
         hint = "write the train without `differential`, both halves one by one"
-        build.faults.append(Fault(ends_path, "a half of a differential takes no link", hint))
     elif first.stations == second.stations:
-        build.faults.append(
-            Fault(ends_path, f"{both} are one point", "a link joins two different points")
-        )
-    elif first.ratio != second.ratio or len(senses) > 1:
+        message, hint = f"{both} are one point", "a link joins two different points"
+    elif first.ratio != second.ratio or sense != build.stations[driven].sense:
+        message = f"{both} do not turn together"
         hint = "a link joins two different points of the same speed and sense of rotation"
-        build.faults.append(Fault(ends_path, f"{both} do not turn together", hint))
     elif first.referred_to != second.referred_to:
         message = f"{both} are not referred to one speed, and so the link's figures to neither"
-        build.faults.append(Fault(ends_path, message, "refer both (gear: referred), or neither"))
-    else:
-        _join(build, first, second, link.component, path)
+        hint = "refer both (gear: referred), or neither"
+    if message:
+        build.faults.append(Fault((*path, "between"), message, hint))
+        return
 
-
-def _join(build: Lowering, first: Part, second: Part, component: Component, path: Path) -> None:
-    """Lower a link between two points that are there already."""
-    driving, driven = first.stations[0], second.stations[0]
-    sense, begin = build.stations[driving].sense, len(build.primitives)
-    main, build.arrival = (
-        build.arrival,
-        Arrival(driving, False, first.ratio, sense, first.referred_to),
-    )
-    component.enter(build, path)
+    # The link is lowered as if it led on from the first point; its far end then is the second one.
+    main, begin = build.arrival, len(build.primitives)
+    build.arrival = Arrival(driving, False, first.ratio, sense, first.referred_to)
+    link.component.enter(build, path)
     made = build.parts[-1].stations[-1]
     for position, primitive in enumerate(build.primitives[begin:], begin):
-        moved: dict[str, Any] = dict.fromkeys(
-            (end for end in ENDS if getattr(primitive, end, None) == made), driven
-        )
+        ends = (end for end in ENDS if getattr(primitive, end, None) == made)
+        moved: dict[str, Any] = dict.fromkeys(ends, driven)
         build.primitives[position] = replace(primitive, **moved)
     del build.stations[made]
     build.place(stations=(driving, driven))
@@ -385,20 +367,10 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
 def taken(name: str, path: Path, taken_by: Path, *, given: bool = True) -> Fault:
     """The fault of a name, given or automatic, that another component has; paths are those of the components."""
     if given:
-        return Fault(
-            (*path, "name"), f"the name '{name}' is taken", "names are unique", other=taken_by
-        )
-    return Fault(
-        path,
-        f"its name would be '{name}', which is taken",
-        "give one of the two another `name`",
-        other=taken_by,
-    )
-
-
-Rigid = dict[
-    int, list[tuple[int, Spring | Constraint]]
-]  # of each station: (the other one, the rigid span between)
+        message, path = f"the name '{name}' is taken", (*path, "name")
+        return Fault(path, message, "names are unique", other=taken_by)
+    message = f"its name would be '{name}', which is taken"
+    return Fault(path, message, "give one of the two another `name`", other=taken_by)
 
 
 def fixed_point_faults(train: Train) -> list[Fault]:
@@ -406,34 +378,32 @@ def fixed_point_faults(train: Train) -> list[Fault]:
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
     if len(held) < 2:
         return []
-    near: Rigid = {}
     spans: list[Spring | Constraint] = [*train.springs, *train.constraints]
+    near: dict[int, list[tuple[int, Spring | Constraint]]] = {}
     for span in spans:
         if span.flexibility == 0:
             near.setdefault(span.driving, []).append((span.driven, span))
             near.setdefault(span.driven, []).append((span.driving, span))
-    return [fault for station in sorted(held) for fault in _fault(train, station, held, near)]
-
-
-def _fault(train: Train, station: int, held: set[int], near: Rigid) -> Iterator[Fault]:
-    """The fault of a fixed station, by the shortest rigid way to one before it."""
-    way: dict[int, list[Spring | Constraint]] = {station: []}
-    for reached in (met := [station]):
-        for neighbour, span in near.get(reached, []):
-            if neighbour not in way:
-                way[neighbour] = [*way[reached], span]
-                met.append(neighbour)
-    before = [neighbour for neighbour in met if neighbour in held and neighbour < station]
-    if not before:
-        return
-    part, earlier = (train.parts[train.stations[fixed].part] for fixed in (station, before[0]))
-    uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
-    hint = "put a stiffness between them, or fix one of them only"
-    if uneven:
-        joint = train.parts[uneven[-1].part]
-        ends = f"'{earlier.name}' and '{part.name}'"
-        message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
-        yield Fault(joint.path, message, hint)
-    else:
+    faults = []
+    for station in sorted(held):
+        # The shortest rigid way to a fixed point before it.
+        way: dict[int, list[Spring | Constraint]] = {station: []}
+        for reached in (met := [station]):
+            for neighbour, span in near.get(reached, []):
+                if neighbour not in way:
+                    way[neighbour] = [*way[reached], span]
+                    met.append(neighbour)
+        before = [neighbour for neighbour in met if neighbour in held and neighbour < station]
+        if not before:
+            continue
+        part, earlier = (train.parts[train.stations[fixed].part] for fixed in (station, before[0]))
+        uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
+        path: Path = (*part.path, "held")
         message = f"'{part.name}' is fixed, and rigid parts alone join it to '{earlier.name}', which is fixed too"
-        yield Fault((*part.path, "held"), message, hint)
+        if uneven:
+            joint = train.parts[uneven[-1].part]
+            path, ends = joint.path, f"'{earlier.name}' and '{part.name}'"
+            message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
+        hint = "put a stiffness between them, or fix one of them only"
+        faults.append(Fault(path, message, hint))
+    return faults

@@ -395,7 +395,7 @@ def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:
     train = two_discs()
     train.curves = (replace(train.curves[0], has_phase=True),)
     found = train.wrapped(
-        np.array([5.0, 4.0, 4.1, 4.2, 6.2, -6.2, 0.1]), 1
+        np.array([5.0, 4.0, 4.1, 4.2, 6.2, -6.2, 0.1]), 1, train.curves
     )  # a mode, three amplitudes, their phases
     assert found == pytest.approx([5.0, 4.0, 4.1, 4.2, 6.2 - 2.0 * np.pi, 2.0 * np.pi - 6.2, 0.1])
 

@@ -1,6 +1,6 @@
 """Candidates of a design: of every candidate the objective, whether it meets the constraints, its mass and cost."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -132,14 +132,24 @@ class Candidates:
         count, samples, names = len(values), len(self.samples), list(self.searched)
         rows = np.hstack([np.repeat(values, samples, axis=0), np.tile(self.samples, (count, 1))])
         amounts = self.amounts(values)
-        judged = list[Judged]()
-        unsolved = set[int]()
+        judged, unsolved = list[Judged](), set[int]()
+        words, share = f"design, {len(self.tried)} choices tried", len(self.tried) / self.limit
         for name, case in self.searched.items():
-            answers = self._answers(case, rows)
-            of_case = bool(name)
-            judged.append(self.judge(answers, np.repeat(amounts, samples, axis=0), of_case=of_case))
+            work = replace(
+                case.work, progress=lambda *_: self.work.progress(words, min(share, 1.0))
+            )
+            if self.judged:
+                answers = solved(work, case.sampled, rows, self.modes, judged=True)
+            else:
+                answers = frequencies(work, case.sampled, rows, self.modes, least=FEWEST)
+            judged.append(
+                self.judge(answers, np.repeat(amounts, samples, axis=0), of_case=bool(name))
+            )
             unsolved |= {position // samples for position in answers.faults}
-            self.faults |= dict.fromkeys(_of_case(name, why) for why in answers.faults.values())
+            begin = f"case '{name}': " if name else ""
+            self.faults |= dict.fromkeys(
+                why if why.startswith(begin) else begin + why for why in answers.faults.values()
+            )
             self.standing |= answers.standing
         self.unsolved += len(unsolved)
 
@@ -164,16 +174,6 @@ class Candidates:
                 *amounts[k].tolist(),
             )
 
-    def _answers(self, case: Case, rows: FloatArray) -> Answers:
-        """Return the answers of candidates with samples (variants, figures)."""
-        progress: Callable[[str, float], None] = lambda what, share: self.work.progress(  # noqa: E731
-            f"design, {len(self.tried)} choices tried", min(len(self.tried) / self.limit, 1.0)
-        )
-        work = replace(case.work, progress=progress)
-        if not self.judged:
-            return frequencies(work, case.sampled, rows, self.modes, least=FEWEST)
-        return solved(work, case.sampled, rows, self.modes, judged=True)
-
     def judge(self, answers: Answers, amounts: FloatArray, *, of_case: bool = False) -> Judged:
         """Return objectives and constraints of the answers; amounts (variants, 2): mass and cost of each.
 
@@ -184,8 +184,25 @@ class Candidates:
         decides: tuple[Key | None, ...] = (None,) * count
         frequency, doubtful = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)
         if target is None:
-            aim, decides, doubtful = self._margins(answers, count)
-            aim = np.where(of_case & ~unsolved & np.isnan(aim), WIDEST, aim)
+            # The smallest margin, the check that has it, and whether a check without a margin fails.
+            standing = self.standing | answers.standing
+            doubtful = np.isin(np.arange(count), list(answers.partly))
+            margins = [np.full(count, np.inf)]
+            counted = [key for key in answers.checks if standing.get(key) != TO_BE_VERIFIED]
+            for key, (used, fails) in answers.checks.items():
+                doubtful |= fails & ~((used > 1.0) & np.isfinite(used) & (key in counted))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                for used in (answers.checks[key][0] for key in counted):
+                    margin = np.minimum(-np.log(used), WIDEST)
+                    margins.append(np.where(np.isfinite(used), margin, np.inf))
+            decisive, smallest = np.argmin(margins, axis=0), np.min(margins, axis=0)
+            is_known = np.isfinite(smallest)
+            decides = tuple(
+                counted[k - 1] if is_finite else None
+                for k, is_finite in zip(decisive, is_known, strict=True)
+            )
+            without = np.where(of_case & ~unsolved, WIDEST, np.nan)
+            aim = np.where(is_known, smallest, without)
         elif of_case:
             aim = np.full(count, WIDEST)
         else:
@@ -204,29 +221,6 @@ class Candidates:
             ~is_unknown & ~doubtful & (broken == 0.0) & ((target is not None) | (value >= 0.0))
         )
         return Judged(np.where(is_unknown, np.nan, aim), score, allowed, decides, frequency)
-
-    def _margins(
-        self, answers: Answers, count: int
-    ) -> tuple[FloatArray, tuple[Key | None, ...], BoolArray]:
-        """Return the smallest margin, the check that has it, and whether a check without a margin fails."""
-        standing = self.standing | answers.standing
-        doubtful = np.isin(np.arange(count), list(answers.partly))
-        for key, (used, fails) in answers.checks.items():
-            has_margin = (used > 1.0) & np.isfinite(used) & (standing.get(key) != TO_BE_VERIFIED)
-            doubtful |= fails & ~has_margin
-        keys = [key for key in answers.checks if standing.get(key) != TO_BE_VERIFIED]
-        if not keys:
-            return np.full(count, np.nan), (None,) * count, doubtful
-        used = np.stack([answers.checks[key][0] for key in keys])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            margin = np.where(np.isfinite(used), np.minimum(-np.log(used), WIDEST), np.inf)
-        smallest = margin.min(axis=0)
-        is_known = np.isfinite(smallest)
-        decisive = margin.argmin(axis=0)
-        names = tuple(
-            keys[k] if is_finite else None for k, is_finite in zip(decisive, is_known, strict=True)
-        )
-        return np.where(is_known, smallest, np.nan), names, doubtful
 
     def nominal(self) -> Tried | None:
         """Return the file without a choice, with its cases; None if it has no answer."""
@@ -257,36 +251,23 @@ class Candidates:
         requested = {self.settings.against, *(kept.subject.name for kept in self.settings.kept)}
         amounts = np.full((len(values), 2), np.nan)
         for column, name in enumerate(("mass", "cost")):
-            if name in requested:
-                amounts[:, column] = sum(
-                    (
-                        np.array([row.amounts.get(name, 0.0) for row in figure.rows])[
-                            chosen.astype(np.intp)
-                        ]
-                        for figure, chosen in zip(self.variation.figures, values.T, strict=True)
-                        if figure.rows
-                    ),
-                    np.zeros(len(values)),
-                )
+            if name not in requested:
+                continue
+            amounts[:, column] = 0.0
+            for figure, chosen in zip(self.variation.figures, values.T, strict=True):
+                if figure.rows:
+                    of_rows = np.array([row.amounts.get(name, 0.0) for row in figure.rows])
+                    amounts[:, column] += of_rows[chosen.astype(np.intp)]
         if "mass" in requested:
-            amounts[:, 0] += self._shaft_masses(values)
+            try:
+                masses = plain(shaft_mass(self.variation.in_columns(values)))
+            except NotInColumns:
+                masses = np.full(len(values), np.nan)
+                for position, row in enumerate(values.tolist()):
+                    with suppress(InputError):
+                        masses[position] = shaft_mass(self.variation.study(row).train)
+            amounts[:, 0] += masses
         return amounts
-
-    def _shaft_masses(self, values: FloatArray) -> FloatArray:
-        try:
-            mass = plain(shaft_mass(self.variation.in_columns(values)))
-            return np.asarray(mass + np.zeros(len(values)))
-        except NotInColumns:
-            masses = np.full(len(values), np.nan)
-        for position, row in enumerate(values.tolist()):
-            with suppress(InputError):
-                masses[position] = shaft_mass(self.variation.study(row).train)
-        return masses
-
-
-def _of_case(name: str, why: str) -> str:
-    """Return a fault with the case that it is of."""
-    return f"case '{name}': {why}" if name and not why.startswith(f"case '{name}'") else why
 
 
 def bare(study: Study) -> Study:

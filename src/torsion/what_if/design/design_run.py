@@ -12,7 +12,7 @@ import numpy as np
 from torsion.analyses.undamped_modes import Modes, without_mode
 from torsion.arrays import FloatArray
 from torsion.errors import InputError, SolveError
-from torsion.findings import Findings, Work
+from torsion.findings import Work
 from torsion.processes import processors
 from torsion.sources import source
 from torsion.study import Variation
@@ -23,7 +23,7 @@ from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.variants.chunks import TO_BE_VERIFIED, Answers, duration
 from torsion.what_if.variants.laws import drawn, uniform_samples
 
-CURVE, MAP = 200, 200  # values of one figure, and of each of two
+AXIS = 200  # values of one figure, and of each of two
 VALLEYS = 3  # of which the best is refined
 REFINED = 1e-6  # of a range
 STEPS, SIMPLEX = 40, 120  # most candidates of one refinement: of one figure, of several
@@ -37,52 +37,37 @@ def search(candidates: Candidates) -> str:
     figures, limit = candidates.variation.figures, candidates.limit
     combinations = math.prod(figure.places for figure in figures)
     if 0 < combinations <= limit:
-        candidates.scores(_grid([figure.all_values() for figure in figures]))
+        candidates.scores(np.array(list(product(*(figure.all_values() for figure in figures)))))
         return f"all {combinations:,} combinations"
-    if len(figures) <= 2:
-        axes = _axes(figures, limit)
-        if math.prod(map(len, axes)) <= limit:
-            values = _grid(axes)
-            scores = candidates.scores(values).reshape([len(axis) for axis in axes])
-            tops = _tops(scores)
-            steps = [float(axis[1] - axis[0]) if len(axis) > 1 else 0.0 for axis in axes]
-            for top in tops:
-                start = [float(axis[position]) for axis, position in zip(axes, top, strict=True)]
-                _refine(candidates, start, steps, (limit - len(values)) // len(tops))
-            sizes = " by ".join(str(len(axis)) for axis in axes)
-            return f"{sizes} values, the best {len(tops)} refined"
-    return _evolve(candidates)
 
-
-def _axes(figures: Sequence[Any], limit: int) -> list[FloatArray]:
-    """Return values of one figure or two: all of a list, else as many of a range as the limit leaves."""
+    # Of one figure or two all values of a list, else as many of a range as the limit leaves.
     listed = math.prod(figure.places or 1 for figure in figures)
     ranges = sum(not figure.places for figure in figures)
-    values = CURVE if len(figures) == 1 else MAP
-    side = max(min(values, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
-    return [
+    side = max(min(AXIS, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
+    if len(figures) > 2 or listed * side**ranges > limit:
+        return _evolve(candidates)
+    axes = [
         figure.all_values()
         if figure.places
         else np.linspace(figure.law.ends[0], figure.law.ends[1], side)
         for figure in figures
     ]
+    values = np.array(list(product(*axes)))
+    scores = candidates.scores(values).reshape([len(axis) for axis in axes])
 
-
-def _grid(axes: Sequence[FloatArray]) -> FloatArray:
-    return np.array(list(product(*(axis.tolist() for axis in axes))))
-
-
-def _tops(scores: FloatArray) -> list[tuple[int, ...]]:
-    """Return the places of the best maxima of a curve or a map, none beside another."""
+    # The best maxima of the curve or the map, none beside another, are refined.
     tops = list[tuple[int, ...]]()
     for flat in np.argsort(-scores, axis=None, kind="stable").tolist():
         position = tuple(int(k) for k in np.unravel_index(flat, scores.shape))
         around = scores[tuple(slice(max(k - 1, 0), k + 2) for k in position)]
-        if scores[position] >= around.max():
+        if len(tops) < VALLEYS and scores[position] >= around.max():
             tops.append(position)
-        if len(tops) == VALLEYS:
-            break
-    return tops
+    steps = [float(axis[1] - axis[0]) if len(axis) > 1 else 0.0 for axis in axes]
+    for top in tops:
+        start = [float(axis[position]) for axis, position in zip(axes, top, strict=True)]
+        _refine(candidates, start, steps, (limit - len(values)) // len(tops))
+    sizes = " by ".join(str(len(axis)) for axis in axes)
+    return f"{sizes} values, the best {len(tops)} refined"
 
 
 def _refine(
@@ -132,6 +117,7 @@ def _evolve(candidates: Candidates) -> str:
     lists = [figure.all_values() if figure.places else None for figure in figures]
     bounds: Any = [(0.0, 1.0) if values is None else (0, len(values) - 1) for values in lists]
     crowd = max(CROWD * len(figures), 20)
+    is_spent: Any = lambda *_, **__: len(candidates.tried) + crowd > 0.8 * limit  # noqa: E731
 
     def cost(unit: FloatArray) -> Any:
         """Of places in lists and shares of ranges (figures, variants)."""
@@ -142,9 +128,6 @@ def _evolve(candidates: Candidates) -> str:
             for figure, values, row in zip(figures, lists, np.atleast_2d(unit.T).T, strict=True)
         ]
         return -candidates.scores(np.atleast_2d(np.stack(columns, axis=-1)))
-
-    def is_spent(*_: Any, **__: Any) -> Any:
-        return len(candidates.tried) + crowd > 0.8 * limit
 
     differential_evolution(
         cost,
@@ -324,18 +307,14 @@ def _solved(candidates: Candidates, candidate: Tried) -> Confirmation:
         kept &= bool(judged.allowed[0])
         if name in candidates.searched and judged.score[0] < worst[0]:
             worst = float(judged.score[0]), float(judged.aim[0])
-        verdicts.append(f"{words}{_verdict(findings)}")
+        verdicts.append(f"{words}{findings.results['checks'].counts}")
+        verdicts[-1] += "".join(
+            f"; no answer: {analysis.what}" for analysis in findings.plan.unanswered
+        )
     score, aim = worst
     is_near = abs(score - candidate.nominal_score) <= MISSED[0 if candidates.judged else 1]
     agrees = is_near and (not candidates.judged or not candidate.is_allowed or kept)
     return ("kept" if kept else "not kept") if agrees else "disagrees", aim, "; ".join(verdicts)
-
-
-def _verdict(findings: Findings) -> str:
-    """Return how many checks there are of each verdict, and what has no answer."""
-    unanswered = findings.plan.unanswered
-    words = "".join(f"; no answer: {analysis.what}" for analysis in unanswered)
-    return f"{findings.results['checks'].counts}{words}"
 
 
 def _result(

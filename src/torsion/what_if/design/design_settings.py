@@ -37,11 +37,6 @@ class Subject:
     name: str
     mode: int = 0  # from 1; 0: none
 
-    @property
-    def unit(self) -> str:
-        """The unit in which its values are read."""
-        return "Hz" if self.mode else "kg" if self.name == "mass" else "1"
-
 
 @dataclass(frozen=True)
 class Kept:
@@ -142,65 +137,44 @@ class DesignSettings(Declared):
                 "`robust` is at the worst of `sweep`, which the file does not name",
                 hint,
             )
-        yield from self._varied_in_place(study, figures)
-        places = [figure.places for figure in figures]
-        if all(places) and math.prod(places) > MOST:
-            words = f"{math.prod(places):,} combinations, more than {MOST:,}"
-            yield Fault(("choose",), words, "longer steps or shorter lists", at_key=True)
-        yield from self._chosen_twice(figures)
-        stated: list[tuple[tuple[str | int, ...], str]] = (
-            [(("against",), self.against)] if self.against else []
-        )
-        stated += [
-            (("keep", k), key)
-            for k, conditions in enumerate(self.keep)
-            for key in conditions
-            if not MODE.fullmatch(key)
-        ]
-        for path, key in stated:
-            yield from _unsaid(path, key, figures)
-
-    def _varied_in_place(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
-        """Values that the sweep puts in the place of what is chosen."""
-        varied: Mapping[str, Choice] = {}
-        if self.robust:
-            varied = getattr(study.analyses.get("sweep"), "varied", ("", varied))[1]
+        # Values that the sweep puts in the place of what is chosen.
+        sweep = study.analyses.get("sweep") if self.robust else None
+        varied: Mapping[str, Choice] = getattr(sweep, "varied", ("", {}))[1]
         for name, law in varied.items():
             pairs = [sorted([f"{name}.", f"{figure.name}."]) for figure in figures]
             if not law.is_relative and any(long.startswith(short) for short, long in pairs):
                 words = f"`sweep` puts values in the place of `{name}`, which the design chooses"
                 yield Fault(("robust",), words, "vary it about the chosen value: {uniform: +-15 %}")
-
-    def _chosen_twice(self, figures: Sequence[Any]) -> Iterator[Fault]:
+        places = [figure.places for figure in figures]
+        if all(places) and math.prod(places) > MOST:
+            words = f"{math.prod(places):,} combinations, more than {MOST:,}"
+            yield Fault(("choose",), words, "longer steps or shorter lists", at_key=True)
         chosen: dict[Any, str] = {}
         for figure in figures:
             for path in sorted({*figure.all_paths}, key=str):
-                if path in chosen and chosen[path] != figure.name:
+                if chosen.setdefault(path, figure.name) != figure.name:
                     words = f"`{path[-1]}` is chosen by `{chosen[path]}` already"
-                    yield Fault(
-                        ("choose", figure.name), words, "leave one of them out", at_key=True
-                    )
+                    hint = "leave one of them out"
+                    yield Fault(("choose", figure.name), words, hint, at_key=True)
                     break
-                chosen[path] = figure.name
 
-
-def _unsaid(path: tuple[str | int, ...], key: str, figures: Sequence[Any]) -> Iterator[Fault]:
-    """A mass or cost that a catalogue does not state."""
-    listed = [figure for figure in figures if figure.law.catalogue is not None]
-    lacking = next(
-        (figure for figure in listed if any(key not in row.amounts for row in figure.rows)), None
-    )
-    if lacking is not None:
-        yield Fault(
-            path,
-            f"{lacking.law.catalogue} has no column `{key}`",
-            "every catalogue states it",
-            at_key=True,
-        )
-    elif key == "cost" and not listed:
-        yield Fault(
-            path, "no catalogue states a cost", "a catalogue with a column `cost`", at_key=True
-        )
+        # A mass or cost that a catalogue does not state.
+        stated = [(key, ("keep", k)) for k, kept in enumerate(self.keep) for key in kept]
+        listed = [figure for figure in figures if figure.law.catalogue is not None]
+        for key, place in [(self.against or "", ("against",)), *stated]:
+            if key not in ("mass", "cost"):
+                continue
+            lacking = [
+                figure.law.catalogue
+                for figure in listed
+                if any(key not in row.amounts for row in figure.rows)
+            ]
+            if lacking:
+                words = f"{lacking[0]} has no column `{key}`"
+                yield Fault(place, words, "every catalogue states it", at_key=True)
+            elif key == "cost" and not listed:
+                hint = "a catalogue with a column `cost`"
+                yield Fault(place, "no catalogue states a cost", hint, at_key=True)
 
 
 def _subject(words: str, path: tuple[str | int, ...]) -> Subject:
@@ -215,8 +189,9 @@ def _subject(words: str, path: tuple[str | int, ...]) -> Subject:
 
 
 def _read(value: object, subject: Subject, path: tuple[str | int, ...]) -> float:
+    unit = "Hz" if subject.mode else "kg" if subject.name == "mass" else "1"
     try:
-        return Quantity(subject.unit, above=0).read(value)
+        return Quantity(unit, above=0).read(value)
     except PydanticCustomError as error:
         context = error.context or {}
         raise refuse(
@@ -226,35 +201,24 @@ def _read(value: object, subject: Subject, path: tuple[str | int, ...]) -> float
 
 def _kept(words: str, condition: Condition, path: tuple[str | int, ...]) -> Kept:
     subject = _subject(words, path)
-    if condition.outside is not None:
+    low, high, pair, limits = 0.0, math.inf, condition.outside, list[str]()
+    if pair is not None:
+        pair_path = (*path, "outside")
         if condition.below is not None or condition.above is not None:
-            raise refuse(
-                "`outside` excludes `below` and `above`", "leave one out", (*path, "outside")
-            )
-        pair = condition.outside
+            raise refuse("`outside` excludes `below` and `above`", "leave one out", pair_path)
         if not isinstance(pair, list | tuple) or len(pair) != 2:
-            raise refuse(
-                f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", (*path, "outside")
-            )
-        low, high = (_read(value, subject, (*path, "outside", k)) for k, value in enumerate(pair))
-        limits = f"outside {pair[0]} to {pair[1]}"
-    else:
-        low = 0.0 if condition.above is None else _read(condition.above, subject, (*path, "above"))
-        high = (
-            math.inf
-            if condition.below is None
-            else _read(condition.below, subject, (*path, "below"))
-        )
-        ends = [
-            f"{name} {end}"
-            for name, end in (("above", condition.above), ("below", condition.below))
-            if end is not None
-        ]
-        limits = " and ".join(ends)
+            raise refuse(f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", pair_path)
+        low, high = (_read(value, subject, (*pair_path, k)) for k, value in enumerate(pair))
+        limits = [f"outside {pair[0]} to {pair[1]}"]
+    if condition.above is not None:
+        low = _read(condition.above, subject, (*path, "above"))
+        limits.append(f"above {condition.above}")
+    if condition.below is not None:
+        high = _read(condition.below, subject, (*path, "below"))
+        limits.append(f"below {condition.below}")
     if not limits:
         raise refuse(f"nothing says what `{words}` keeps", "`outside`, `below` or `above`", path)
     if low >= high:
-        raise refuse(
-            f"the lower end of `{words}` is not below the upper one", "exchange them", path
-        )
-    return Kept(subject, low, high, condition.outside is not None, f"{words} {limits}")
+        message = f"the lower end of `{words}` is not below the upper one"
+        raise refuse(message, "exchange them", path)
+    return Kept(subject, low, high, pair is not None, f"{words} {' and '.join(limits)}")

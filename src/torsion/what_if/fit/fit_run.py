@@ -9,7 +9,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
 from torsion.findings import Progress, Work
-from torsion.kernels.fitting import FARTHEST, Fitted, Identified, fitted, identified
+from torsion.kernels.fitting import FARTHEST, Fitted, fitted, identified
 from torsion.results import listed
 from torsion.what_if.fit.fit_results import (
     MOST_CHI2,
@@ -30,18 +30,6 @@ ALIKE = 0.02  # of each other: parts that are said as one
 EXAMPLE = 1.0  # %, by which the first figure of a combination changes
 
 
-def directions(
-    identity: Identified, names: Sequence[str], deviation: FloatArray
-) -> tuple[Direction, ...]:
-    """Of every singular value its combination; deviation: (figures,) of the logarithms beforehand."""
-    return tuple(
-        Direction(float(singular), bool(unseen), combination(row * deviation, names))
-        for singular, unseen, row in zip(
-            identity.singular, identity.unseen, identity.directions, strict=True
-        )
-    )
-
-
 def combination(change: FloatArray, names: Sequence[str]) -> str:
     """Changes (figures,) of logarithms in words.
 
@@ -59,20 +47,6 @@ def combination(change: FloatArray, names: Sequence[str]) -> str:
         return f"{listed([names[k] for k in sorted(named)])} by a common factor"
     first, *further = (f"{names[k]} by {EXAMPLE * parts[k]:+.2g} %" for k in named)
     return f"{first} with {listed(further)}"
-
-
-def unidentified(combinations: Sequence[Direction], *, only_frequencies: bool) -> list[str]:
-    """What cannot be known, as sentences."""
-    sentences = []
-    for direction in combinations:
-        if direction.is_unidentified:
-            words = f"No measurement identifies {direction.words}: changed so, every measured value stays as it is"
-            if only_frequencies and "common factor" in direction.words:
-                words += (
-                    " (frequencies never identify the common scale of stiffnesses and inertias)"
-                )
-            sentences.append(f"{words}. Its values are the prior values of the file.")
-    return sentences
 
 
 BEHIND = 1e4  # more than the squared logarithms of all ratios of frequencies of one train together
@@ -95,33 +69,37 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     frequency lies goes before all in whose it does not. deviation: (figures,) of the logarithms beforehand. Raises
     InputError for more frequencies than modes, or a mode that is not there.
     """
-    places = [
-        index for index, measurement in enumerate(measured) if measurement.frequency is not None
-    ]
-    if not places:
+    hertz_of = {
+        index: measurement.frequency
+        for index, measurement in enumerate(measured)
+        if measurement.frequency is not None
+    }
+    if not hertz_of:
         return Pairs((), (), np.empty(0), np.empty(0))
     nominal = train.modes(np.ones(len(deviation)).tolist()).frequency
-    lower, upper = _bands(train, deviation, len(nominal))
-    numbers = dict[int, int]()
-    for index in places:
-        mode = measured[index].mode
-        if mode is not None:
-            if mode > len(nominal):
-                message = f"mode {mode} is not among the {len(nominal)} of the train"
-                raise InputError(
-                    [Fault((*FIT, "measured", index, "mode"), message, "a lower number")]
-                )
-            numbers[index] = mode - 1
-    unnamed = sorted(
-        (index for index in places if index not in numbers),
-        key=lambda k: measured[k].frequency or 0.0,
-    )
-    if len(places) > len(nominal):
-        message = f"of {len(places)} measured natural frequencies the train has {len(nominal)}"
-        raise InputError(
-            [Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")]
-        )
-    hertz = np.array([measured[index].frequency for index in unnamed], dtype=float)[:, None]
+    numbers = {index: mode - 1 for index in hertz_of if (mode := measured[index].mode)}
+    for index, number in numbers.items():
+        if number >= len(nominal):
+            message = f"mode {number + 1} is not among the {len(nominal)} of the train"
+            fault_path = (*FIT, "measured", index, "mode")
+            raise InputError([Fault(fault_path, message, "a lower number")])
+    if len(hertz_of) > len(nominal):
+        message = f"of {len(hertz_of)} measured natural frequencies the train has {len(nominal)}"
+        fault_path = (*FIT, "measured", max(hertz_of), "frequency")
+        raise InputError([Fault(fault_path, message, "leave one out")])
+
+    # The ends of every band: each mode at the corner to which its slopes point, which are the exact ends where a
+    # frequency rises or falls with each figure throughout, as with every stiffness and every inertia.
+    rise = train.mode_slopes(np.zeros(len(deviation)), range(len(nominal))) * deviation
+    lower, upper = bands = np.empty((2, len(nominal)))
+    for band, side in zip(bands, (-1.0, 1.0), strict=True):
+        corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
+        for corner in np.unique(corners, axis=0):
+            chosen = (corners == corner).all(axis=1)
+            band[chosen] = train.modes(corner.tolist()).frequency[chosen]
+
+    unnamed = sorted(hertz_of.keys() - numbers.keys(), key=lambda index: (hertz_of[index], index))
+    hertz = np.array([hertz_of[index] for index in unnamed], dtype=float)[:, None]
     slack = np.exp([[OUTSIDE * measured[index].within] for index in unnamed]).reshape(-1, 1)
 
     # Squared logarithms of ratios (frequencies, modes); a mode outside whose band one lies is behind all others.
@@ -129,21 +107,16 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     distance = np.square(np.log(hertz / nominal)) + np.where(is_inside, 0.0, BEHIND)
     for row, index in enumerate(unnamed):
         for paired_index, mode in numbers.items():
-            above = (measured[index].frequency or 0.0) >= (measured[paired_index].frequency or 0.0)
+            above = hertz_of[index] >= hertz_of[paired_index]
             distance[row, slice(mode + 1) if above else slice(mode, None)] = np.inf
     rising = _rising(distance)
     if rising is None:
         message = "no mode is left between those that are named for a frequency that is not"
-        raise InputError(
-            [
-                Fault(
-                    (*FIT, "measured", unnamed[0], "frequency"), message, "say which `mode` each is"
-                )
-            ]
-        )
+        fault_path = (*FIT, "measured", unnamed[0], "frequency")
+        raise InputError([Fault(fault_path, message, "say which `mode` each is")])
     numbers |= dict(zip(unnamed, rising, strict=True))
-    modes = [numbers[index] for index in places]
-    return Pairs(tuple(places), tuple(modes), lower[modes], upper[modes])
+    modes = [numbers[index] for index in hertz_of]
+    return Pairs(tuple(hertz_of), tuple(modes), lower[modes], upper[modes])
 
 
 def _rising(cost: FloatArray) -> list[int] | None:
@@ -169,22 +142,6 @@ def _rising(cost: FloatArray) -> list[int] | None:
     return min(states, default=(0.0, None))[1]
 
 
-def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Least and greatest frequency of every mode (modes,) Hz with every figure within two deviations.
-
-    Each mode at the corner to which its slopes point: the exact ends where a frequency rises or falls with each figure
-    throughout, as with every stiffness and every inertia.
-    """
-    rise = train.mode_slopes(np.zeros(len(deviation)), range(count)) * deviation
-    ends = np.empty((2, count))
-    for row, side in enumerate((-1.0, 1.0)):
-        corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
-        for corner in np.unique(corners, axis=0):
-            chosen = np.flatnonzero((corners == corner).all(axis=1))
-            ends[row, chosen] = train.modes(corner.tolist()).frequency[chosen]
-    return ends[0], ends[1]
-
-
 NINETY_FIVE = 1.959963984540054  # deviations of a normal distribution
 FAR = 2.0  # deviations that a figure may move without a remark
 CURVE_POINTS = 201
@@ -208,7 +165,7 @@ def run(work: Work) -> None:
         system = work.system if modes is None else modes.system
         train = Train(variation, resolved_for(system, measured), measured, count)
         problem = Problem(train, settings, work.progress)
-        best = problem.fitted()
+        best = fitted(problem.residual, problem.jacobian, len(problem.deviation), problem.swapped)
         values = [float(f"{value:.{DIGITS}g}") for value in problem.factors(best.values)]
         solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
         frequency = np.empty(0) if solved is None else solved.frequency
@@ -235,25 +192,19 @@ class Problem:
         self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
         if len(self.deviation) > self.sigma.size:
             were = "value was" if self.sigma.size == 1 else "values were"
-            message = (
-                f"{len(self.deviation)} parameters vary, and {self.sigma.size} {were} measured"
-            )
-            raise InputError(
-                [Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")]
-            )
+            counts = f"{len(self.deviation)} parameters vary, and {self.sigma.size}"
+            hint = "vary fewer, or give more measurements"
+            raise InputError([Fault((*FIT, "vary"), f"{counts} {were} measured", hint)])
 
     def factors(self, values: FloatArray) -> list[float]:
         """Return the factors of figures (figures,) in deviations."""
         return [float(factor) for factor in np.exp(values * self.deviation)]
 
-    def fitted(self) -> Fitted:
-        """Return the least sum of squares."""
-        return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
-
     def residual(self, values: FloatArray) -> FloatArray:
         """Return the residuals (measurements,) of figures (figures,), each in its deviation."""
-        logs = self.train.logarithms(self.factors(values), self.pairs.number)
-        difference = self.train.wrapped(logs - self.measured, len(self.pairs.number))
+        train, numbers = self.train, self.pairs.number
+        logs = train.logarithms(self.factors(values), numbers, train.curves)
+        difference = train.wrapped(logs - self.measured, len(numbers), train.curves)
         return np.asarray(difference / self.sigma)
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
@@ -281,14 +232,27 @@ class Problem:
 
 def _result(problem: Problem, best: Fitted, values: Sequence[float], frequency: FloatArray) -> Fit:
     """Return all that is stated; values: factors as they stand in the fitted file."""
-    identity, count = best.identity, problem.sigma.size
+    identity, count, variation = best.identity, problem.sigma.size, problem.train.variation
     deviations = np.sqrt(np.diag(identity.covariance))
-    figures = tuple(_figures(problem, best, deviations, values))
+    names = [figure.name for figure in variation.figures]
+    others = list[OtherFit]()
+    for minimum in best.others:
+        factors = problem.factors(minimum.values)
+        words = (
+            f"{name} {variation.stated(position, float(f'{factor:.{SHOWN}g}'))[1]}"
+            for position, (name, factor) in enumerate(zip(names, factors, strict=True))
+        )
+        chi2, prior = (float(np.square(rows).sum()) for rows in (minimum.residual, minimum.values))
+        others.append(OtherFit(np.array(factors), chi2, prior, listed(words)))
+    directions = zip(identity.singular, identity.unseen, identity.directions, strict=True)
     fit = Fit(
-        figures,
+        tuple(_figures(problem, best, deviations, values)),
         tuple(_modes(problem, best, values)),
         tuple(_curves(problem, best, values)),
-        directions(identity, [figure.name for figure in figures], problem.deviation),
+        tuple(
+            Direction(float(singular), bool(unseen), combination(row * problem.deviation, names))
+            for singular, unseen, row in directions
+        ),
         identity.covariance / np.outer(deviations, deviations),
         count,
         float(np.square(best.residual).sum()),
@@ -297,10 +261,10 @@ def _result(problem: Problem, best: Fitted, values: Sequence[float], frequency: 
         identity.rank,
         best.steps,
         best.searches,
-        tuple(_other_fits(problem, best)),
+        tuple(others),
         (),
         frequency,
-        problem.train.variation.text(values),
+        variation.text(values),
     )
     return replace(fit, warnings=tuple(_warnings(fit, best)))
 
@@ -323,23 +287,6 @@ def _figures(
             float(best.values[position]),
             max(1.0 - deviation**2, 0.0),
         )
-
-
-def _other_fits(problem: Problem, best: Fitted) -> Iterator[OtherFit]:
-    variation = problem.train.variation
-    for minimum in best.others:
-        factors = np.array(problem.factors(minimum.values))
-        words = listed(
-            [
-                f"{figure.name} {variation.stated(position, float(f'{factor:.{SHOWN}g}'))[1]}"
-                for position, (figure, factor) in enumerate(
-                    zip(variation.figures, factors, strict=True)
-                )
-            ]
-        )
-        chi2 = float(np.square(minimum.residual).sum())
-        prior = float(np.square(minimum.values).sum())
-        yield OtherFit(factors, chi2, prior, words)
 
 
 def _modes(problem: Problem, best: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
@@ -435,4 +382,11 @@ def _warnings(fit: Fit, fitted_values: Fitted) -> Iterator[str]:
             yield f"{figure.name} moved by {figure.shift:+.2g} of its deviations beforehand: more than was expected."
     if not fitted_values.converged:
         yield f"After {fitted_values.steps} steps the sum of squares still falls: the figures are not the best ones."
-    yield from unidentified(fit.directions, only_frequencies=not fit.curves)
+    for direction in fit.directions:
+        if direction.is_unidentified:
+            words = f"No measurement identifies {direction.words}: changed so, every measured value stays as it is"
+            if not fit.curves and "common factor" in direction.words:
+                words += (
+                    " (frequencies never identify the common scale of stiffnesses and inertias)"
+                )
+            yield f"{words}. Its values are the prior values of the file."

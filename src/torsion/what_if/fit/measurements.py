@@ -76,30 +76,23 @@ def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:
     """Return all amplitudes over speed, of torsiograms and of signals."""
     curves_found = list[Curve]()
     for position, measurement in enumerate(measured):
-        path = (*FIT, "measured", position)
-        if measurement.torsiogram is not None:
-            curves_found.append(_of_torsiogram(study, measurement, path))
-        elif measurement.signal is not None:
-            curves_found += _of_signal(study, measurement, path)
+        if measurement.signal is not None:
+            curves_found += _of_signal(study, measurement, (*FIT, "measured", position))
+        elif rows := measurement.torsiogram:
+            amplitude = np.array([measurement.amplitude(row) for row in rows])
+            curve = Curve(
+                measurement.at or "",
+                measurement.order or Fraction(1),
+                measurement.quantity or "",
+                measurement.within,
+                np.array([row.speed for row in rows]),
+                amplitude * np.exp(1j * np.array([row.phase or 0.0 for row in rows])),
+                rows[0].phase is not None,
+                f"torsiogram {position + 1} of `measured`",
+                np.zeros(len(rows)),
+            )
+            curves_found.append(curve)
     return tuple(curves_found)
-
-
-def _of_torsiogram(study: Study, measurement: Measured, path: Path) -> Curve:
-    rows = measurement.torsiogram or ()
-    amplitude = np.array([measurement.amplitude(row) for row in rows])
-    phases = [row.phase for row in rows]
-    phase = np.array([0.0 if value is None else value for value in phases])
-    return Curve(
-        measurement.at or "",
-        measurement.order or Fraction(1),
-        measurement.quantity or "",
-        measurement.within,
-        np.array([row.speed for row in rows]),
-        amplitude * np.exp(1j * phase),
-        phases[0] is not None,
-        f"torsiogram {int(path[-1]) + 1} of `measured`",
-        np.zeros(len(rows)),
-    )
 
 
 def _of_signal(study: Study, measurement: Measured, path: Path) -> Iterator[Curve]:
@@ -138,15 +131,6 @@ def _of_signal(study: Study, measurement: Measured, path: Path) -> Iterator[Curv
         )
 
 
-def signal_faults(study: Study, measurement: Measured, path: Path) -> tuple[Fault, ...]:
-    """What is wrong with a signal, where its file is read."""
-    try:
-        tuple(_of_signal(study, measurement, path))
-    except InputError as error:
-        return error.faults
-    return ()
-
-
 def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "Tracked":
     """Orders of a signal; raises InputError located at its name."""
     from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
@@ -164,9 +148,8 @@ def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "
         raise InputError([Fault(signal_path, "the speed is not above 0 throughout", hint)])
     if measurement.pulses and (wrong := uneven(time)) is not None:
         message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
-        raise InputError(
-            [Fault(signal_path, message, "even marks, each once a revolution: mend the file")]
-        )
+        hint = "even marks, each once a revolution: mend the file"
+        raise InputError([Fault(signal_path, message, hint)])
     steps = np.diff(time)
     gap = int(steps.argmax())
     if measurement.pulses is None and steps[gap] > GAP * np.median(steps):
@@ -179,10 +162,8 @@ def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "
         highest = float((2.0 * np.pi / (steps * fastest)).min())
     if (shaft_orders >= highest / 2.0).any():
         worst = measurement.orders[int(np.argmax(shaft_orders))]
-        needed = (
-            f"order {worst} needs more than {2.0 * shaft_orders.max():.6g} samples a revolution"
-        )
-        message = f"{needed}, and there are {highest:.6g}"
+        needed = f"needs more than {2.0 * shaft_orders.max():.6g} samples a revolution"
+        message = f"order {worst} {needed}, and there are {highest:.6g}"
         raise InputError([Fault((*path, "orders"), message, "leave it out")])
     try:
         tracked = (
@@ -191,9 +172,8 @@ def _tracked(study: Study, measurement: Measured, path: Path, ratio: float) -> "
             else of_speeds(time, values[1], shaft_orders, measurement.revolutions)
         )
     except ValueError as error:
-        raise InputError(
-            [Fault(signal_path, str(error), "more samples, or a longer window: `revolutions`")]
-        ) from None
+        hint = "more samples, or a longer window: `revolutions`"
+        raise InputError([Fault(signal_path, str(error), hint)]) from None
     if not tracked.speed.size:
         message = f"the signal is shorter than a window of {measurement.revolutions} revolutions"
         raise InputError([Fault(signal_path, message, "a lower `revolutions`")])
@@ -227,98 +207,75 @@ def fit_faults(study: Study) -> list[Fault]:
     if not isinstance(settings, FitSettings):
         return []
     faults: list[Fault] = []
+    count, has_signal = 0, False
     for position, measurement in enumerate(settings.measured):
-        faults += _measurement_faults(study, measurement, (*FIT, "measured", position))
-    frequencies = [
-        measurement for measurement in settings.measured if measurement.frequency is not None
-    ]
-    points = sum(
-        len(measurement.torsiogram or ())
-        * (2 if measurement.torsiogram and measurement.torsiogram[0].phase is not None else 1)
-        for measurement in settings.measured
-    )
-    count = len(frequencies) + points
-    if len(settings.vary) > count and not any(
-        measurement.signal for measurement in settings.measured
-    ):
-        message = f"{len(settings.vary)} parameters vary, and {count} value{'s were' if count != 1 else ' was'} measured"
-        faults.append(
-            Fault((*FIT, "vary"), message, "vary fewer, or give more measurements", at_key=True)
-        )
+        path = (*FIT, "measured", position)
+        count += measurement.frequency is not None
+        for row in measurement.torsiogram or ():
+            count += 1 if row.phase is None else 2
+        of_measurement = list(_measurement_faults(study, measurement, path))
+        if measurement.signal is not None:
+            has_signal = True
+            if not of_measurement:
+                try:
+                    tuple(_of_signal(study, measurement, path))
+                except InputError as error:
+                    faults += error.faults
+        faults += of_measurement
+    if len(settings.vary) > count and not has_signal:
+        values = f"{count} value{'s were' if count != 1 else ' was'} measured"
+        message = f"{len(settings.vary)} parameters vary, and {values}"
+        hint = "vary fewer, or give more measurements"
+        faults.append(Fault((*FIT, "vary"), message, hint, at_key=True))
     return faults
 
 
-def _measurement_faults(study: Study, measurement: Measured, path: Path) -> list[Fault]:
+def _measurement_faults(study: Study, measurement: Measured, path: Path) -> Iterator[Fault]:
+    """Yield what the train, its excitation or its speeds lack for a measurement over speed."""
     if measurement.frequency is not None:
-        return []
-    speeds, faults = study.operation.speeds, list[Fault]()
+        return
+    speeds, train = study.operation.speeds, study.train
     if speeds is None:
-        hint = "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`"
-        return [
-            Fault(path, "a measurement over speed needs the speeds at which the train runs", hint)
-        ]
-    excited = excited_orders(study.train)
-    steps: list[tuple[Fraction, Path]] = [
+        message = "a measurement over speed needs the speeds at which the train runs"
+        yield Fault(path, message, "`operation: {speeds: {from: 300 rpm, to: 1800 rpm}}`")
+        return
+    excited = excited_orders(train)
+    steps: list[tuple[Fraction | None, Path]] = [
         (order, ("orders", k)) for k, order in enumerate(measurement.orders)
     ]
-    steps += [(measurement.order, ("order",))] if measurement.order is not None else []
     hint = f"there are {', '.join(map(str, excited))}, per revolution of the reference"
-    for order, step in steps:
-        if order not in excited:
-            faults.append(
-                Fault(
-                    (*path, *step),
-                    f"no excitation has order {order}",
-                    hint if excited else "nothing excites by order",
-                )
-            )
+    for order, step in (*steps, (measurement.order, ("order",))):
+        if order is not None and order not in excited:
+            words = hint if excited else "nothing excites by order"
+            yield Fault((*path, *step), f"no excitation has order {order}", words)
     for row_number, row in enumerate(measurement.torsiogram or ()):
         if not speeds.first * (1 - ROUNDING) <= row.speed <= speeds.last * (1 + ROUNDING):
             ends = " to ".join(f"{end * RPM:.6g}" for end in (speeds.first, speeds.last))
             words = f"{row.speed * RPM:.6g} rpm lies outside the speeds {ends} rpm"
-            faults.append(
-                Fault((*path, "torsiogram", row_number, "speed"), words, "widen `operation.speeds`")
-            )
+            row_path = (*path, "torsiogram", row_number, "speed")
+            yield Fault(row_path, words, "widen `operation.speeds`")
             break
-    faults += _place_faults(study, measurement, (*path, "at"))
-    if measurement.signal is not None and not faults:
-        faults += signal_faults(study, measurement, path)
-    return faults
 
-
-def _place_faults(study: Study, measurement: Measured, path: Path) -> list[Fault]:
-    """A torque is that of an elastic component, all else that of a point."""
-    components = {part.name: (part.kind, part.is_point) for part in study.train.parts}
-    name = measurement.at or ""
-    if measurement.quantity == "torque":
-        if (fault := name_fault(name, path, components, point=False)) is not None:
-            return [fault]
-        if not torque_spans(study, name):
-            elastic = [part.name for part in study.train.parts if torque_spans(study, part.name)]
-            hint = f"one of {', '.join(elastic)}" if elastic else "the train has none"
-            return [
-                Fault(
-                    path, f"'{name}' is neither a coupling nor a shaft, and carries no torque", hint
-                )
-            ]
-        return []
-    names = [
-        station.name
-        for station in study.train.stations
-        if not station.is_ground and station.ratio > 0
-    ]
-    if name in names:
-        return []
-    hint = f"one of the points {listed(names)}"
-    return [
-        name_fault(name, path, components)
-        or Fault(path, f"'{name}' is not one point that turns", hint)
-    ]
-
-
-def torque_spans(study: Study, name: str) -> bool:
-    """Whether a component is elastic, so that a torque can be measured of it."""
-    return not study.train.part(name).is_point and study.train.part(name).kind in (
-        "coupling",
-        "shaft",
-    )
+    # A torque is that of an elastic component, all else that of a point.
+    components = {part.name: (part.kind, part.is_point) for part in train.parts}
+    name, at_path = measurement.at or "", (*path, "at")
+    is_torque = measurement.quantity == "torque"
+    if is_torque:
+        names = [
+            part.name
+            for part in train.parts
+            if not part.is_point and part.kind in ("coupling", "shaft")
+        ]
+        words = f"'{name}' is neither a coupling nor a shaft, and carries no torque"
+        hint = f"one of {', '.join(names)}" if names else "the train has none"
+    else:
+        names = [
+            station.name
+            for station in train.stations
+            if not station.is_ground and station.ratio > 0
+        ]
+        words = f"'{name}' is not one point that turns"
+        hint = f"one of the points {listed(names)}"
+    if name not in names:
+        fault = name_fault(name, at_path, components, point=not is_torque)
+        yield fault or Fault(at_path, words, hint)

@@ -1,7 +1,7 @@
 """What a train has of what was measured, at any values of its parameters: frequencies, amplitudes and their slopes."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -40,8 +40,17 @@ class ExactSlopes:
         count = len(factors)
         steps = factors * (1.0 + 1j * COMPLEX_STEP * np.eye(count + 1, count))
         try:
-            train = variation.in_columns(steps)
-            if not _is_linear(study, system):
+            train, base = variation.in_columns(steps), system.train
+            has_joints = any(mesh.error for mesh in base.constraints)
+            if (
+                system.tables
+                or system.bars is not None
+                or base.modal_damping
+                or base.has_nonlinear_couplings
+                or base.has_tables_over("vibratory torque")
+                or (has_joints and study.has_mean_torque)  # the static twist turns its phase
+                or any(len(excitation.apart) > 1 for excitation in excitations(system))
+            ):
                 return
             inertia, elastic = numbers_of_system(system, train, count + 1, complex)
         except NotInColumns:
@@ -96,21 +105,6 @@ class ExactSlopes:
         slopes = curve.of_response(system, speeds, changed.angle, changed.torque)
         values = curve.of_response(system, curve.speed, value.angle, value.torque)
         return (slopes.reshape(count, -1) / values).T
-
-
-def _is_linear(study: Study, system: System) -> bool:
-    """Whether a response is that of springs, dampers and lumped inertias to sources that none of these changes."""
-    train = system.train
-    has_joints = any(mesh.error for mesh in train.constraints)
-    return not (
-        system.tables
-        or system.bars is not None
-        or train.modal_damping
-        or train.has_nonlinear_couplings
-        or train.has_tables_over("vibratory torque")
-        or (has_joints and study.has_mean_torque)  # the static twist turns its phase
-        or any(len(excitation.apart) > 1 for excitation in excitations(system))
-    )
 
 
 def _compliance_slopes(system: System, slopes: FloatArray, w: FloatArray) -> ComplexArray:
@@ -181,19 +175,20 @@ class Train:
             )
         return curve.of_response(system, speeds, response.angle[:, line], response.torque[:, line])
 
-    def logarithms(self, factors: Iterable[float], numbers: Sequence[int]) -> FloatArray:
+    def logarithms(
+        self, factors: Sequence[float], numbers: Sequence[int], curves: Sequence[Curve]
+    ) -> FloatArray:
         """Return ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
-        at = tuple(factors)
-        rows = [np.log(self.modes(at).frequency[list(numbers)])] if len(numbers) else []
-        for curve in self.curves:
-            values = np.log(self.amplitudes(at, curve))
+        rows = [np.log(self.modes(factors).frequency[list(numbers)])] if len(numbers) else []
+        for curve in curves:
+            values = np.log(self.amplitudes(factors, curve))
             rows += [values.real, values.imag] if curve.has_phase else [values.real]
         return np.concatenate(rows)
 
-    def wrapped(self, difference: FloatArray, modes: int) -> FloatArray:
+    def wrapped(self, difference: FloatArray, modes: int, curves: Sequence[Curve]) -> FloatArray:
         """Return differences of `logarithms` of so many modes with phases within half a revolution."""
         begin, wrapped = modes, difference.copy()
-        for curve in self.curves:
+        for curve in curves:
             begin += curve.speed.size
             if curve.has_phase:
                 phases = slice(begin, begin + curve.speed.size)
@@ -203,51 +198,32 @@ class Train:
 
     def slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """Return d `logarithms`/d ln factor (measurements, figures)."""
-
-        def exact(slopes: ExactSlopes) -> FloatArray:
-            rows = [self._slopes_of_modes(slopes, logs, numbers)] if len(numbers) else []
-            for curve in self.curves:
-                by_figure = slopes.of_curve(curve)
-                rows += [by_figure.real, by_figure.imag] if curve.has_phase else [by_figure.real]
-            return np.vstack(rows)
-
-        def changed(low: Factors, high: Factors) -> FloatArray:
-            difference = self.logarithms(high, numbers) - self.logarithms(low, numbers)
-            return self.wrapped(difference, len(numbers))
-
-        return self._slopes(logs, exact, changed)
+        return self._slopes(logs, numbers, self.curves)
 
     def mode_slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """Return d ln frequency/d ln factor (modes, figures)."""
-        return self._slopes(
-            logs,
-            lambda slopes: self._slopes_of_modes(slopes, logs, numbers),
-            lambda low, high: np.log(
-                self.modes(high).frequency[list(numbers)] / self.modes(low).frequency[list(numbers)]
-            ),
-        )
-
-    def _slopes_of_modes(
-        self, slopes: ExactSlopes, logs: FloatArray, numbers: Sequence[int]
-    ) -> FloatArray:
-        return slopes.of_modes(self.modes(np.exp(logs).tolist()))[list(numbers)]
+        return self._slopes(logs, numbers, ())
 
     def _slopes(
-        self,
-        logs: FloatArray,
-        exact: Callable[[ExactSlopes], FloatArray],
-        changed: Callable[[Factors, Factors], FloatArray],
+        self, logs: FloatArray, numbers: Sequence[int], curves: tuple[Curve, ...]
     ) -> FloatArray:
         """Return slopes (values, figures): exact where they are known, by central differences of all others."""
-        factors = np.exp(logs)
-        slopes = ExactSlopes(self.variation, factors, *self._assembled(tuple(factors.tolist())))
+        factors = tuple(np.exp(logs).tolist())
+        slopes = ExactSlopes(self.variation, np.exp(logs), *self._assembled(factors))
         columns = {}
         if slopes.figures.size:
-            columns = dict(zip(slopes.figures.tolist(), exact(slopes).T, strict=True))
+            rows = [slopes.of_modes(self.modes(factors))[list(numbers)]] if len(numbers) else []
+            for curve in curves:
+                by_figure = slopes.of_curve(curve)
+                rows += [by_figure.real, by_figure.imag] if curve.has_phase else [by_figure.real]
+            columns = dict(zip(slopes.figures.tolist(), np.vstack(rows).T, strict=True))
         for figure, step in enumerate(STEP * np.eye(len(logs))):
             if figure not in columns:
-                ends = (tuple(np.exp(logs + sign * step).tolist()) for sign in (-1.0, 1.0))
-                columns[figure] = changed(*ends) / (2.0 * STEP)
+                low, high = (
+                    self.logarithms(np.exp(logs + sign * step).tolist(), numbers, curves)
+                    for sign in (-1.0, 1.0)
+                )
+                columns[figure] = self.wrapped(high - low, len(numbers), curves) / (2.0 * STEP)
         return np.stack([columns[figure] for figure in range(len(logs))], axis=1)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -50,72 +49,59 @@ def grid_of(
     count = points.samples
     if points.method != "grid" or count > MOST_REPORTED:
         return None
-    axes = tuple(
-        _axis([figure for figure in variation.figures if figure.column == k])
-        for k in range(len(points.shape))
+    axes = list[GridAxis]()
+    for column in range(len(points.shape)):
+        figures = [figure for figure in variation.figures if figure.column == column]
+        rows = zip(*(figure.all_values().tolist() for figure in figures), strict=True)
+        words = tuple(
+            ", ".join(figure.words(value) for figure, value in zip(figures, row, strict=True))
+            for row in rows
+        )
+        in_file = None if np.isnan(figures[0].in_file) else float(figures[0].in_file)
+        names = tuple(figure.name for figure in figures)
+        number, unit = figures[0].numbers
+        axes.append(GridAxis(names, words, number, unit, in_file))
+
+    # Behind the checks stands a row without a limit: of a grid without checks nothing is known.
+    used = np.array([*(check.utilisation for check in checks), np.full(count, np.nan)])
+    fails = np.any(
+        [*(check.fails for check in checks), np.isin(range(count), list(faults))], axis=0
     )
-    used = np.stack([check.utilisation for check in checks]) if checks else np.empty((0, count))
-    fails = (
-        np.any([check.fails for check in checks], axis=0)
-        if checks
-        else np.zeros(count, dtype=np.bool_)
-    )
-    fails[list(faults)] = True
-    greatest = np.fmax.reduce(used, axis=0) if checks else np.full(count, np.nan)
-    decisive = np.where(
-        np.isnan(greatest),
-        -1,
-        np.argmax(np.nan_to_num(used, nan=-np.inf), axis=0) if checks else -1,
-    )
+    greatest = np.fmax.reduce(used, axis=0)
+    decisive = np.argmax(np.nan_to_num(used, nan=-np.inf), axis=0)
+    decisive[np.isnan(greatest)] = -1
     turns = tuple(_turns(axes[0].number, checks)) if len(axes) == 1 and axes[0].is_numeric else ()
-    return Grid(
-        axes, frequency, used, greatest, decisive, fails, turns, tuple(sorted(faults.items()))
-    )
-
-
-def _axis(figures: Sequence[Any]) -> GridAxis:
-    first = figures[0]
-    number, unit = first.numbers
-    columns = [figure.all_values().tolist() for figure in figures]
-    words = tuple(
-        ", ".join(figure.words(value) for figure, value in zip(figures, row, strict=True))
-        for row in zip(*columns, strict=True)
-    )
-    in_file = None if np.isnan(first.in_file) else float(first.in_file)
-    return GridAxis(tuple(figure.name for figure in figures), words, number, unit, in_file)
+    why = tuple(sorted(faults.items()))
+    return Grid(tuple(axes), frequency, used[:-1], greatest, decisive, fails, turns, why)
 
 
 def _turns(numbers: FloatArray, checks: Sequence[SweptCheck]) -> Iterator[Turn]:
     """Between neighbours of which one keeps the limit and the other does not."""
     for position, check in enumerate(checks):
         for k in np.flatnonzero(np.diff(check.fails)).tolist():
-            kept, failing = (k, k + 1) if check.fails[k + 1] else (k + 1, k)
-            low, high = check.utilisation[kept], check.utilisation[failing]
-            is_known = low <= 1.0 < high < np.inf
-            between = (
-                numbers[kept] + (1.0 - low) / (high - low) * (numbers[failing] - numbers[kept])
-                if is_known
-                else None
-            )
-            yield Turn(
-                position,
-                float(numbers[kept]),
-                float(numbers[failing]),
-                None if between is None else float(between),
-            )
+            pair = [k, k + 1] if check.fails[k + 1] else [k + 1, k]
+            kept, failing = numbers[pair].tolist()
+            low, high = check.utilisation[pair].tolist()
+            between = None
+            if low <= 1.0 < high < np.inf:
+                between = kept + (1.0 - low) / (high - low) * (failing - kept)
+            yield Turn(position, kept, failing, between)
 
 
-LEAST_RELATIVE_SPREAD = 1e-9  # relative: below it an answer does not vary
+LEAST_SPREAD = 1e-9  # relative: below it an answer does not vary, and nothing decides
+
+
+def _is_constant(values: FloatArray) -> bool:
+    return bool(np.ptp(values) <= LEAST_SPREAD * np.abs(values).max())
 
 
 @source("Saltelli2010")
 @source("Jansen1999")
 def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     """Of every frequency and share of a limit that all variants have; nothing of one that does not vary."""
-    columns = len(points.shape)
     names = [
         ", ".join(figure.name for figure in points.figures if figure.column == column)
-        for column in range(columns)
+        for column in range(len(points.shape))
     ]
     quantities = {f"mode {mode}": hertz for mode, hertz in enumerate(answers.frequency, start=1)}
     quantities |= {
@@ -123,10 +109,7 @@ def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     }
     indices = []
     for words, values in quantities.items():
-        if (
-            not np.isfinite(values).all()
-            or np.ptp(values) <= LEAST_RELATIVE_SPREAD * np.abs(values).max()
-        ):
+        if not np.isfinite(values).all() or _is_constant(values):
             continue
         value, error = estimated(values.reshape(points.sets, points.samples))
         indices += [
@@ -163,7 +146,6 @@ def _indices(values: FloatArray) -> FloatArray:
     )
 
 
-LEAST_SPREAD = 1e-9  # of a share of a limit: below it nothing decides
 MOST_FAULTS = 10
 
 
@@ -177,31 +159,36 @@ def summed(
 ) -> Sweep:
     """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
     indices = () if points.sets == 1 else sobol_indices(points, answers)
-    factor, frequency = factor[: points.samples], answers.frequency[:, : points.samples]
-    lines = {
-        key: (used[: points.samples], fails[: points.samples])
-        for key, (used, fails) in answers.checks.items()
-    }
-    faults = {variant: why for variant, why in answers.faults.items() if variant < points.samples}
+    count = points.samples
+    factor, frequency = factor[:count], answers.frequency[:, :count]
+    faults = {variant: why for variant, why in answers.faults.items() if variant < count}
     names = [figure.name for figure in variation.figures]
-    unsolved = np.zeros(len(factor), dtype=np.bool_)
-    unsolved[list(faults)] = True
+    unsolved = np.isin(range(count), list(faults))
     checks = [
-        _check(key, used, fails | unsolved, factor, names, points.method)
-        for key, (used, fails) in lines.items()
+        _check(key, used[:count], fails[:count] | unsolved, factor, names, points.method)
+        for key, (used, fails) in answers.checks.items()
     ]
-    checks.sort(key=lambda one: (-one.probability, -(one.worst or 0.0)))
+    checks.sort(key=lambda check: (-check.probability, -(check.worst or 0.0)))
     any_check = None
-    if lines:
+    if checks:
         used = np.fmax.reduce([check.utilisation for check in checks])
         fails = np.any([check.fails for check in checks], axis=0)
         any_check = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
     solved = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
     solved = solved if solved.size else np.full((len(nominal), 1), np.nan)
     low, high = np.quantile(solved, (0.025, 0.975), axis=1)
+    figures = (
+        VariedFigure(
+            figure.name,
+            figure.law.words,
+            figure.column + 1,
+            None if figure.law.is_relative else "row" if figure.rows else figure.law.unit,
+        )
+        for figure in variation.figures
+    )
     return Sweep(
-        tuple(map(_figure, variation.figures)),
-        len(factor),
+        tuple(figures),
+        count,
         points.method,
         settings.seed,
         len(faults),
@@ -221,11 +208,6 @@ def summed(
         frequency,
         settings.fail_at_most,
     )
-
-
-def _figure(figure: Any) -> VariedFigure:
-    unit = None if figure.law.is_relative else "row" if figure.rows else figure.law.unit
-    return VariedFigure(figure.name, figure.law.words, figure.column + 1, unit)
 
 
 def _check(
@@ -263,7 +245,7 @@ def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
     """The figure whose ranks go most with those of the share of a limit, and how much (Spearman 1904)."""
     is_finite = np.isfinite(used)
     values = used[is_finite]
-    if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
+    if values.size < 3 or _is_constant(values):
         return 0, None
     share = _ranks(values)
     ranks = np.column_stack([_ranks(column) for column in factor[is_finite].T])
@@ -296,31 +278,28 @@ def run(work: Work) -> None:
     if variation is None or work.solve is None:
         work.log.without("sweep", "no parameter of the file varies")
         return
-    points = _points(work, variation)
+    points = Points.from_settings(work.study, settings, variation.figures)
     with work.log.step("sweep", "the file names it") as step:
         nominal = np.empty(0) if modes is None else modes.frequency
         count, length = points.count, FREQUENCIES_AT_ONCE
         if settings.judges(work.study):
             # Chunks follow from the file alone; where nobody keeps them one takes what fits the memory.
             length = max(JUDGED_AT_ONCE, count // MOST_CHUNKS) if work.answered else count
-        all_chunks = chunks(count, length)
-        if settings.judges(work.study):
-            seconds = (
-                all_chunks[-1].end * sum(line.seconds for line in work.log.lines) / processors()
-            )
+            seconds = count * sum(line.seconds for line in work.log.lines) / processors()
             work.progress(f"sweep, every variant solved separately: {duration(seconds)}", 0.0)
-        parts = (work.answered or in_turn)(work, variation, all_chunks)
-        values, answers = joined(all_chunks[-1].end, nominal.size, parts)
+        parts = (work.answered or in_turn)(work, variation, chunks(count, length))
+        values, answers = joined(count, nominal.size, parts)
         step.method, step.size = answers.method, points.words
     work.put(sweep=summed(variation, settings, points, values, nominal, answers))
 
 
 def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
     """The values of a chunk and what they answer; nothing is put into the work."""
-    values = _points(work, variation).values(slice(chunk.begin, chunk.end))
-    modes = work.get(Modes)
+    settings, modes = work.settings("sweep", SweepSettings), work.get(Modes)
+    points = Points.from_settings(work.study, settings, variation.figures)
+    values = points.values(slice(chunk.begin, chunk.end))
     count = 0 if modes is None else modes.frequency.size
-    if not work.settings("sweep", SweepSettings).judges(work.study):
+    if not settings.judges(work.study):
         return values, frequencies(work, variation, values, count)
     answers = solved(work, variation, values, count, judged=True)
     answers.method = "every variant solved and judged separately"
@@ -333,9 +312,3 @@ def in_turn(work: Work, variation: Variation, parts: Sequence[Chunk]) -> Iterato
     for chunk in parts:
         yield answered(replace(work, progress=pace.within(chunk)), variation, chunk)
         pace.finish(chunk)
-
-
-def _points(work: Work, variation: Variation) -> Points:
-    return Points.from_settings(
-        work.study, work.settings("sweep", SweepSettings), variation.figures
-    )

@@ -65,28 +65,18 @@ class SweepSettings(Declared):
         """Sobol's samples are a power of two, a grid has none, and one figure alone does not vary together."""
         count = self.samples
         if any(len(group) < 2 for group in self.together):
-            raise refuse(
-                "a figure varies together with another",
-                "two names at least in each list",
-                "together",
-            )
+            message = "a figure varies together with another"
+            raise refuse(message, "two names at least in each list", "together")
         if count is not None and self.method == "grid":
-            raise refuse(
-                "a grid has all combinations and no samples", "leave `samples` out", "samples"
-            )
+            message = "a grid has all combinations and no samples"
+            raise refuse(message, "leave `samples` out", "samples")
         if count is not None and self.method in (None, "sobol") and count & (count - 1):
             above = 1 << count.bit_length()
-            raise refuse(
-                f"{count} samples are not a power of two, which sobol needs",
-                f"{above // 2} or {above}, or `method: random`",
-                "samples",
-            )
+            message = f"{count} samples are not a power of two, which sobol needs"
+            raise refuse(message, f"{above // 2} or {above}, or `method: random`", "samples")
         if self.indices and self.method not in (None, "sobol"):
-            raise refuse(
-                f"indices are of sobol's samples, and the method is {self.method}",
-                "`method: sobol`",
-                "indices",
-            )
+            message = f"indices are of sobol's samples, and the method is {self.method}"
+            raise refuse(message, "`method: sobol`", "indices")
 
     def drawn(self, figures: Sequence[Any]) -> Method:
         """How the variants of these figures are made."""
@@ -109,40 +99,26 @@ class SweepSettings(Declared):
             hint = "name `rules`" if not study.rules else "`results: [checks]`"
             yield Fault(("fail_at_most",), "no variant can fail, as none is checked", hint)
         if "checks" in self.results and not study.rules:
-            yield Fault(
-                ("results",),
-                "no variant can be checked, because the file has no rules",
-                "name `rules`",
-            )
+            message = "no variant can be checked, because the file has no rules"
+            yield Fault(("results",), message, "name `rules`")
         shape = {figure.column: figure.places for figure in figures}
         if self.drawn(figures) != "grid":
             sets = len(shape) + 2
             if self.indices and self.samples_of(study) * sets > MOST:
                 hint = f"`samples` of at most {1 << (MOST // sets).bit_length() - 1}"
-                yield Fault(
-                    ("indices",),
-                    f"the indices of {len(shape)} figures take too many variants",
-                    hint,
-                )
+                message = f"the indices of {len(shape)} figures take too many variants"
+                yield Fault(("indices",), message, hint)
             return
         for figure in figures:
             if not figure.places:
-                message = (
-                    f"{figure.name} varies as {figure.law.words}, and a grid takes lists and steps"
-                )
-                yield Fault(
-                    ("method",),
-                    message,
-                    "give it `values` or `steps`, or leave `method` out: all are drawn",
-                )
+                words = f"{figure.name} varies as {figure.law.words}"
+                hint = "give it `values` or `steps`, or leave `method` out: all are drawn"
+                yield Fault(("method",), f"{words}, and a grid takes lists and steps", hint)
         if (count := math.prod(shape.values())) > MOST_COMBINATIONS:
-            message = f"{count:,} combinations are more than the {MOST_COMBINATIONS:,} of the largest grid"
-            yield Fault(
-                ("vary",),
-                message,
-                "fewer steps, or `method: sobol`, which draws from them",
-                at_key=True,
-            )
+            largest = f"the {MOST_COMBINATIONS:,} of the largest grid"
+            hint = "fewer steps, or `method: sobol`, which draws from them"
+            message = f"{count:,} combinations are more than {largest}"
+            yield Fault(("vary",), message, hint, at_key=True)
 
     @property
     def varied(self) -> tuple[str, Mapping[str, Choice]]:

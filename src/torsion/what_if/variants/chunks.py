@@ -47,10 +47,9 @@ class Answers:
     @classmethod
     def of_findings(cls, findings: Findings, modes: int) -> "Answers":
         """Of one variant; of checks with the same key the worst counts. A fault where an analysis is left unanswered."""
-        answers = cls.empty(modes, 1)
-        unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
+        answers, unanswered = cls.empty(modes, 1), findings.plan.unanswered
         if unanswered:
-            answers.faults[0] = "; ".join(unanswered)
+            answers.faults[0] = "; ".join(f"{answer.what}: {answer.why}" for answer in unanswered)
             return answers
         found_modes = findings.get(Modes)
         if found_modes is not None:
@@ -138,12 +137,13 @@ def analyses_of_variant(work: Work, *, judged: bool) -> tuple[str, ...]:
     """Names of the analyses that a variant needs: modes, and where it is judged what its checks read."""
     from torsion.analyses import ANALYSES
 
-    wanted = [
-        name
-        for name in READ_BY_CHECKS
-        if name in work.study.analyses or ANALYSES[name].wanted(work.study)
-    ]
-    return ("modes", *((*work.ruled, *wanted) if judged else ()))
+    if not judged:
+        return ("modes",)
+    study = work.study
+    wanted = (
+        name for name in READ_BY_CHECKS if name in study.analyses or ANALYSES[name].wanted(study)
+    )
+    return ("modes", *work.ruled, *wanted)
 
 
 @dataclass(frozen=True)
@@ -169,10 +169,8 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
     >>> [(one.begin, one.end) for one in chunks(10, 4)]
     [(0, 4), (4, 8), (8, 10)]
     """
-    begins = range(0, count, length)
-    return tuple(
-        Chunk(number, begin, min(begin + length, count)) for number, begin in enumerate(begins)
-    )
+    begins = enumerate(range(0, count, length))
+    return tuple(Chunk(number, begin, min(begin + length, count)) for number, begin in begins)
 
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
@@ -225,9 +223,6 @@ def duration(seconds: float) -> str:
     total = max(round(seconds), 1)
     if total < 60:
         return f"about {total} s"
-    minutes, remainder = divmod(total, 60)
-    return (
-        f"about {minutes} min {remainder} s"
-        if minutes < 60
-        else f"about {minutes // 60} h {minutes % 60} min"
-    )
+    if total < 3600:
+        return f"about {total // 60} min {total % 60} s"
+    return f"about {total // 3600} h {total // 60 % 60} min"

@@ -14,6 +14,7 @@ from torsion.arrays import BoolArray, FloatArray
 from torsion.fields import Declared, given, refuse, shown
 
 MOST_STEPS = 10_000_000
+NO_WAY = "nothing says how the figure varies"
 Amount = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
 
 
@@ -22,26 +23,23 @@ def _without_sign(value: Any) -> Any:
     return re.sub(r"^\s*(\+-|\+/-|±)\s*", "", value) if isinstance(value, str) else value
 
 
+def _share(example: str) -> WithJsonSchema:
+    """The schema of a share as a number or as text."""
+    text = {"type": "string", "description": f"a share, {example}"}
+    return WithJsonSchema({"anyOf": [{"type": "number"}, text]})
+
+
 Width = Annotated[
     float,
     fields.Quantity("1", above=0, below=1, usual="deviation of a law"),
     BeforeValidator(_without_sign),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number"},
-                {"type": "string", "description": "a share, +-15 % or 15 %"},
-            ]
-        }
-    ),
+    _share("+-15 % or 15 %"),
 ]
 Share = Annotated[
     float,
     fields.Quantity("1", above=0, usual="share of a value"),
     BeforeValidator(_without_sign),
-    WithJsonSchema(
-        {"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, 70 %"}]}
-    ),
+    _share("70 %"),
 ]
 
 
@@ -75,62 +73,42 @@ class Choice(Declared):
 
     def refuse_clashes(self) -> None:
         """One way, and a range with both ends in one unit."""
-        ends = [key for key, end in (("from", self.first), ("to", self.last)) if end is not None]
+        names = {"first": "from", "last": "to"}
+        ends = [key for end, key in names.items() if getattr(self, end) is not None]
         listed = (*self.laws, "values", "catalogue")
         ways = [key for key in listed if getattr(self, key) is not None] + ends[:1]
         if len(ways) != 1:
-            message = f"{' and '.join(ways)} exclude each other"
-            known = ", ".join((*self.laws, "values", "from and to", "catalogue"))
-            raise refuse(
-                message if ways else "nothing says how the figure varies",
-                f"one of {known}",
-                key=ways[-1] if ways else "",
-            )
-        if self.values is not None and len(self.values) < 2:
+            message = f"{' and '.join(ways)} exclude each other" if ways else NO_WAY
+            hint = f"one of {', '.join((*self.laws, 'values', 'from and to', 'catalogue'))}"
+            raise refuse(message, hint, "".join(ways[-1:]))
+        values = self.values or ()
+        if self.values is not None and len(values) < 2:
             raise refuse("a list of values needs two at least", "give alternatives", "values")
-        for position, value in enumerate(self.values or ()):
-            if value in (self.values or ())[:position]:
-                raise refuse(
-                    f"the value {shown(value)} is listed twice",
-                    "each value once",
-                    ("values", position),
-                )
-        if ways[0] != "from":
-            extra = next((key for key in ("steps", "step") if getattr(self, key) is not None), None)
-            if extra is not None:
+        for position, value in enumerate(values):
+            if value in values[:position]:
+                message = f"the value {shown(value)} is listed twice"
+                raise refuse(message, "each value once", ("values", position))
+        if not ends:
+            for extra in self.keys_given("steps", "step"):
                 raise refuse(f"`{extra}` is of a range, `from` and `to`", "leave it out", extra)
             return
-        if self.first is None or self.last is None:
-            missing, present = ("from", "to") if self.first is None else ("to", "from")
-            raise refuse(
-                f"a range without `{missing}`", f"give both `{present}` and `{missing}`", present
-            )
-        first, last = (
-            _amount(value, key) for value, key in ((self.first, "from"), (self.last, "to"))
-        )
-        if first[1] != last[1]:
-            raise refuse(
-                f"{shown(self.first)} and {shown(self.last)} are in different units",
-                "one unit",
-                "to",
-            )
-        if first[0] >= last[0]:
-            raise refuse(
-                f"`from` {shown(self.first)} is not below `to` {shown(self.last)}",
-                "exchange them",
-                "from",
-            )
+        for missing in {*names.values()} - {*ends}:
+            hint = f"give both `{ends[0]}` and `{missing}`"
+            raise refuse(f"a range without `{missing}`", hint, ends[0])
+        (low, unit), (high, unit_of_last) = _amount(self.first, "from"), _amount(self.last, "to")
+        first, last, step = shown(self.first), shown(self.last), shown(self.step)
+        if unit != unit_of_last:
+            raise refuse(f"{first} and {last} are in different units", "one unit", "to")
+        if low >= high:
+            raise refuse(f"`from` {first} is not below `to` {last}", "exchange them", "from")
         if self.step is not None:
-            step = _amount(self.step, "step")
+            distance, unit_of_step = _amount(self.step, "step")
             if self.steps is not None:
                 raise refuse("`steps` and `step` exclude each other", "leave one out", "step")
-            if (
-                step[1] != first[1]
-                or not 0 < step[0] <= last[0] - first[0]
-                or (last[0] - first[0]) / step[0] > MOST_STEPS
-            ):
-                hint = f"in {first[1] or 'the same unit'}, above 0 and at most the range"
-                raise refuse(f"`step` {shown(self.step)} does not divide the range", hint, "step")
+            fits = 0 < distance <= high - low <= MOST_STEPS * distance
+            if unit_of_step != unit or not fits:
+                hint = f"in {unit or 'the same unit'}, above 0 and at most the range"
+                raise refuse(f"`step` {step} does not divide the range", hint, "step")
 
     @property
     def is_relative(self) -> bool:
@@ -194,29 +172,21 @@ class Law(Choice):
         """One way alone, and `within` with a normal law."""
         super().refuse_clashes()
         if self.triangular is not None and len(self.triangular) not in (1, 3):
-            raise refuse(
-                f"{len(self.triangular)} shares are no triangle",
-                "one, or three: [70 %, 80 %, 100 %]",
-                "triangular",
-            )
+            message = f"{len(self.triangular)} shares are no triangle"
+            raise refuse(message, "one, or three: [70 %, 80 %, 100 %]", "triangular")
         low, middle, high = self.corners
         if not low > 0.0:
-            raise refuse(
-                "the share of a symmetric triangle is below 100 %", "such as +-15 %", "triangular"
-            )
+            message = "the share of a symmetric triangle is below 100 %"
+            raise refuse(message, "such as +-15 %", "triangular")
         if not low <= middle <= high or low == high:
             hint = "minimum, mode and maximum relative to the file's value: [70 %, 80 %, 100 %]"
             raise refuse(f"{low:g}, {middle:g} and {high:g} do not rise", hint, "triangular")
         if self.within is not None and (self.normal is None or self.within <= self.normal):
-            raise refuse(
-                "`within` cuts a normal law at more than its deviation",
-                "{normal: 5 %, within: 15 %}",
-                "within",
-            )
+            message = "`within` cuts a normal law at more than its deviation"
+            raise refuse(message, "{normal: 5 %, within: 15 %}", "within")
         if self.normal is not None and self.within is None and 3.0 * self.normal >= 1.0:
-            raise refuse(
-                "three deviations take the figure to 0", "`within: 90 %`, or lognormal", "normal"
-            )
+            message = "three deviations take the figure to 0"
+            raise refuse(message, "`within: 90 %`, or lognormal", "normal")
 
     @property
     def corners(self) -> tuple[float, float, float]:
@@ -275,11 +245,8 @@ def factors(law: Law, unit: FloatArray) -> FloatArray:
         low, middle, high = law.corners
         wide = high - low
         rising = low + np.sqrt(unit * wide * (middle - low))
-        return np.where(
-            unit * wide < middle - low,
-            rising,
-            high - np.sqrt((1.0 - unit) * wide * (high - middle)),
-        )
+        falling = high - np.sqrt((1.0 - unit) * wide * (high - middle))
+        return np.where(unit * wide < middle - low, rising, falling)
     if law.normal is not None:
         cut = ndtr(-(3.0 if law.within is None else law.within / law.normal))
         return 1.0 + law.normal * ndtri(cut + unit * (1.0 - 2.0 * cut))
@@ -292,31 +259,23 @@ def probability(happens: BoolArray, method: str) -> tuple[float, float, float]:
 
     Of sobol by Student's t over its sequences, else by Wilson, and so where fewer than ten samples, or all but as few,
     say so: a probability is never 0 or 1 with certainty.
-    """
-    share = float(happens.mean())
-    low, high = _wilson(int(happens.sum()), happens.size)
-    if method == "sobol" and FEW <= happens.sum() <= happens.size - FEW:
-        from scipy.special import stdtrit
 
+    >>> [round(end, 4) for end in probability(np.arange(100) < 5, "random")]
+    [0.05, 0.0215, 0.1118]
+    """
+    from scipy.special import ndtri, stdtrit
+
+    count, size, share = int(happens.sum()), happens.size, float(happens.mean())
+    if method == "sobol" and FEW <= count <= size - FEW:
         shares = happens.reshape(SCRAMBLES, -1).mean(axis=1)
         half = float(
             stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0) * shares.std(ddof=1) / np.sqrt(SCRAMBLES)
         )
         if half > 0.0:
-            low, high = max(share - half, 0.0), min(share + half, 1.0)
-    return share, low, high
-
-
-def _wilson(count: int, size: int) -> tuple[float, float]:
-    """The 95 % interval of `count` of `size` independent samples.
-
-    >>> [round(end, 4) for end in _wilson(5, 100)]
-    [0.0215, 0.1118]
-    """
-    from scipy.special import ndtri
-
+            return share, max(share - half, 0.0), min(share + half, 1.0)
     z = float(ndtri(0.5 + LEVEL / 2.0))
-    share, extra = count / size, z * z / size
+    extra = z * z / size
     middle = (share + extra / 2.0) / (1.0 + extra)
     half = z / (1.0 + extra) * float(np.sqrt(share * (1.0 - share) / size + extra / size / 4.0))
-    return (0.0 if count == 0 else middle - half), (1.0 if count == size else middle + half)
+    low, high = middle - half, middle + half
+    return share, low if count else 0.0, high if count < size else 1.0
