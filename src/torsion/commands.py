@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from torsion.analyses.compare.timing import Timings
     from torsion.output.document import Document
 
-JOINT_RULES = ("universal-joints",)
+JOINT_RULE = "universal-joints"
 REST = (
     "everything but the joints",
     "`torsion joint` reports only the joints; `torsion solve` does the rest",
@@ -96,10 +96,10 @@ def one_case(study: Study, case: str | None) -> Study:
     if case in study.cases:
         return study.cases[case]
     hint = "a file states them under `cases: {...}`"
-    if study.cases:
-        near = nearest(case, study.cases)
-        names = ", ".join((NORMAL, *study.cases))
-        hint = f"did you mean '{near}'?" if near else f"there is {names}"
+    if near := nearest(case, study.cases):
+        hint = f"did you mean '{near}'?"
+    elif study.cases:
+        hint = f"there is {', '.join((NORMAL, *study.cases))}"
     fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
     raise located(InputError([fault]), study)
 
@@ -197,21 +197,18 @@ def joint(
     scene = read(file)
     study = one_case(scene, case)
     if not study.has_joints:
-        fault = Fault(
-            ("train",),
-            "the train has no joint",
-            "`torsion joint` reports joints; use `torsion solve`",
-        )
+        hint = "`torsion joint` reports joints; use `torsion solve`"
+        fault = Fault(("train",), "the train has no joint", hint)
         raise located(InputError([fault]), study)
     settings = study.analyses.get("joints") or JointsSettings()
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
-    rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
+    rules = tuple(rule for rule in study.rules if rule[0] == JOINT_RULE)
     joints_only = replace(study, analyses={"joints": settings}, rules=rules)
     findings = run(joints_only, only=("joints",), progress=progress)
     omitted = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
     unjudged = tuple(
-        (f"{JOINT_RULES[0]}: bending of {tube.name}", ON_SUPPORTS)
+        (f"{JOINT_RULE}: bending of {tube.name}", ON_SUPPORTS)
         for tube in (tubes(study.train) if rules else ())
         if tube.has_support and not tube.lacks
     )
@@ -246,9 +243,8 @@ def study(
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
     from torsion.units import UnitFault, to_si
 
-    goal = TOLERANCE if tolerance is None else tolerance
     try:
-        goal = to_si(goal, "1") if isinstance(goal, str) else goal
+        goal = to_si(str(TOLERANCE if tolerance is None else tolerance), "1")
     except UnitFault as fault:
         raise refusal(f"the tolerance: {fault.message} (write 0.1 % or 1e-3)") from None
     if not 0.0 < goal < 1.0:
@@ -335,7 +331,20 @@ def _planned(study: Study) -> Planned:
     ruled, system = needed(study), assembled(study)
     if highest := highest_excited(study, system, ruled):
         system = assembled(study, highest)
-    sizes, lacking = _sizes(study, system, ruled), _lacking(study, system, ruled)
+    sizes = _sizes(study, system, ruled)
+
+    # Why a step would be left out; empty words if it would not.
+    modes = "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
+    if not has_inertia(system):
+        modes = "no component has an inertia"
+    has_orders = any(line.order is not None for line in lines(system))
+    lacking = {
+        "modes": modes,
+        "damped": modes or ("" if system.damps else "nothing damps"),
+        "critical": modes or ("" if has_orders else "no order excites"),
+        "response": no_response(study, system, ruled),
+        "steady": "" if study.has_mean_torque else NO_POWER,
+    }
     steps, left_out = [], list[tuple[str, str]]()
     for name in ordered(ANALYSES):
         is_named, title = name in study.analyses, ANALYSES[name].title
@@ -365,9 +374,8 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
     }
     if study.has_mean_torque:
-        sizes["steady"] = (
-            "the mean torque in every span. " + power_balance(study.train, study.operation).sentence
-        )
+        balance = power_balance(study.train, study.operation)
+        sizes["steady"] = f"the mean torque in every span. {balance.sentence}"
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
         from torsion.what_if.sweep.sweep_settings import Points, SweepSettings
@@ -384,25 +392,9 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         )
         sizes["transient"] = " ".join(words.removeprefix(": ") for words in motions)
     if speeds is not None:
-        sizes["response"] = (
-            f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
-        )
+        at_speeds = f"at {speeds.steps} speeds, and more around resonances"
+        sizes["response"] = f"{components} harmonic components {at_speeds}"
     return sizes
-
-
-def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
-    """Return why a step would be left out, by the names of analyses; empty words if it would not."""
-    modes = "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
-    if not has_inertia(system):
-        modes = "no component has an inertia"
-    ordered_lines = any(line.order is not None for line in lines(system))
-    return {
-        "modes": modes,
-        "damped": modes or ("" if system.damps else "nothing damps"),
-        "critical": modes or ("" if ordered_lines else "no order excites"),
-        "response": no_response(study, system, ruled),
-        "steady": "" if study.has_mean_torque else NO_POWER,
-    }
 
 
 def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None = None) -> Path:

@@ -139,10 +139,8 @@ class Log:
 
     def plan(self) -> Plan:
         """Return all that was collected, with the versions of what the numbers come from."""
-        versions = {
-            "torsion": version("torsion"),
-            "Python": ".".join(map(str, sys.version_info[:3])),
-        }
+        python = ".".join(map(str, sys.version_info[:3]))
+        versions = {"torsion": version("torsion"), "Python": python}
         versions |= {name: version(name) for name in self.libraries}
         return Plan(tuple(self.lines), tuple(self.left_out), versions, tuple(self.unanswered))
 
@@ -160,8 +158,7 @@ class Results:
 
     def need(self, kind: type[Result]) -> Result:
         """Return the result of that class; raises LookupError where it was not found."""
-        result = self.get(kind)
-        if result is None:
+        if (result := self.get(kind)) is None:
             raise LookupError(f"{kind.__name__} was not computed")
         return result
 
@@ -202,13 +199,9 @@ class Findings(Displayed, Results):
         It is never True where the command ends with another exit status than 0.
         """
         verdict = self.verdict
-        return (
-            False
-            if verdict == "FAIL"
-            else True
-            if verdict != "NOT JUDGED" and self.exit_status == SOLVED
-            else None
-        )
+        if verdict == "FAIL":
+            return False
+        return True if verdict != "NOT JUDGED" and self.exit_status == SOLVED else None
 
     @property
     def checks(self) -> tuple[Any, ...]:

@@ -16,12 +16,11 @@ import dataclasses
 import inspect
 import math
 import typing
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, cached_property
 from pkgutil import resolve_name
-from types import UnionType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,12 +30,9 @@ from torsion.errors import nearest
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
-TO_DICT = "torsion.output.data_frames:dictionary"
-TO_DATAFRAME = "torsion.output.data_frames:data_frame"
-LINE = "torsion.output.notebook:line"
-NOTEBOOK = "torsion.output.notebook:bundle"  # names, since outputs stand above results
 MOST_NAMES = 12  # one after another in a sentence
 RPM = 30.0 / math.pi  # of 1 rad/s
+TO_DATAFRAME = "torsion.output.data_frames:data_frame"
 LONGEST_LINE = 200  # characters of a result where text is shown
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
@@ -58,14 +54,10 @@ class Quantity:
 
     def named(self, name: str) -> "Quantity":
         """Return the quantity under the name of its field or property; its key ends in the unit, spelled like rad_per_s."""
-        unit = self.unit.removeprefix("1").translate(_SPELLED)
-        key = (
-            self.key
-            if self.key != BY_UNIT
-            else f"{name}_{unit.removeprefix('_')}"
-            if unit
-            else name
-        )
+        unit = self.unit.removeprefix("1").translate(_SPELLED).removeprefix("_")
+        key = self.key
+        if key == BY_UNIT:
+            key = f"{name}_{unit}" if unit else name
         return dataclasses.replace(self, name=name, key=key, printed=self.printed or self.axes)
 
 
@@ -87,15 +79,9 @@ def result(
 
     A single value has no axes: its meaning follows the unit.
     """
-    declared = _declared(unit, axes, meaning, traits)
+    over, words = ((), axes) if isinstance(axes, str) else (axes, meaning)
+    declared = Quantity(unit, over, words, **traits)
     return dataclasses.field(default=default, metadata={"declared": declared})
-
-
-def _declared(unit: str, axes: Axes | str, meaning: str, traits: Mapping[str, Any]) -> Quantity:
-    """Return the quantity of a unit, axes, which may be left out, and a meaning."""
-    if isinstance(axes, str):
-        return Quantity(unit, (), axes, **traits)
-    return Quantity(unit, axes, meaning, **traits)
 
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
@@ -114,7 +100,7 @@ def derived(
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
         made = Derived(function)
-        made.declared = _declared(unit, axes, meaning, traits)
+        made.declared = result(unit, axes, meaning, **traits).metadata["declared"]
         return made
 
     return declare
@@ -131,15 +117,11 @@ def single_values(shown: Any) -> str:
     Mesh: wheel pinion, torque_Nm 1500
     """
     fields = {field.name for field in dataclasses.fields(shown)}
-    values = (
-        (quantity.key, getattr(shown, quantity.name))
+    words = (
+        f"{quantity.key} {value:.6g}" if isinstance(value, float) else f"{quantity.key} {value}"
         for quantity in quantities(type(shown))
         if quantity.name in fields
-    )
-    words = (
-        f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
-        for key, value in values
-        if isinstance(value, str | int | float)
+        and isinstance(value := getattr(shown, quantity.name), str | int | float)
     )
     return one_line(f"{type(shown).__name__}: {', '.join(words)}")
 
@@ -150,6 +132,7 @@ def one_line(text: str) -> str:
     return text if len(text) <= LONGEST_LINE else f"{text[: LONGEST_LINE - 1]}…"
 
 
+# Outputs stand above results, which know their functions by name alone.
 class Keyed:
     """A result whose quantities have their keys of results.json as names too, and speeds a name in rpm.
 
@@ -179,7 +162,7 @@ class Keyed:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result by the keys of results.json, with lists in place of arrays."""
-        columns: dict[str, Any] = resolve_name(TO_DICT)(self)
+        columns: dict[str, Any] = resolve_name("torsion.output.data_frames:dictionary")(self)
         return columns
 
     def to_dataframe(self) -> Any:
@@ -191,12 +174,12 @@ class Displayed:
     """What a notebook shows as tables and a figure, and as one line where it shows text."""
 
     def __repr__(self) -> str:
-        line: str = resolve_name(LINE)(self)
+        line: str = resolve_name("torsion.output.notebook:line")(self)
         return line
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
         """Return the line and the page; without it a notebook would keep every number of the arrays as text."""
-        shown: dict[str, str] = resolve_name(NOTEBOOK)(self)
+        shown: dict[str, str] = resolve_name("torsion.output.notebook:bundle")(self)
         return shown
 
     def _repr_html_(self) -> str:
@@ -275,8 +258,12 @@ def is_declared(value: object) -> bool:
 
 def parts(kind: type, quantity: Quantity) -> type | None:
     """Return the class of the results that a quantity consists of; None where it consists of plain values."""
-    inner = _inner(_hint(kind, quantity.name))
-    return next((part for part in inner if isinstance(part, type) and is_declared(part)), None)
+    hints = [_hint(kind, quantity.name)]
+    for hint in hints:  # and the types within it, each behind those that it is one of
+        if isinstance(hint, type) and is_declared(hint):
+            return hint
+        hints += typing.get_args(hint)
+    return None
 
 
 def is_list(kind: type, quantity: Quantity) -> bool:
@@ -295,11 +282,3 @@ def _hint(kind: type, name: str) -> Any:
         "__module__": holder.__module__,
     }
     return typing.get_type_hints(type(name, (), alone))[name]
-
-
-def _inner(hint: Any) -> Iterator[Any]:
-    """Yield the types within a type, itself first."""
-    yield hint
-    if isinstance(hint, UnionType) or typing.get_origin(hint) is not None:
-        for argument in typing.get_args(hint):
-            yield from _inner(argument)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from torsion import rules
-from torsion.analyses import ANALYSES, Analysis, ordered
+from torsion.analyses import ANALYSES, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import (
     NORMAL,
@@ -79,7 +79,7 @@ def run(
         try:
             cases[name] = _solve_misfires(varied_case, only, part, answered)
         except (InputError, SolveError) as error:
-            unanswered = _explain("", f"case '{name}'", case, error, is_named=True)
+            unanswered = _unanswered(case, "", error)
             left_out = ((unanswered.what, unanswered.words),)
             cases[name] = Findings(case, {}, Plan((), left_out, {}, (unanswered,)))
     return replace(findings, cases=cases)
@@ -114,7 +114,7 @@ def _select_worst(cases: Mapping[str, Findings]) -> Findings:
         replace(
             check,
             misfire=name,
-            note="; ".join(filter(None, (name, check.note))),
+            note=f"{name}; {check.note}" if check.note else name,
             barred=merge_barred_ranges(check.barred),
         )
         for name, check in lines.values()
@@ -142,22 +142,16 @@ def _select_worst(cases: Mapping[str, Findings]) -> Findings:
 def merge_barred_ranges(ranges: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
     """Merge overlapping barred ranges of the same shaft and order; sorted by shaft, order and speed."""
     merged: list[BarredRange] = []
-    for barred in sorted(
-        ranges, key=lambda barred: (barred.shaft, barred.order or 0, barred.lower)
-    ):
-        previous = merged[-1] if merged else None
-        if (
-            previous is None
-            or (previous.shaft, previous.order) != (barred.shaft, barred.order)
-            or barred.lower > previous.upper
-        ):
+    for barred in sorted(ranges, key=lambda row: (row.shaft, row.order or 0, row.lower)):
+        previous = merged[-1] if merged else barred
+        is_same = (previous.shaft, previous.order) == (barred.shaft, barred.order)
+        if not merged or not is_same or barred.lower > previous.upper:
             merged.append(barred)
             continue
 
         # The misfire of each cylinder has its own barred range; the tachometer is marked once, from end to end.
         merged[-1] = replace(
             previous,
-            lower=min(previous.lower, barred.lower),
             upper=max(previous.upper, barred.upper),
             formula_lower=min(previous.formula_lower, barred.formula_lower),
             formula_upper=max(previous.formula_upper, barred.formula_upper),
@@ -179,12 +173,11 @@ def _solve_one(
     answered: Callable[..., Any] | None = None,
 ) -> Findings:
     """Return the findings of a study with its cylinders as they are, without its cases."""
-    names = _with_dependencies(only) if only else list(ANALYSES)
-    judged_rules = (rule for rule in study.rules if set(rules.rule(*rule).needs) <= set(names))
+    names = _with_dependencies(only) if only else ANALYSES
+    judged_rules = (rule for rule in study.rules if {*rules.rule(*rule).needs} <= {*names})
     judged = replace(study, rules=tuple(judged_rules))
     work = Work(
         judged,
-        {},
         progress=progress,
         ruled=rules.needed(judged),
         rules=rule_over_speed,
@@ -222,7 +215,7 @@ def _run_analyses(work: Work, study: Study, only: Collection[str], names: Collec
             if name in work.ruled or name in ESSENTIAL:
                 raise
             errors.append(error)
-            unanswered = _unanswered(study, name, analysis, error)
+            unanswered = _unanswered(study, name, error)
             work.log.unanswered.append(unanswered)
             work.log.without(unanswered.what, unanswered.words)
     if errors and not any(work.results.get(key) is not None for key in ANSWERS):
@@ -234,21 +227,20 @@ def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[Us
     places: dict[str, dict[str, None]] = {}
     for key, where in (*study.train.sources, *citations):
         places.setdefault(key, {})[where] = None
-    literature = [
+    literature = (
         UsedSource(key, SOURCES[key].words, tuple(filter(None, places[key])), SOURCES[key].compared)
         for key in sorted(places)
-    ]
+    )
     clauses: dict[tuple[str, str], dict[str, bool]] = {}
     for check in checks.lines:
         if check.basis is not None and check.basis.kind in ("text", "confirmed", "unconfirmed"):
             compared = clauses.setdefault((check.rule, check.basis.edition), {})
-            compared[check.clause] = (
-                compared.get(check.clause, True) and check.basis.kind != "unconfirmed"
-            )
-    editions = [
+            compared.setdefault(check.clause, True)
+            compared[check.clause] &= check.basis.kind != "unconfirmed"
+    editions = (
         UsedSource(rule, words, tuple(compared), all(compared.values()), is_rule=True)
         for (rule, words), compared in clauses.items()
-    ]
+    )
     return (*literature, *editions)
 
 
@@ -261,10 +253,9 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
     if above is None or above.operation.speeds is None:
         return findings
     end, names = in_rpm(above.operation.speeds.last), [name for name, _ in above.rules]
-    demanding, unchanged = list[Check](), list[Check]()
-    for check in findings.need(Checks).lines:
-        (demanding if check.rule in names else unchanged).append(check)
-
+    lines = findings.need(Checks).lines
+    demanding = tuple(check for check in lines if check.rule in names)
+    unchanged = tuple(check for check in lines if check.rule not in names)
     start = time.perf_counter()
     try:
         # With them go those that change the response, where the rules of vibration read it.
@@ -289,12 +280,11 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
 
     origin = f"above `operation.speeds`, computed up to {end} for the rule"
     further_demanding = tuple(check for check in further if check.rule in names)
-    worst = worst_checks({"": tuple(demanding), origin: further_demanding})
     merged = (
-        replace(check, note="; ".join(filter(None, (words, check.note))))
+        replace(check, note=f"{words}; {check.note}" if check.note else words)
         if words and not math.isnan(check.value)
         else check
-        for words, check in worst.values()
+        for words, check in worst_checks({"": demanding, origin: further_demanding}).values()
     )
     line = PlanLine(
         f"speeds up to {end}",
@@ -310,52 +300,40 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
     return replace(findings, plan=plan).having(checks=Checks(tuple(checks)))
 
 
-def _unanswered(
-    study: Study, name: str, analysis: Analysis, error: InputError | SolveError
-) -> Unanswered:
-    """Return the error of an analysis, located in the file if it says its place or the file names the analysis."""
-    path = analysis.place or ("analyses", name)
-    by_default = name == "steady" or (not study.analyses and name in DEFAULT)
-    is_named = by_default or study.setting(*path) is not None
-    if isinstance(error, InputError):
-        known = error
-    else:
-        place = error.path or (path if is_named and study.analyses else ())
-        known = InputError([Fault(place, error.message, error.hint)], str(error))
-    if all(fault.path for fault in known.faults):
-        known = located(InputError(known.faults), study)
-    is_input = isinstance(error, InputError)
-    return _explain(name, analysis.title, study, known, is_named=is_named, is_input=is_input)
+def _unanswered(study: Study, name: str, error: InputError | SolveError) -> Unanswered:
+    """Return cause, remedy and line of an error, without the names of the case and of the analysis it is of.
 
-
-def _explain(
-    name: str,
-    title: str,
-    study: Study,
-    error: InputError | SolveError,
-    *,
-    is_named: bool,
-    is_input: bool | None = None,
-) -> Unanswered:
-    """Return cause, remedy and line of an error, without the names of the case and of the analysis it is of."""
-    if isinstance(error, InputError):
-        faults, text = error.faults, str(error)
+    name: of the analysis, whose error is located in the file if it says its place or the file names the analysis;
+    empty for a whole case.
+    """
+    is_named, title, known = True, "", error
+    if name:
+        path, title = ANALYSES[name].place or ("analyses", name), ANALYSES[name].title
+        by_default = name == "steady" or (not study.analyses and name in DEFAULT)
+        is_named = by_default or study.setting(*path) is not None
+        if isinstance(error, SolveError):
+            place = error.path or (path if is_named and study.analyses else ())
+            known = InputError([Fault(place, error.message, error.hint)], str(error))
+        if isinstance(known, InputError) and all(fault.path for fault in known.faults):
+            known = located(InputError(known.faults), study)
+    if isinstance(known, InputError):
+        faults, text = known.faults, str(known)
     else:
-        fault = Fault((), error.message, error.hint)
-        faults, text = (fault,), error.located or str(error)
-    case = f"case '{study.case.name}': " if study.case is not None else ""
+        faults = (Fault((), known.message, known.hint),)
+        text = known.located or str(known)
+    case = study.case.name if study.case is not None else ""
     messages = (
-        fault.message.removeprefix(case).removeprefix(f"{title}: " if name else "")
+        fault.message.removeprefix(f"case '{case}': ").removeprefix(f"{title}: ")
         for fault in faults
     )
     return Unanswered(
         name,
-        title,
+        title or f"case '{case}'",
         "; ".join(messages),
         "; ".join(fault.hint for fault in faults if fault.hint),
         next((fault.line for fault in faults if not fault.file), None) if name else None,
         is_named,
-        isinstance(error, InputError) if is_input is None else is_input,
+        isinstance(error, InputError),
         text,
     )
 
@@ -381,14 +359,11 @@ def _judge(work: Work) -> None:
             checks_found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(checks_found)} checks"
-        checks += (
-            *checks_found,
-            *(with_basis(check, "") for check in unjudged_variants(work.study)),
-        )
+        of_variants = (with_basis(check, "") for check in unjudged_variants(work.study))
+        checks += (*checks_found, *of_variants)
         for rule in rules.of_study(work.study):
-            clauses = dict.fromkeys(
-                check.clause for check in checks_found if check.rule == rule.name
-            )
+            judged = (check.clause for check in checks_found if check.rule == rule.name)
+            clauses = dict.fromkeys(judged)
             verified = rule.settings.verified
             for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:

@@ -277,22 +277,20 @@ def _text(file: Path, columns: Columns) -> str:
     try:
         text, fault = table_text(file, largest)
     except (OSError, ValueError) as error:
-        why, hint = getattr(error, "strerror", error), "give a text file"
-    else:
-        if fault is None:
-            return text
-        why, hint = fault.message, fault.hint
-    raise ValueError(f"'{file}' cannot be read: {why}", hint)
+        why = getattr(error, "strerror", error)
+        raise ValueError(f"'{file}' cannot be read: {why}", "give a text file") from None
+    if fault is not None:
+        raise ValueError(f"'{file}' cannot be read: {fault.message}", fault.hint)
+    return text
 
 
 @lru_cache(maxsize=8)  # of variants of a train, which all read the same files
 def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], ...]:
     table = Table(text, columns.most + 1)
-    if not 3 <= len(table.rows) <= columns.most + 1:
-        raise ValueError(
-            f"'{file}' has {max(len(table.rows) - 1, 0)} rows",
-            f"2 to {columns.most} rows below the units",
-        )
+    count = len(table.rows) - 1
+    if not 2 <= count <= columns.most:
+        hint = f"2 to {columns.most} rows below the units"
+        raise ValueError(f"'{file}' has {max(count, 0)} rows", hint)
     factors = _factors(file, table.rows[0], columns)
     table.read_signs(cell for row in table.rows[1:] for cell in row)
     for fault in table.faults:
@@ -331,11 +329,9 @@ def _row(
         decimals = "a point in decimals, or decimal commas and semicolons"
         hint = decimals if count > len(factors) else " and ".join(columns.names)
         raise ValueError(f"{where}: {count} columns, not {len(factors)}", hint)
+    pairs_of_row = zip(row, factors, strict=True)
     try:
-        values = tuple(
-            float(table.plain(cell.text)) * factor
-            for cell, factor in zip(row, factors, strict=True)
-        )
+        values = tuple(float(table.plain(cell.text)) * factor for cell, factor in pairs_of_row)
     except ValueError:
         what = "pair of numbers" if len(factors) > 1 else "number"
         written = f"{table.separator.strip()} ".join(cell.text for cell in row)

@@ -253,16 +253,16 @@ def lowered(
         for part in build.parts
     )
     stations = (replace(station, ratio=station.ratio / unit) for station in build.stations)
-    kinds: dict[type, list[Any]] = {
-        kind: [] for kind in (Inertia, Spring, Bar, Constraint, Damper, Torque)
+    primitives: dict[str, Any] = {
+        f"{kind.__name__.lower()}s": tuple(
+            primitive for primitive in build.primitives if isinstance(primitive, kind)
+        )
+        for kind in (Inertia, Spring, Bar, Constraint, Damper, Torque)
     }
-    for primitive in build.primitives:
-        kinds[type(primitive)].append(primitive)
-    primitives: Any = map(tuple, kinds.values())
     train = Train(
-        tuple(parts),
-        tuple(stations),
-        *primitives,
+        parts=tuple(parts),
+        stations=tuple(stations),
+        **primitives,
         materials=build.materials,
         sources=tuple(citations),
     )

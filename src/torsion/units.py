@@ -195,22 +195,17 @@ def amount(text: str) -> tuple[Fraction, str]:
         right = f"write {re.sub(r'[^-+0-9]', '', mark[1])}{mark[3]}"
         raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
     if _DATE.fullmatch(spelled):
-        hint = (
-            "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
-        )
-        raise UnitFault(f"{_quoted(text)} looks like a date", hint)
+        cause = "a spreadsheet makes dates of cells that are not formatted as numbers"
+        raise UnitFault(f"{_quoted(text)} looks like a date", f"write the number; {cause}")
     if re.match(r",\s*[0-9]", written):
-        raise UnitFault(
-            f"{_quoted(text)} has a comma in its number",
-            "write a decimal point, and no mark between thousands",
-        )
+        hint = "write a decimal point, and no mark between thousands"
+        raise UnitFault(f"{_quoted(text)} has a comma in its number", hint)
     if number[1] and len(number[1].lstrip("+-0")) > 3:
         raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
-    return Fraction(number[0].replace("_", "")), "1" + written if written.startswith(
-        "/"
-    ) else written
+    unit = f"1{written}" if written.startswith("/") else written
+    return Fraction(number[0].replace("_", "")), unit
 
 
 def _rounded(number: Fraction, text: str) -> float:
@@ -244,51 +239,41 @@ def _container(written: str) -> "UnitsContainer":
                 power  # '' for dimensionless
             )
         except PintError:
-            raise UnitFault(f"'{name}' is not a known unit", _similar(name)) from None
+            near = nearest(name, _spelled())
+            usual = "units are written like kN*m/rad, kg*m**2, rpm"
+            hint = f"did you mean '{near}'?" if near else usual
+            raise UnitFault(f"'{name}' is not a known unit", hint) from None
     if any(abs(power) > _HIGHEST for power in powers.values()):
         raise UnitFault(f"'{written}' has a power that no quantity has")
-    return registry.UnitsContainer(
-        {name: power for name, power in powers.items() if name and power}
-    )
+    named = {name: power for name, power in powers.items() if name and power}
+    return registry.UnitsContainer(named)
 
 
 def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
-    container = _container(written)
-    expected = _container(unit)
-    dimension = _registry().get_dimensionality
+    container, expected = _container(written), _container(unit)
+    dimension, measured = _registry().get_dimensionality, ""
     if unit == "rad/s" and container == _container("1/min"):
         container = _container("rpm")
     if dimension(container) != dimension(expected):
-        measured = f"is {_kinds().get(dimension(container), f'in {written}')}"
-        raise UnitFault(
-            f"{_quoted(text)} {measured}, {_expected(unit)} is expected",
-            _remedy(text, container, unit),
-        )
-    if unit == "K" and container in (_container("degC"), _container("degF")):
-        raise UnitFault(
-            f"{_quoted(text)} is a temperature, {_expected(unit)} is expected",
-            _remedy(text, container, unit),
-        )
+        measured = _kinds().get(dimension(container), f"in {written}")
+    elif unit == "K" and container in (_container("degC"), _container("degF")):
+        measured = "a temperature"
+    if measured:
+        # What to write instead: the same with or without '/rad' if that is all that is wrong.
+        missing, plain = dimension(expected / container), " ".join(text.split())
+        hint = f"for example '{_KINDS[unit][1]}'" if unit in _KINDS else ""
+        if unit.endswith("/rad") and missing == dimension(_container("1/rad")):
+            hint = f"try '{plain}/rad'"
+        elif plain.endswith("/rad") and missing == dimension(_container("rad")):
+            hint = f"try '{plain.removesuffix('/rad')}'"
+        raise UnitFault(f"{_quoted(text)} is {measured}, {_expected(unit)} is expected", hint)
     try:
         return Fraction(_registry().convert(number, container, expected))
     except PintError:
-        raise UnitFault(
-            f"{_quoted(text)} mixes a temperature scale with other units", "write K"
-        ) from None
-
-
-def _remedy(text: str, container: "UnitsContainer", unit: str) -> str:
-    """What to write instead: the same with or without '/rad' if that is all that is wrong."""
-    dimension = _registry().get_dimensionality
-    missing = dimension(_container(unit) / container)
-    written = " ".join(text.split())
-    if unit.endswith("/rad") and missing == dimension(_container("1/rad")):
-        return f"try '{written}/rad'"
-    if missing == dimension(_container("rad")) and written.endswith("/rad"):
-        return f"try '{written.removesuffix('/rad')}'"
-    return f"for example '{_KINDS[unit][1]}'" if unit in _KINDS else ""
+        message = f"{_quoted(text)} mixes a temperature scale with other units"
+        raise UnitFault(message, "write K") from None
 
 
 @cache
@@ -303,17 +288,9 @@ def _spelled() -> tuple[str, ...]:
     """The names of units that others are compared with."""
     registry = _registry()
     plain = (
-        spelling
-        for spelling in registry
-        if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0]
+        name for name in registry if name.isalpha() and not registry.parse_unit_name(name)[0][0]
     )
     return (*plain, *_TRADE)
-
-
-@cache
-def _similar(name: str) -> str:
-    near = nearest(name, _spelled())
-    return f"did you mean '{near}'?" if near else "units are written like kN*m/rad, kg*m**2, rpm"
 
 
 def _powers(written: str) -> Counter[str]:

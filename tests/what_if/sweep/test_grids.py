@@ -18,7 +18,7 @@ from torsion.rules.verdict_line import Checks
 from torsion.what_if.sweep.sweep_results import Grid, Sweep
 from torsion.what_if.sweep.sweep_run import estimated
 from torsion.what_if.variants import chunks
-from torsion.what_if.variants.laws import units
+from torsion.what_if.variants.laws import uniform_samples
 
 TWO = """name: two discs
 materials: {steel-2: {shear_modulus: 79.3 GPa, density: 7850 kg/m**3, loss_factor: 0.002}}
@@ -275,7 +275,7 @@ def test_values_of_a_table_vary(tmp_path: Path) -> None:
 
 
 def test_indices_of_a_product_are_the_closed_form() -> None:
-    drawn = units(16384, 4, "sobol", 1)
+    drawn = uniform_samples(16384, 4, "sobol", 1)
     first, second = drawn[:, :2], drawn[:, 2:]
     sets = [first, second, *(np.where(np.arange(2) == k, second, first) for k in range(2))]
     values = np.stack(

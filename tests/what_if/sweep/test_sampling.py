@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from torsion.what_if.variants.laws import SCRAMBLES, Law, factors, probability, units
+from torsion.what_if.variants.laws import SCRAMBLES, Law, factors, probability, uniform_samples
 
 EXACT = 0.110455774875150582  # two equal discs exceed 34 Hz: ln f is normal
 LAWS = [
@@ -26,20 +26,22 @@ def test_a_law_is_the_inverse_of_its_distribution(law: Law, exact: stats.rv_cont
 
 @pytest.mark.parametrize("method", ["sobol", "latin", "random"])
 def test_samples_of_a_seed_are_the_same_and_fill_the_square_evenly(method: str) -> None:
-    drawn = units(1024, 2, method, 7)
-    assert np.array_equal(drawn, units(1024, 2, method, 7))
-    assert not np.array_equal(drawn, units(1024, 2, method, 8))
+    drawn = uniform_samples(1024, 2, method, 7)
+    assert np.array_equal(drawn, uniform_samples(1024, 2, method, 7))
+    assert not np.array_equal(drawn, uniform_samples(1024, 2, method, 8))
     assert drawn.shape == (1024, 2)
     boxes = np.histogram2d(*drawn.T, bins=4, range=[[0, 1], [0, 1]])[0]
     assert abs(boxes - 64).max() <= {"sobol": 0, "latin": 40, "random": 40}[method]
 
 
 def test_random_samples_are_those_of_one_generator() -> None:
-    assert np.array_equal(units(100, 3, "random", 7), np.random.default_rng(7).random((100, 3)))
+    assert np.array_equal(
+        uniform_samples(100, 3, "random", 7), np.random.default_rng(7).random((100, 3))
+    )
 
 
 def test_sobol_draws_each_of_its_sequences_whole() -> None:
-    each = units(1024, 3, "sobol", 2).reshape(SCRAMBLES, 128, 3)
+    each = uniform_samples(1024, 3, "sobol", 2).reshape(SCRAMBLES, 128, 3)
     for sequence in each:
         for column in sequence.T:
             assert np.array_equal(np.sort((column * 128).astype(int)), np.arange(128))
@@ -71,7 +73,7 @@ def test_none_of_the_samples_is_no_probability_of_nothing() -> None:
 def test_intervals_cover_the_probability_of_a_closed_form(method: str) -> None:
     stiffness, inertia, covered, wide = Law(lognormal=0.10), Law(lognormal=0.04), 0, []
     for seed in range(20000, 20200):
-        unit = units(2048, 2, method, seed)
+        unit = uniform_samples(2048, 2, method, seed)
         k, j = factors(stiffness, unit[:, 0]), factors(inertia, unit[:, 1])
         share, low, high = probability(np.sqrt(2 * 20000.0 * k / j) / (2.0 * np.pi) > 34.0, method)
         covered += low <= EXACT <= high

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from torsion.what_if.sweep.sweep_run import estimated
-from torsion.what_if.variants.laws import SCRAMBLES, units
+from torsion.what_if.variants.laws import SCRAMBLES, uniform_samples
 
 PER_SEQUENCE = 16
 
@@ -39,7 +39,7 @@ def test_intervals_cover_the_indices_of_a_sum() -> None:
     """Of 2 x + y, uniform and independent, first and total indices are 4/5 and 1/5."""
     covered, exact = 0, np.array([[0.8, 0.2], [0.8, 0.2]])
     for seed in range(200):
-        a, b = (units(1024, 4, "random", seed)[:, k : k + 2] for k in (0, 2))
+        a, b = (uniform_samples(1024, 4, "random", seed)[:, k : k + 2] for k in (0, 2))
         sets = [a, b, np.column_stack([b[:, 0], a[:, 1]]), np.column_stack([a[:, 0], b[:, 1]])]
         index, half_width = estimated(np.array([2.0 * one[:, 0] + one[:, 1] for one in sets]))
         covered += int((np.abs(index - exact) <= half_width).sum())
