@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError, without_controls
+from torsion.errors import Fault, refusal, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, needs, refuse, required
 from torsion.model.machine_torques import Load
 from torsion.results import RPM, Displayed, listed, one_line
@@ -38,9 +38,7 @@ class StudyActions:
 
     def critical_rpm(self, order: float, count: int = 6) -> list[float]:
         """Return the speeds of the reference, rpm, at which an order meets the lowest modes."""
-        return [
-            60.0 * frequency / float(order) for frequency in self.modes(count).frequency.tolist()
-        ]
+        return [60.0 * hertz / float(order) for hertz in self.modes(count).frequency.tolist()]
 
     def run(self) -> Any:
         """Return the findings of everything that the file requests."""
@@ -58,9 +56,8 @@ class StudyActions:
 
         The result has the changed text; its cases are left out. Raises InputError as a case of the file does.
         """
-        varied: Self = resolve_name("torsion.schema.variant_study:vary")(
-            self, {**(changes or {}), **values}, factor or {}, remove
-        )
+        vary = resolve_name("torsion.schema.variant_study:vary")
+        varied: Self = vary(self, {**(changes or {}), **values}, factor or {}, remove)
         return varied
 
 
@@ -130,14 +127,10 @@ class Operation(Sized):
     )
 
     def refuse_clashes(self) -> None:
-        if (
-            self.highest is not None
-            and self.speeds is not None
-            and self.speeds.last > self.highest * (1 + 1e-9)
-        ):
-            raise refuse(
-                "`highest` is below the last of `speeds`", "let `speeds` end at it", "highest"
-            )
+        last = 0.0 if self.speeds is None else self.speeds.last
+        if self.highest is not None and last > self.highest * (1 + 1e-9):
+            message = "`highest` is below the last of `speeds`"
+            raise refuse(message, "let `speeds` end at it", "highest")
 
     @property
     def speed(self) -> float | None:
@@ -187,11 +180,10 @@ class ShaftModel(Declared):
 
 
 def _one_line(value: str) -> str:
-    if not value.strip() or not value.isprintable():
-        raise refuse(
-            "the text is empty" if not value.strip() else "the text is not on one line",
-            "a few words",
-        )
+    if not value.strip():
+        raise refuse("the text is empty", "a few words")
+    if not value.isprintable():
+        raise refuse("the text is not on one line", "a few words")
     return value
 
 
@@ -202,11 +194,9 @@ def _imo_number(value: Any) -> str:
         raise refuse(f"{fields.shown(value)} is no IMO number", "seven decimal digits, as 9074729")
     total = sum(weight * int(digit) for weight, digit in zip(range(7, 1, -1), digits, strict=False))
     if total % 10 != int(digits[6]):
-        message = f"{digits} is not an IMO number: the last digit checks the others, and after {digits[:6]} it is"
-        raise refuse(
-            f"{message} {total % 10}",
-            "compare it with the register: a digit is wrong, or two are in each other's place",
-        )
+        rule = f"the last digit checks the others, and after {digits[:6]} it is {total % 10}"
+        hint = "compare it with the register: a digit is wrong, or two are in each other's place"
+        raise refuse(f"{digits} is not an IMO number: {rule}", hint)
     return digits
 
 
@@ -403,10 +393,9 @@ class Study(Displayed, StudyActions):
     @property
     def has_tolerances(self) -> bool:
         """A stiffness or an inertia has a tolerance, and couplings are not at an end of theirs."""
-        at_its_end = self.case is not None and self.case.is_corner
-        return not at_its_end and any(
-            part.stiffness_tolerance or part.inertia_tolerance for part in self.train.parts
-        )
+        if self.case is not None and self.case.is_corner:
+            return False
+        return any(part.stiffness_tolerance or part.inertia_tolerance for part in self.train.parts)
 
     @property
     def has_joints(self) -> bool:
@@ -423,31 +412,24 @@ class Study(Displayed, StudyActions):
     @property
     def excites(self) -> bool:
         """Something in the train excites it by order, or at a frequency of its own."""
-        harmonic = any(
-            torque.order is not None or torque.frequency is not None
-            for torque in self.train.torques
-        )
-        return harmonic or any(mesh.error for mesh in self.train.constraints)
+        train = self.train
+        return bool(train.periodic_torques) or any(mesh.error for mesh in train.constraints)
 
 
 def states_mean_torque(train: Train, operation: Operation) -> bool:
     """Return whether a rated power, a table of the load, or the power of a load is given."""
     if operation.load.table or (operation.rated is not None and operation.rated.power is not None):
         return True
-    machines = (part.machine for part in train.parts)
-    return any(
-        machine.is_stated for machine in machines if machine is not None and not machine.is_driver
-    )
+    machines = (part.machine for part in train.parts if part.machine is not None)
+    return any(machine.is_stated for machine in machines if not machine.is_driver)
 
 
 def mesh_faults(study: Study, what: str) -> list[Fault]:
     """Return the faults of excitations at meshes, which `what` does not support."""
     hint = "leave it out here; a case may take it away: `remove`"
-    meshes = [torque for torque in study.train.torques if torque.mesh is not None]
-    return [
-        Fault(torque.path, f"{what} does not support an excitation at a mesh", hint)
-        for torque in meshes
-    ]
+    message = f"{what} does not support an excitation at a mesh"
+    meshes = (torque for torque in study.train.torques if torque.mesh is not None)
+    return [Fault(torque.path, message, hint) for torque in meshes]
 
 
 def bytes_of(memory: str | float) -> float:
@@ -456,10 +438,8 @@ def bytes_of(memory: str | float) -> float:
     if isinstance(memory, str):
         match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?)B\s*", memory)
         if match is None:
-            message = f"'{memory}' is not an amount of memory"
-            raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
+            raise refusal(f"'{memory}' is not an amount of memory", "for example 4GB or 500MB")
         value = float(match[1]) * 1000.0 ** " kMGT".index(match[2] or " ")
     if not 0.0 < float(value) < math.inf:
-        message = f"{memory} is not an amount of memory"
-        raise InputError([Fault((), message)], message)
+        raise refusal(f"{memory} is not an amount of memory")
     return float(value)

@@ -131,14 +131,11 @@ def _result(future: Any, chunk: Chunk) -> Part:
         return values, answers
     except KilledWorker as error:
         message = f"the variants {chunk.begin} to {chunk.end - 1} ended every worker that took them: {error}"
-        raise SolveError(
-            message, hint="more memory for each worker, or fewer workers on a machine"
-        ) from None
+        hint = "more memory for each worker, or fewer workers on a machine"
+        raise SolveError(message, hint) from None
     except (CancelledError, OSError, TimeoutError) as error:
-        message = f"the scheduler is gone: {error}"
-        raise SolveError(
-            message, hint="the parts stay; start it again and give the same command"
-        ) from None
+        hint = "the parts stay; start it again and give the same command"
+        raise SolveError(f"the scheduler is gone: {error}", hint) from None
     except InputError as error:
         hint = "the same files and programs on every machine"
         message = f"a worker cannot join: {error} ({hint})"

@@ -1,10 +1,8 @@
 """The folder of a sweep: what it is of, and the parts that are there; another sweep is never mixed into it."""
 
 import csv
-import hashlib
 import io
 import json
-import math
 import os
 import re
 import socket
@@ -17,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.errors import Fault, InputError, printable, refusal
+from torsion.errors import printable, refusal
 from torsion.findings import Work, version
 from torsion.output.table_text import inert
 from torsion.output.write import inputs
@@ -42,9 +40,7 @@ def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, di
     for figure, column in zip(variation.figures, values.T, strict=True):
         table[figure.name] = column
         if figure.rows:
-            table[f"{figure.name} label"] = np.array(
-                [figure.words(value) for value in column.tolist()]
-            )
+            table[f"{figure.name} label"] = np.array([*map(figure.words, column.tolist())])
     about["modes"] = [f"mode {mode} (Hz)" for mode in range(1, 1 + len(answers.frequency))]
     table |= dict(zip(about["modes"], answers.frequency, strict=True))
     about["checks"] = []
@@ -59,11 +55,6 @@ def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, di
 def part_of(columns_of_part: Columns, about: Mapping[str, Any]) -> Part:
     """What the columns of a part hold, to the last bit as they were written."""
     values = np.stack([columns_of_part[name] for name in about["figures"]], axis=1)
-    frequency = (
-        np.stack([columns_of_part[name] for name in about["modes"]])
-        if about["modes"]
-        else np.empty((0, len(values)))
-    )
     checks = {
         (rule, clause, where, what): (
             columns_of_part[f"{name}: utilisation"],
@@ -71,10 +62,10 @@ def part_of(columns_of_part: Columns, about: Mapping[str, Any]) -> Part:
         )
         for rule, clause, where, what, name in about["checks"]
     }
-    faults = {
-        variant: str(why) for variant, why in enumerate(columns_of_part["fault"].tolist()) if why
-    }
-    return values, Answers(frequency, checks, faults, about["method"])
+    why = enumerate(columns_of_part["fault"].tolist())
+    faults = {variant: str(words) for variant, words in why if words}
+    hertz = np.array([columns_of_part[name] for name in about["modes"]], dtype=float)
+    return values, Answers(hertz.reshape(-1, len(values)), checks, faults, about["method"])
 
 
 def write_part(path: Path, columns_of_part: Columns, about: Mapping[str, Any]) -> str:
@@ -93,7 +84,7 @@ def write_part(path: Path, columns_of_part: Columns, about: Mapping[str, Any]) -
         file.flush()
         os.fsync(file.fileno())
     under_way.replace(path)
-    return sha256(content.getbuffer()).hexdigest()
+    return digest(content.getbuffer())
 
 
 def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
@@ -102,18 +93,15 @@ def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
 
     try:
         content = path.read_bytes()
-        if sha256(content).hexdigest() != checksum:
-            raise ValueError(
-                "it is damaged: its SHA-256 differs from the SHA-256 of the file that was written"
-            )
+        if digest(content) != checksum:
+            differs = "its SHA-256 differs from the SHA-256 of the file that was written"
+            raise ValueError(f"it is damaged: {differs}")
         table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         return {name: table[name].to_numpy() for name in table.column_names}, about
     except (ArrowException, OSError, ValueError, KeyError, TypeError) as error:
         message = f"{path} cannot be read as a part of a sweep: {error}"
-        raise InputError(
-            [Fault((), message)], f"{message} (remove it; it is then solved again)"
-        ) from None
+        raise refusal(message, "remove it; it is then solved again") from None
 
 
 OF = "sweep.json"  # what the parts are of
@@ -162,10 +150,7 @@ class SweepFolder:
             return
         if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
             message = f"{self.parts} holds parts of a sweep, and {OF}, which identifies the sweep, is missing"
-            raise InputError(
-                [Fault((), message)],
-                f"{message} (--fresh to begin anew, or another folder with -o)",
-            )
+            raise refusal(message, "--fresh to begin anew, or another folder with -o")
         under_way = identity_file.with_name(f"{OF}.part")
         under_way.write_text(json.dumps(identity, indent=1), encoding="utf-8")
         under_way.replace(identity_file)
@@ -199,13 +184,11 @@ class SweepFolder:
         path = self.part_path(chunk)
         if path is None:
             message = f"the part {chunk.number} has disappeared from {self.parts}"
-            raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
+            raise refusal(message, "the same command solves it again")
         columns_read, about = read_part(path, self.checksums[path.name])
         if not np.array_equal(columns_read["variant"], np.arange(chunk.begin, chunk.end)):
             message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
-            raise InputError(
-                [Fault((), message)], f"{message} (remove it; it is then solved again)"
-            )
+            raise refusal(message, "remove it; it is then solved again")
         return part_of(columns_read, about)
 
     def write_csv(self, chunks: Sequence[Chunk]) -> Path:
@@ -220,34 +203,29 @@ class SweepFolder:
             rows = csv.writer(file)
             rows.writerow(map(inert, names))
             for path in paths:
-                rows.writerows(_rows(read_part(path, self.checksums[path.name])[0], list(names)))
+                # An empty cell where a number is not known or a column is not there.
+                part, _ = read_part(path, self.checksums[path.name])
+                unknown = np.full(len(part["variant"]), np.nan)
+                cells = (map(_cell, part.get(name, unknown).tolist()) for name in names)
+                rows.writerows(zip(*cells, strict=True))
         under_way.replace(target)
         return target
-
-
-def _rows(columns: Mapping[str, np.ndarray], names: Sequence[str]) -> Iterator[tuple[object, ...]]:
-    """The rows of a part; an empty cell where a number is not known or a column is not there."""
-    size = len(columns["variant"])
-    values = (columns[name].tolist() if name in columns else [None] * size for name in names)
-    return zip(*(map(_cell, column) for column in values), strict=True)
 
 
 def _cell(value: Any) -> object:
     if isinstance(value, str):
         return inert(value)
-    return None if value is None or math.isnan(value) else value
+    return "" if math.isnan(value) else value
 
 
 def identity(work: Work, variation: Variation, chunks: Sequence[Chunk]) -> dict[str, Any]:
     """What a sweep is of: its files, settings and chunks, and the programs that solve it."""
-    study = work.study
+    study, settings = work.study, work.settings("sweep", SweepSettings)
     return {
         "scene": Path(study.file).name,
         "case": "" if study.case is None else study.case.name,
         "files": digests(study),
-        "settings": work.settings("sweep", SweepSettings).model_dump(
-            mode="json", exclude_defaults=True
-        ),
+        "settings": settings.model_dump(mode="json", exclude_defaults=True),
         "figures": [f"{figure.name} ({figure.law.words})" for figure in variation.figures],
         "variants": chunks[-1].end,
         "variants of a chunk": chunks[0].size,
@@ -264,23 +242,18 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
     texts = {Path(study.file): study.text, **{folder / name: text for name, text in study.tables}}
     sums = {}
     for path in inputs(study):
-        if shipped:
-            name = (
-                path.relative_to(folder).as_posix()
-                if path.is_relative_to(folder)
-                else path.as_posix()
-            )
-            sums[name] = digest(
-                texts[path].encode() if path in texts else read_file(path, LARGEST_SIGNAL)
-            )
-        elif path not in texts:
-            sums[str(path)] = digest(read_file(path, LARGEST_SIGNAL))
+        if path in texts and not shipped:
+            continue
+        content = texts[path].encode() if path in texts else read_file(path, LARGEST_SIGNAL)
+        is_near = shipped and path.is_relative_to(folder)
+        name = path.relative_to(folder).as_posix() if is_near else str(path)
+        sums[name] = digest(content)
     return sums
 
 
-def digest(content: bytes) -> str:
+def digest(content: bytes | memoryview) -> str:
     """Return the SHA-256 of a content in hexadecimal digits."""
-    return hashlib.sha256(content).hexdigest()
+    return sha256(content).hexdigest()
 
 
 def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
@@ -295,10 +268,8 @@ def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
         words += f"; and {further} more" if further > 0 else ""
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"
-    message = f"{path} is of another sweep: {words}"
-    raise InputError(
-        [Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)"
-    )
+    hint = "--fresh to begin anew, or another folder with -o"
+    raise refusal(f"{path} is of another sweep: {words}", hint)
 
 
 def _differences(
@@ -314,9 +285,8 @@ def _differences(
         elif section == "files":
             yield f"the file {key} was changed"
         else:
-            old, new = (
-                "not given" if value is None else printable(str(value)) for value in (before, after)
-            )
+            pair = ("not given" if value is None else value for value in (before, after))
+            old, new = (printable(str(value)) for value in pair)
             yield f"`{key}` was {old} and is {new}"
 
 

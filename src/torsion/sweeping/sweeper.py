@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from torsion.commands import OTHER_FOLDER, folder_of, one_case
@@ -47,30 +48,21 @@ class Sweeper:
         try:
             with alone(sweep_folder.folder):
                 sweep_folder.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
-                self.kept += (
-                    sum(sweep_folder.part_path(chunk) is not None for chunk in chunks)
-                    if is_new
-                    else 0
-                )
-                self._complete(sweep_folder, work, variation, chunks)
+                left = [chunk for chunk in chunks if sweep_folder.part_path(chunk) is None]
+                self.kept += is_new * (len(chunks) - len(left))
+
+                # The chunks that are not there are solved, each written as soon as it is answered.
+                count = chunks[-1].end
+                pace = Pace(count, work.progress, count - sum(chunk.size for chunk in left))
+                for chunk, part in self._answers(work, variation, left, pace):
+                    sweep_folder.write(chunk, variation, part)
+                    self.solved += 1
+                    pace.finish(chunk)
                 if self.csv and is_new:
                     sweep_folder.write_csv(chunks)
                 yield from map(sweep_folder.read, chunks)
         except (InputError, SolveError) as error:
             raise Stopped(error) from None
-
-    def _complete(
-        self, sweep_folder: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]
-    ) -> None:
-        """Solve the chunks that are not there, each written as soon as it is answered."""
-        left = [chunk for chunk in chunks if sweep_folder.part_path(chunk) is None]
-        pace = Pace(
-            chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left)
-        )
-        for chunk, part in self._answers(work, variation, left, pace):
-            sweep_folder.write(chunk, variation, part)
-            self.solved += 1
-            pace.finish(chunk)
 
     def _answers(
         self, work: Work, variation: Variation, left: Sequence[Chunk], pace: Pace
@@ -82,11 +74,7 @@ class Sweeper:
             )
             return
 
-        quiet = replace(work, progress=silent)
-
-        def answer_of(chunk: Chunk) -> Part:
-            return answered(quiet, variation, chunk)
-
+        answer_of = partial(answered, replace(work, progress=silent), variation)
         processes = self.workplace.processes
         yield from zip(left, shared_out(answer_of, left, fewest=2, most=processes), strict=True)
 

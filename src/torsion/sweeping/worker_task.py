@@ -31,15 +31,10 @@ class Errand:
 def errand(work: Work, variation: Variation) -> Errand:
     """The errand of a sweep, which any process can do."""
     study = replace(work.study, cases={})
-    plain = Work(
-        study,
-        {name: work.results[name] for name in ("system", "modes") if name in work.results},
-        ruled=work.ruled,
-    )
+    results = {name: work.results[name] for name in work.results.keys() & {"system", "modes"}}
+    scene = pickle.dumps((Work(study, results, ruled=work.ruled), variation))
     files = tuple(digests(study, shipped=False).items())
-    return Errand(
-        pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES)
-    )
+    return Errand(scene, files, tuple((name, version(name)) for name in LIBRARIES))
 
 
 def answered(given: Errand, chunk: Chunk) -> Part:
