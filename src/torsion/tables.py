@@ -104,7 +104,13 @@ class Table:
         self.has_commas = False  # no comma parts the cells, so that it may be a decimal sign
         self._has_points = False  # some number has a decimal point
         stated = _STATED.match(text)
-        self.separator = stated[1] if stated else _separator(text)
+        self.separator = stated[1] if stated else ","
+        for line in () if stated else _BREAK.split(text):
+            # The first line that says something has a tab, else a semicolon, else a comma.
+            plain = re.sub(r'"[^"]*"', "", line)
+            if plain.strip(" \t,;") and not _COMMENT.match(line):
+                self.separator = next((sign for sign in "\t;" if sign in plain), ",")
+                break
         plain = rf"[^{re.escape(self.separator)}\r\n]*"
         self._cell = re.compile(rf' *"((?:[^"]|"")*)" *({plain})|({plain})')
         self.rows: list[list[Cell]] = []
@@ -216,15 +222,6 @@ def _fault(message: str, hint: str, before: str) -> Fault:
     """The fault of what stands behind a text."""
     lines = _BREAK.split(before)
     return Fault((), message, hint, line=len(lines), column=len(lines[-1]) + 1)
-
-
-def _separator(text: str) -> str:
-    """Of the first line that says something: a tab, else a semicolon, else a comma."""
-    for line in _BREAK.split(text):
-        plain = re.sub(r'"[^"]*"', "", line)
-        if plain.strip(" \t,;") and not _COMMENT.match(line):
-            return next((sign for sign in "\t;" if sign in plain), ",")
-    return ","
 
 
 def _figures(text: str) -> Iterator[str]:

@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product, repeat
 from typing import Any
 
 import numpy as np
@@ -331,12 +331,18 @@ def _result(
     amounts = np.array([getattr(candidate, settings.against or "", np.nan) for candidate in tried])
     aims = np.array([candidate.aim for candidate in tried])
     scores = np.array([candidate.score for candidate in tried])
-    front = _front(amounts, np.where(scores > -50.0, aims, np.nan))
-    uncounted = [
+    # The choices than which no lighter or cheaper one is as good, by their amount.
+    front, greatest = list[int](), -math.inf
+    good = np.where(scores > -50.0, aims, np.nan)
+    for position in np.lexsort((-good, amounts)).tolist():
+        if np.isfinite(amounts[position]) and good[position] > greatest:
+            greatest = float(good[position])
+            front.append(position)
+    uncounted = (
         f"{where}: {clause}, {rule}"
         for (rule, clause, where, _), standing in candidates.standing.items()
         if standing == TO_BE_VERIFIED
-    ]
+    )
     chosen_figures = (
         ChosenFigure(
             figure.name,
@@ -347,7 +353,7 @@ def _result(
         for figure, value in zip(figures, picked or [0.0] * len(figures), strict=True)
     )
     unconfirmed: Confirmation = ("", math.nan, "")
-    each_confirmation = [*confirmations, *[unconfirmed] * (len(best) - len(confirmations))]
+    confirmed = zip(best, chain(confirmations, repeat(unconfirmed)), strict=False)
     aimed = "" if target is None else f"{target[0].name} at {target[1]:.6g} Hz"
     return Design(
         aimed or "the greatest smallest margin",
@@ -360,7 +366,7 @@ def _result(
         tuple(chosen_figures),
         _finite(nominal.aim) if nominal is not None and target is None else None,
         _finite(nominal.frequency) if nominal is not None else None,
-        tuple(_candidate(candidates, *pair) for pair in zip(best, each_confirmation, strict=False)),
+        tuple(_candidate(candidates, *pair) for pair in confirmed),
         None if chosen is None else chosen + 1,
         "; ".join(confirmation[2] for confirmation in confirmations)
         if chosen is None
@@ -406,13 +412,3 @@ def _candidate(candidates: Candidates, tried: Tried, confirmation: Confirmation)
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def _front(amounts: FloatArray, aims: FloatArray) -> list[int]:
-    """Return the places of the candidates than which no lighter or cheaper one is as good, by their amount."""
-    front, best = list[int](), -math.inf
-    for position in np.lexsort((-aims, amounts)).tolist():
-        if np.isfinite(amounts[position]) and aims[position] > best:
-            best = float(aims[position])
-            front.append(position)
-    return front

@@ -250,9 +250,8 @@ def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
     share = _ranks(values)
     ranks = np.column_stack([_ranks(column) for column in factor[is_finite].T])
     size = np.sqrt((ranks**2).sum(axis=0) * (share @ share))
-    correlation = np.divide(
-        share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0
-    )  # 0: it takes one value alone
+    # 0: it takes one value alone.
+    correlation = np.divide(share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0)
     best = int(np.argmax(np.abs(correlation)))
     return best, float(correlation[best])
 

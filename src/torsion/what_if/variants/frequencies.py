@@ -51,23 +51,6 @@ def numbers_of_system(
     return inertia, elastic
 
 
-def rows_on_tree(
-    system: System, train: Train, variants: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return flexibility and inertia (tree stations, variants) of a train in columns, and flexibility of chords.
-
-    At one speed, as in `System.condensed`; the inertia of a fixed station is 0. The chords are those of `chord_spans`.
-    """
-    inertia, elastic = numbers_of_system(system, train, variants)
-    condensed, flexibility = system.condensed, elastic[0] / system.span_ratio[:, None] ** 2
-    on_tree, moving = np.zeros((2, condensed.tree.size, variants))
-    kept = condensed.span >= 0
-    on_tree[condensed.span[kept]] = flexibility[kept]
-    moving[condensed.node] = inertia * system.speed_ratio[:, None] ** 2
-    moving[condensed.tree.held] = 0.0
-    return on_tree, moving, flexibility[chord_spans(system)]
-
-
 ROUNDS = 3  # with the segments that lumped shafts have for the last mode of a variant
 ONE_SEGMENT = 4.0 * SHARE_OF_ERROR  # relative, over segments: as far may one segment move a mode
 FEW = 16  # variants with the same segments: fewer are sooner solved separately
@@ -158,17 +141,23 @@ def _as_divided(
     system: System, train: Train, variants: int, count: int, places: IntArray
 ) -> FloatArray:
     """Return frequencies (count, places) Hz with the shafts in the pieces of the system; NaN if counts fail."""
-    tree, chords, node = undamped_tree(system), chord_spans(system), system.condensed.node
-    flexibility, inertia, chord = (
-        rows[:, places] for rows in rows_on_tree(system, train, variants)
-    )
-    flexibility = np.where((tree.parent < 0)[:, None], 0.0, flexibility)
+    tree, chords, condensed = undamped_tree(system), chord_spans(system), system.condensed
+    numbers, elastic = numbers_of_system(system, train, variants)
+
+    # Of the stations of the tree, at one speed as in `System.condensed`; the inertia of a fixed station is 0.
+    of_spans = elastic[0][:, places] / system.span_ratio[:, None] ** 2
+    flexibility, inertia = np.zeros((2, condensed.tree.size, len(places)))
+    kept = condensed.span >= 0
+    flexibility[condensed.span[kept]] = of_spans[kept]
+    flexibility[tree.parent < 0] = 0.0
+    inertia[condensed.node] = numbers[:, places] * system.speed_ratio[:, None] ** 2
+    inertia[condensed.tree.held] = 0.0
     try:
-        if len(chord):
+        if len(chords):
             from torsion.kernels.variant_networks import network_modes
 
-            ends = node[system.driving[chords]], node[system.driven[chords]]
-            modes_found = network_modes(tree, flexibility, inertia, count, ends, chord)
+            ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
+            modes_found = network_modes(tree, flexibility, inertia, count, ends, of_spans[chords])
         else:
             from torsion.kernels.variant_modes import variant_modes
 
