@@ -336,9 +336,10 @@ def _quotient(value: object) -> str:
     if quotient is None or not Fraction(quotient[1]) or not Fraction(quotient[3]):
         return ""
     above, sign, below = quotient.groups()
-    if sign == ":":
-        return f"write {above if Fraction(below) == 1 else Fraction(above) / Fraction(below)}"
-    return f"a quotient has whole numbers: write {Fraction(above) / Fraction(below)}"
+    if sign == ":" and Fraction(below) == 1:
+        return f"write {above}"
+    rule = "a quotient has whole numbers: " if sign == "/" else ""
+    return f"{rule}write {Fraction(above) / Fraction(below)}"
 
 
 def read_exact(value: object) -> Fraction:
@@ -351,9 +352,8 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise refuse(
-            f"{shown(value)} is not a number", _quotient(value) or "write 2, 0.5 or 21/8"
-        ) from None
+        hint = _quotient(value) or "write 2, 0.5 or 21/8"
+        raise refuse(f"{shown(value)} is not a number", hint) from None
     if not 1e-9 < exact < 1e9:
         raise refuse(f"{shown(value)} is out of range", "must be a positive number")
     return exact
@@ -376,9 +376,8 @@ def read_amount(value: object) -> Amount:
         return value
     if isinstance(value, dict):
         if set(value) != {"of_mean"}:
-            raise refuse(
-                "a share of the mean torque has the key `of_mean` alone", "{of_mean: 10 %}"
-            )
+            message = "a share of the mean torque has the key `of_mean` alone"
+            raise refuse(message, "{of_mean: 10 %}")
         return Amount(of_mean=SHARE_OF_MEAN.read(value["of_mean"]))
     if isinstance(value, str) and value.strip().endswith("%"):
         return Amount(of_mean=SHARE_OF_MEAN.read(value))

@@ -72,32 +72,24 @@ class Measured(Declared):
 
     def refuse_clashes(self) -> None:
         """One sort, with its own keys."""
-        given_keys = [
-            key
-            for key in type(self).model_fields
-            if key in self.model_fields_set and key != "within"
-        ]
+        declared = type(self).model_fields
+        given_keys = [key for key in declared if key in self.model_fields_set - {"within"}]
         sorts = [key for key in SORTS if key in given_keys]
         if len(sorts) != 1:
-            message = (
-                f"{' and '.join(sorts)} are two measurements" if sorts else "nothing is measured"
-            )
-            raise refuse(message, f"one of {', '.join(SORTS)}", sorts[1] if sorts else "")
+            message = f"{' and '.join(sorts)} are two measurements"
+            message = message if sorts else "nothing is measured"
+            raise refuse(message, f"one of {', '.join(SORTS)}", "".join(sorts[1:2]))
         permitted, needed = SORTS[sorts[0]]
-        if wrong := next((key for key in given_keys if key not in (*permitted, sorts[0])), None):
-            raise refuse(
-                f"`{wrong}` does not go with `{sorts[0]}`",
-                f"with it go {', '.join(permitted)}, within",
-                wrong,
-            )
-        if lacking := next((key for key in needed if key not in given_keys), None):
-            raise refuse(
-                f"`{lacking}` is missing", type(self).model_fields[lacking].description or ""
-            )
+        for key in given_keys:
+            if key not in (*permitted, sorts[0]):
+                hint = f"with it go {', '.join(permitted)}, within"
+                raise refuse(f"`{key}` does not go with `{sorts[0]}`", hint, key)
+        for key in needed:
+            if key not in given_keys:
+                raise refuse(f"`{key}` is missing", declared[key].description or "")
         if self.signal is not None and not self.orders:
-            raise refuse(
-                "`orders` is an empty list", "the orders that are fitted, such as [1, 2]", "orders"
-            )
+            hint = "the orders that are fitted, such as [1, 2]"
+            raise refuse("`orders` is an empty list", hint, "orders")
         if len(set(self.orders)) < len(self.orders):
             raise refuse("an order is named twice", "each order once", "orders")
         self._refuse_rows()
@@ -106,26 +98,19 @@ class Measured(Declared):
         """Amplitudes of another quantity, speeds that do not rise, and phases of some rows alone."""
         rows = self.torsiogram or ()
         if self.torsiogram == ():
-            raise refuse(
-                "the torsiogram has no rows",
-                "speed and amplitude of at least one speed",
-                "torsiogram",
-            )
+            hint = "speed and amplitude of at least one speed"
+            raise refuse("the torsiogram has no rows", hint, "torsiogram")
         for row_number, row in enumerate(rows):
             try:
                 self.amplitude(row)
             except ValueError as error:
                 context = getattr(error, "context", None) or {}
                 key = ("torsiogram", row_number, "amplitude")
-                raise refuse(
-                    f"{self.quantity}: {context['message']}", context["hint"], key
-                ) from None
+                message = f"{self.quantity}: {context['message']}"
+                raise refuse(message, context["hint"], key) from None
             if (row.phase is None) != (rows[0].phase is None):
-                raise refuse(
-                    "some rows have a phase and some have none",
-                    "all of them, or none",
-                    ("torsiogram", row_number),
-                )
+                message = "some rows have a phase and some have none"
+                raise refuse(message, "all of them, or none", ("torsiogram", row_number))
         for row_number, (before, row) in enumerate(pairwise(rows), start=1):
             if row.speed <= before.speed:
                 hint = "a row for each speed, the lowest first"
@@ -146,34 +131,24 @@ class FitSettings(Declared):
 
     def refuse_clashes(self) -> None:
         """Something varies and something is measured, a mode once."""
-        for key, example in (
-            ("vary", "{coupling-1.stiffness: 20 %}"),
-            ("measured", "{frequency: 20 Hz, within: 1 %}"),
-        ):
-            if not getattr(self, key):
-                raise refuse(f"`{key}` is empty", f"for example {example}", key)
-        seen: dict[int, int] = {}
+        if not self.vary:
+            raise refuse("`vary` is empty", "for example {coupling-1.stiffness: 20 %}", "vary")
+        if not self.measured:
+            hint = "for example {frequency: 20 Hz, within: 1 %}"
+            raise refuse("`measured` is empty", hint, "measured")
+        measured: dict[int, tuple[int, float]] = {}  # position and frequency by the mode
         for position, measurement in enumerate(self.measured):
-            if (
-                measurement.mode is not None
-                and seen.setdefault(measurement.mode, position) != position
-            ):
-                raise refuse(
-                    f"mode {measurement.mode} is measured twice",
-                    "one frequency a mode",
-                    ("measured", position, "mode"),
-                )
-        for (lower, before), (mode, position) in pairwise(sorted(seen.items())):
-            low, high = (
-                self.measured[position_of_mode].frequency or 0.0
-                for position_of_mode in (before, position)
-            )
+            if (mode := measurement.mode) in measured:
+                key = ("measured", position, "mode")
+                raise refuse(f"mode {mode} is measured twice", "one frequency a mode", key)
+            if mode is not None:
+                measured[mode] = position, measurement.frequency or 0.0
+        for (lower, (_, low)), (mode, (position, high)) in pairwise(sorted(measured.items())):
             if high < low:
-                message = (
-                    f"mode {mode} is measured at {high:.6g} Hz, below mode {lower} at {low:.6g} Hz"
-                )
+                message = f"mode {mode} is measured at {high:.6g} Hz, below mode {lower}"
                 hint = "modes are numbered as their frequencies rise: exchange the numbers"
-                raise refuse(message, hint, ("measured", position, "mode"))
+                key = ("measured", position, "mode")
+                raise refuse(f"{message} at {low:.6g} Hz", hint, key)
 
     @property
     def varied(self) -> tuple[str, Mapping[str, Choice]]:
