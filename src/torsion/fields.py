@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -82,55 +82,42 @@ WIDEST = USUAL["diameter of a shaft"].high  # m; the shafts of the largest water
 
 
 @dataclass(frozen=True)
-class Exclusive:
-    """Keys that exclude each other, with what to do instead; `first`: only the first key excludes the others."""
+class Clash:
+    """Keys that exclude each other, or of which the first says nothing without the others; what to do instead."""
 
     keys: tuple[str, ...]
     hint: str
-    first: bool = False
-    needed: bool = False  # one of them must be given
+    rule: Literal["one at most", "one", "first alone", "first with all"]
 
     def check(self, declaration: "Declared") -> None:
-        """Raise the fault of two keys that are given together, or of a needed one that is missing."""
-        keys = declaration.keys_given(*self.keys)
-        if self.needed and not keys:
-            raise refuse(f"{' or '.join(f'`{key}`' for key in self.keys)} is missing", self.hint)
-        if len(keys) > 1 and (keys[0] == self.keys[0] or not self.first):
+        """Raise the fault of keys that are given together, or of one that is missing."""
+        first, keys = self.keys[0], declaration.keys_given(*self.keys)
+        missing = [f"`{key}`" for key in self.keys if key not in keys]
+        if self.rule == "first with all":
+            if first in keys and missing:
+                raise refuse(f"`{first}` needs {' and '.join(missing)}", self.hint, first)
+        elif self.rule == "one" and not keys:
+            raise refuse(f"{' or '.join(missing)} is missing", self.hint)
+        elif len(keys) > 1 and (keys[0] == first or self.rule != "first alone"):
             raise refuse(f"`{keys[0]}` and `{keys[1]}` exclude each other", self.hint, keys[1])
 
 
-def exclusive(*keys: str, hint: str = "keep one of them", needed: bool = False) -> Exclusive:
+def exclusive(*keys: str, hint: str = "keep one of them", needed: bool = False) -> Clash:
     """Keys of which at most one may be given, or exactly one if it is `needed`."""
-    return Exclusive(keys, hint, needed=needed)
+    return Clash(keys, hint, "one" if needed else "one at most")
 
 
-def excludes(key: str, *others: str, hint: str = "keep one of them") -> Exclusive:
+def excludes(key: str, *others: str, hint: str = "keep one of them") -> Clash:
     """A key that excludes each of the others."""
-    return Exclusive((key, *others), hint, first=True)
+    return Clash((key, *others), hint, "first alone")
 
 
-@dataclass(frozen=True)
-class Needs:
-    """A key that says nothing without others."""
-
-    key: str
-    others: tuple[str, ...]
-    hint: str
-
-    def check(self, declaration: "Declared") -> None:
-        """Raise the fault of a key whose others are missing."""
-        missing = [key for key in self.others if not declaration.keys_given(key)]
-        if missing and declaration.keys_given(self.key):
-            words = " and ".join(f"`{key}`" for key in missing)
-            raise refuse(f"`{self.key}` needs {words}", self.hint, self.key)
-
-
-def needs(key: str, *others: str, hint: str = "give both, or none") -> Needs:
+def needs(*keys: str, hint: str = "give both, or none") -> Clash:
     """A key that needs each of the others."""
-    return Needs(key, others, hint)
+    return Clash(keys, hint, "first with all")
 
 
-def together(first: str, second: str, hint: str = "give both, or none") -> tuple[Needs, Needs]:
+def together(first: str, second: str, hint: str = "give both, or none") -> tuple[Clash, Clash]:
     """Two keys of which none says anything alone."""
     return needs(first, second, hint=hint), needs(second, first, hint=hint)
 
@@ -139,7 +126,7 @@ class Declared(BaseModel):
     """Base of everything that is read from a file: frozen, and no key is accepted that was not declared."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-    clashes: ClassVar[tuple[Exclusive | Needs, ...]] = ()
+    clashes: ClassVar[tuple[Clash, ...]] = ()
 
     @model_validator(mode="after")
     def _as_a_whole(self) -> Self:

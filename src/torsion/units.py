@@ -257,7 +257,8 @@ def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction
     if unit == "rad/s" and container == _container("1/min"):
         container = _container("rpm")
     if dimension(container) != dimension(expected):
-        measured = _kinds().get(dimension(container), f"in {written}")
+        kinds = (kind for kind in _KINDS if dimension(_container(kind)) == dimension(container))
+        measured = next((_KINDS[kind][0] for kind in kinds), f"in {written}")
     elif unit == "K" and container in (_container("degC"), _container("degF")):
         measured = "a temperature"
     if measured:
@@ -274,13 +275,6 @@ def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction
     except PintError:
         message = f"{_quoted(text)} mixes a temperature scale with other units"
         raise UnitFault(message, "write K") from None
-
-
-@cache
-def _kinds() -> "dict[UnitsContainer, str]":
-    """What is measured, by its dimension."""
-    dimension = _registry().get_dimensionality
-    return {dimension(_container(kind)): words for kind, (words, _) in reversed(_KINDS.items())}
 
 
 @cache

@@ -12,9 +12,8 @@ from torsion.arrays import FloatArray
 from torsion.errors import Path
 from torsion.fields import (
     Amount,
+    Clash,
     Declared,
-    Exclusive,
-    Needs,
     Quantity,
     Rows,
     Sized,
@@ -57,7 +56,7 @@ TransmissionError = Annotated[Any, BeforeValidator(_read_error, json_schema_inpu
 class Harmonic(Declared):
     """A torque by order of the component's own speed, or at a fixed frequency."""
 
-    clashes: ClassVar[tuple[Exclusive | Needs, ...]] = (exclusive("order", "frequency"),)
+    clashes: ClassVar[tuple[Clash, ...]] = (exclusive("order", "frequency"),)
 
     order: fields.Exact | None = given("cycles per revolution of the component's own shaft")
     frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")

@@ -356,7 +356,7 @@ def test_slopes_are_the_closed_forms_of_both_energies() -> None:
         [0.0842550621870688425, -0.182110224743479586],
         [0.0124017846521365989, -0.000361471028907385519],
     ]
-    assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=1e-15)
+    assert train.slopes(np.zeros(2), range(3), ()) == pytest.approx(np.array(exact), abs=1e-15)
 
 
 def two_discs() -> Train:
@@ -388,7 +388,7 @@ def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
     by_stiffness = (w**4 * first * second / below).real
     by_inertia = -((w**4 * first - w**2 * stiffness) * second / below).real
     exact = np.stack([by_stiffness, by_inertia], axis=1)
-    assert train.slopes(np.zeros(2), ()) == pytest.approx(exact, rel=1e-13)
+    assert train.slopes(np.zeros(2), (), train.curves) == pytest.approx(exact, rel=1e-13)
 
 
 def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:

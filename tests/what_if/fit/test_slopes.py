@@ -134,7 +134,7 @@ def test_slopes_of_frequencies_amplitudes_and_phases_are_right_to_rounding(
         exact = exact_slopes(
             vary, at, quantity, train.modes([1.0] * len(vary)).frequency, bool(links)
         )
-    found = train.slopes(np.zeros(len(vary)), (0, 1))
+    found = train.slopes(np.zeros(len(vary)), (0, 1), train.curves)
     acts = np.array([name in BY_DIFFERENCES for name in vary])
     assert np.abs(found - exact)[:, ~acts].max() < 1e-14 * np.abs(exact).max()
     assert (np.abs(found - exact)[:, ~acts] < 1e-10 * np.abs(exact)[:, ~acts] + 1e-15).all()
@@ -153,7 +153,7 @@ def test_slopes_of_a_cone_are_those_of_its_file_read_again() -> None:
     )
     settings = "{vary: {hard.diameter.1: 3 %}, measured: [{frequency: 40 Hz, within: 1 %}]}"
     train = trained(torsion.parse(shaft.replace("FIT", settings).replace("LINKS", "")))
-    slopes = train.mode_slopes(np.zeros(1), (0, 1))
+    slopes = train.slopes(np.zeros(1), (0, 1), ())
     assert slopes == pytest.approx(differences(train), rel=1e-8)
     assert slopes != pytest.approx(differences(train), rel=1e-14)
 
@@ -165,6 +165,6 @@ def test_slopes_beside_a_table_are_differences_of_files_read_again() -> None:
     )
     settings = "{vary: {p.inertia: 3 %}, measured: [{frequency: 40 Hz, within: 1 %}]}"
     train = trained(torsion.parse(table.replace("FIT", settings).replace("LINKS", "")))
-    slopes = train.mode_slopes(np.zeros(1), (0, 1))
+    slopes = train.slopes(np.zeros(1), (0, 1), ())
     assert slopes == pytest.approx(differences(train), rel=1e-10)
     assert (slopes < 0.0).all()

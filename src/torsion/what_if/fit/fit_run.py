@@ -90,7 +90,7 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
 
     # The ends of every band: each mode at the corner to which its slopes point, which are the exact ends where a
     # frequency rises or falls with each figure throughout, as with every stiffness and every inertia.
-    rise = train.mode_slopes(np.zeros(len(deviation)), range(len(nominal))) * deviation
+    rise = train.slopes(np.zeros(len(deviation)), range(len(nominal)), ()) * deviation
     lower, upper = bands = np.empty((2, len(nominal)))
     for band, side in zip(bands, (-1.0, 1.0), strict=True):
         corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
@@ -215,7 +215,7 @@ class Problem:
             if not 0 <= mode < len(frequency) - 1:
                 continue
             logs = values * self.deviation
-            rise = self.train.mode_slopes(logs, [mode, mode + 1]) * self.deviation
+            rise = self.train.slopes(logs, [mode, mode + 1], ()) * self.deviation
             gap = float(np.log(frequency[mode + 1] / frequency[mode]))
             start = np.linalg.lstsq(rise, rise @ values + np.array([gap, -gap]), rcond=1e-3)[0]
             if (np.abs(start) < FARTHEST).all():
@@ -226,7 +226,7 @@ class Problem:
         self.steps += 1
         usual = USUAL_STEPS * (1 + 2 * len(values))
         self.progress(f"fit to measurements, step {self.steps}", min(self.steps / usual, 0.99))
-        slopes = self.train.slopes(values * self.deviation, self.pairs.number)
+        slopes = self.train.slopes(values * self.deviation, self.pairs.number, self.train.curves)
         return np.asarray(slopes * self.deviation / self.sigma[:, None])
 
 

@@ -196,18 +196,10 @@ class Train:
                 begin = phases.stop
         return wrapped
 
-    def slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
-        """Return d `logarithms`/d ln factor (measurements, figures)."""
-        return self._slopes(logs, numbers, self.curves)
-
-    def mode_slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
-        """Return d ln frequency/d ln factor (modes, figures)."""
-        return self._slopes(logs, numbers, ())
-
-    def _slopes(
-        self, logs: FloatArray, numbers: Sequence[int], curves: tuple[Curve, ...]
+    def slopes(
+        self, logs: FloatArray, numbers: Sequence[int], curves: Sequence[Curve]
     ) -> FloatArray:
-        """Return slopes (values, figures): exact where they are known, by central differences of all others."""
+        """Return d `logarithms`/d ln factor (values, figures): exact where known, else by central differences."""
         factors = tuple(np.exp(logs).tolist())
         slopes = ExactSlopes(self.variation, np.exp(logs), *self._assembled(factors))
         columns = {}
