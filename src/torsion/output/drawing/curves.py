@@ -61,16 +61,8 @@ def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
 
 def _piece(x: FloatArray, y: FloatArray) -> str:
     """Return one line without a gap, by steps."""
-    places = _thinned(np.column_stack([x, y]).clip(-FAR, FAR)).round().astype(np.int64)
-    steps = np.diff(places, axis=0)
-    steps = steps[steps.any(axis=1)]
-    if steps.size == 0:
-        return f"M{places[0, 0] - 5} {places[0, 1]}h10"
-    return outline([places[0].tolist(), *steps.tolist()])
-
-
-def _thinned(places: FloatArray) -> FloatArray:
-    """Return (points, 2) without those next to the chord of their neighbours, unless the line turns back there."""
+    places = np.column_stack([x, y]).clip(-FAR, FAR)
+    # Without points next to the chord of their neighbours, unless the line turns back there.
     for start in (1, 2) * PASSES:  # every other point, so that its neighbours stay
         back = places[start:-1:2] - places[start - 1 : -2 : 2]
         chord = places[start + 1 :: 2] - places[start - 1 : -2 : 2]
@@ -80,7 +72,12 @@ def _thinned(places: FloatArray) -> FloatArray:
         if start == 2 and not is_between.any():
             break
         places = np.delete(places, start + 2 * np.flatnonzero(is_between), axis=0)
-    return places
+    signs = places.round().astype(np.int64)
+    steps = np.diff(signs, axis=0)
+    steps = steps[steps.any(axis=1)]
+    if steps.size == 0:
+        return f"M{signs[0, 0] - 5} {signs[0, 1]}h10"
+    return outline([signs[0].tolist(), *steps.tolist()])
 
 
 def outline(start_and_steps: Sequence[Sequence[int]]) -> str:

@@ -55,10 +55,16 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
         return Scale(low, high, False, axis.places, is_reversed=axis.is_reversed)
     if axis.is_log:
         ticks, small = log_ticks(low, high, most)
-        words = error_texts(ticks) if axis.is_error else [_power(tick) for tick in ticks]
-        return Scale(
-            low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed
-        )
+        # Relative errors stand in per cent; if one exceeds 100 %, all of them in powers of ten.
+        is_whole = axis.is_error and max(ticks, default=0.0) > WHOLE
+        words = [
+            f"{100.0 * tick:g} %"
+            if axis.is_error and not is_whole and tick > LEAST_SHARE
+            else _power(tick, (1.0, 10.0) if is_whole else PLAIN)
+            for tick in ticks
+        ]
+        pairs = tuple(zip(ticks, words, strict=True))
+        return Scale(low, high, True, pairs, small, axis.is_reversed)
     step = degree_step(high - low, most) if axis.unit == "deg" else step_of(high - low, most)
     step = max(step, 1.0) if axis.is_whole else step
     if axis.low is None and is_rounded:
@@ -66,34 +72,22 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
     if axis.high is None and is_rounded:
         high = math.ceil(high / step * 2 - ROUND) * step / 2
     multiples = ticks_of(low, high, step)
-    return Scale(
-        low,
-        high,
-        False,
-        tuple(zip(multiples, texts(multiples, step), strict=True)),
-        is_reversed=axis.is_reversed,
-    )
+    pairs = tuple(zip(multiples, texts(multiples, step), strict=True))
+    return Scale(low, high, False, pairs, is_reversed=axis.is_reversed)
 
 
 def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
     """Return the stated ends, or those of the data; a range without width is widened."""
-    finite = [
-        column[np.isfinite(column) & (column > 0)] if axis.is_log else column[np.isfinite(column)]
-        for column in data
-    ]
-    all_values = np.concatenate([column.ravel() for column in finite]) if finite else np.zeros(0)
-    least, most = (
-        (float(all_values.min()), float(all_values.max()))
-        if all_values.size
-        else (1.0, 10.0 if axis.is_log else 1.0)
-    )
+    values = np.concatenate([np.zeros(0), *map(np.ravel, data)])
+    values = values[np.isfinite(values) & ((values > 0) | (not axis.is_log))]
+    least, most = 1.0, 10.0 if axis.is_log else 1.0
+    if values.size:
+        least, most = float(values.min()), float(values.max())
     if axis.is_log:
         low, high = (axis.low or least / 1.5), (axis.high or most * 1.5)
         return low, max(high, 1.1 * low)
-    low, high = (
-        (least if axis.low is None else axis.low),
-        (most if axis.high is None else axis.high),
-    )
+    low = least if axis.low is None else axis.low
+    high = most if axis.high is None else axis.high
     if high - low <= FLAT * max(abs(high), abs(low)):
         room = 0.1 * max(abs(low), abs(high)) or 1.0
         low = low - room if axis.low is None else low
@@ -175,24 +169,13 @@ def texts(values: Sequence[float], step: float) -> list[str]:
     ]
 
 
-def _power(value: float, plain: tuple[float, float] = PLAIN) -> str:
+def _power(value: float, plain: tuple[float, float]) -> str:
     """Return a number of a logarithmic axis: 0.001, 20, 10⁻⁷, 5·10⁶."""
     power = math.floor(math.log10(value) + ROUND)
     if plain[0] <= value < plain[1]:
         return f"{value:.6g}"
     mantissa = f"{value / 10.0**power:.3g}·"
     return f"{'' if mantissa == '1·' else mantissa}10{str(power).translate(SUPERSCRIPT)}"
-
-
-def error_texts(values: Sequence[float]) -> list[str]:
-    """Return relative errors: above 1e-4 in per cent; if one exceeds 100 %, all of them in powers of ten.
-
-    >>> error_texts([1e-5, 0.001, 0.1]), error_texts([1e-12, 1e-4, 1.0, 1000.0])
-    (['10⁻⁵', '0.1 %', '10 %'], ['10⁻¹²', '10⁻⁴', '1', '10³'])
-    """
-    if max(values, default=0.0) > WHOLE:
-        return [_power(value, (1.0, 10.0)) for value in values]
-    return [f"{100.0 * value:g} %" if value > LEAST_SHARE else _power(value) for value in values]
 
 
 WIDTH = 620.0  # px of a figure: its lines and letters are for this width
@@ -259,50 +242,30 @@ class Frame:
 
 def vertical(panel: Panel) -> Scale:
     """Return the y axis of a plot."""
-    data = [line.y for line in panel.lines] + [
-        line.base for line in panel.lines if line.base is not None
-    ]
-    data += reached(panel, "y")
-    data += [marks.y for marks in panel.marks] + ([panel.cells.y] if panel.cells else [])
-    return scale(
-        panel.y, data, max(3, round(panel.height / APART[1])), is_rounded=panel.cells is None
-    )
+    data = _data(panel, "y") + [line.base for line in panel.lines if line.base is not None]
+    most = max(3, round(panel.height / APART[1]))
+    return scale(panel.y, data, most, is_rounded=panel.cells is None)
 
 
 def horizontal(panel: Panel, wide: float) -> Scale:
     """Return the x axis of a plot."""
-    data = (
-        [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
-    )
-    data += _beside_symbols(panel, wide)
-    return scale(
-        panel.x,
-        data + ([panel.cells.x] if panel.cells else []),
-        round(wide / APART[0]),
-        is_rounded=False,
-    )
+    data = _data(panel, "x")
+    if not (panel.x.places or panel.x.is_log or panel.x.low is not None):
+        # An axis of numbers leaves room for the symbols of lines.
+        x = np.concatenate([np.zeros(0), *(line.x for line in panel.lines if line.symbol)])
+        x = x[np.isfinite(x)]
+        if x.size:
+            room = 7.0 / wide * np.ptp(x)  # px, half of the largest symbol
+            data.append(np.array([x.min() - room, x.max() + room]))
+    return scale(panel.x, data, round(wide / APART[0]), is_rounded=False)
 
 
-def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
-    """Return the ends of an axis of numbers that leave room for the symbols of lines."""
-    columns = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
-    if (
-        not any(x.size for x in columns)
-        or panel.x.places
-        or panel.x.is_log
-        or panel.x.low is not None
-    ):
-        return []
-    x = np.concatenate(columns)
-    room = 7.0 / wide * np.ptp(x)  # px, half of the largest symbol
-    return [np.array([x.min() - room, x.max() + room])]
-
-
-def reached(panel: Panel, axis: str) -> list[FloatArray]:
-    """Return the levels as far as which an axis goes."""
-    return [
-        np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis
-    ]
+def _data(panel: Panel, axis: str) -> list[FloatArray]:
+    """Return what an axis shows: lines, marks, cells, and the levels as far as which it goes."""
+    levels = (level for level in panel.levels if level.is_reached and level.axis == axis)
+    data = [np.array([level.value]) for level in levels]
+    drawn = (*panel.lines, *panel.marks, *([panel.cells] if panel.cells else []))
+    return data + [getattr(part, axis) for part in drawn]
 
 
 def title_rows(panel: Panel) -> list[str]:
@@ -323,68 +286,40 @@ def margin(panel: Panel, y: Scale) -> float:
 
 def grid(frame: Frame) -> str:
     """Return thin lines at the numbers of both axes."""
-    left, top, wide, high = (
-        shown(length) for length in (frame.left, frame.top, frame.wide, frame.high)
-    )
-    upright = (
-        []
-        if frame.panel.x.places
-        else frame.across(np.array([value for value, _ in frame.x.ticks])).tolist()
-    )
-    level = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
-    lines = [f"M{shown(frame.left + x)} {top}v{high}" for x in upright]
-    lines += [f"M{left} {shown(frame.top + y)}h{wide}" for y in level]
-    return (
-        f'<path class="grid" stroke="{GRID}" stroke-width=".6" fill="none" d="{"".join(lines)}"/>'
-    )
+    left, top, wide, high = map(shown, (frame.left, frame.top, frame.wide, frame.high))
+    upright = () if frame.panel.x.places else frame.x.ticks
+    lines = [f"M{shown(frame.left + float(frame.across(x)))} {top}v{high}" for x, _ in upright]
+    lines += [f"M{left} {shown(frame.top + float(frame.down(y)))}h{wide}" for y, _ in frame.y.ticks]
+    look = f'class="grid" stroke="{GRID}" stroke-width=".6" fill="none"'
+    return f'<path {look} d="{"".join(lines)}"/>'
 
 
 def axes(frame: Frame, *, has_numbers: bool) -> str:
     """Return two edges with numbers and titles; has_numbers: below the plot too."""
-    left, foot = frame.left, frame.top + frame.high
-    down = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
-    parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
-    parts += [
-        words(left - 5, frame.top + y + 3.6, text, END)
-        for y, (_, text) in zip(down, frame.y.ticks, strict=True)
+    left, top, foot = frame.left, frame.top, frame.top + frame.high
+    y_small, x_small = frame.down(np.array(frame.y.small)), frame.across(np.array(frame.x.small))
+    small = [f"M{shown(left - 3)} {shown(top + y)}h3" for y in y_small.tolist()]
+    small += [f"M{shown(left + x)} {shown(foot)}v3" for x in x_small.tolist()]
+    edges = f"M{shown(left)} {shown(top)}V{shown(foot)}h{shown(frame.wide)}{''.join(small)}"
+    parts = [
+        f'<path d="{edges}" fill="none" stroke="{GREY}" stroke-width=".8"/>',
+        f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">',
     ]
+    for value, text in frame.y.ticks:
+        parts.append(words(left - 5, top + float(frame.down(value)) + 3.6, text, END))
     if has_numbers:
-        parts += _below(frame)
-        parts.append(
-            words(left + frame.wide / 2, foot + frame.below - 4.5, frame.panel.x.title, MIDDLE)
-        )
+        is_slanted = frame.is_slanted
+        for value, text in frame.x.ticks:
+            x = left + float(frame.across(value))
+            if is_slanted:
+                parts.append(_turned(x + 3, foot + 11, text, -SLANT, END))
+            else:
+                parts.append(words(x, foot + 13, text, MIDDLE + ACROSS))
+        title = frame.panel.x.title
+        parts.append(words(left + frame.wide / 2, foot + frame.below - 4.5, title, MIDDLE))
     for row, text in enumerate(title_rows(frame.panel)):
-        parts.append(_turned(10 + ROW * row, frame.top + frame.high / 2, text, -90.0, MIDDLE))
+        parts.append(_turned(10 + ROW * row, top + frame.high / 2, text, -90.0, MIDDLE))
     return "".join(parts) + "</g>"
-
-
-def _edges(frame: Frame) -> str:
-    """Return the left and the lower edge with their small marks."""
-    left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
-    small = [
-        f"M{shown(left - 3)} {shown(top + y)}h3"
-        for y in frame.down(np.array(frame.y.small)).tolist()
-    ]
-    small += [
-        f"M{shown(left + x)} {foot}v3" for x in frame.across(np.array(frame.x.small)).tolist()
-    ]
-    line = f"M{shown(left)} {shown(top)}V{foot}h{shown(frame.wide)}{''.join(small)}"
-    return f'<path d="{line}" fill="none" stroke="{GREY}" stroke-width=".8"/>'
-
-
-def _below(frame: Frame) -> list[str]:
-    """Return numbers or names below the plot."""
-    foot, made = frame.top + frame.high, []
-    slanted = frame.is_slanted
-    for value, text in frame.x.ticks:
-        x = frame.left + float(frame.across(value))
-        level = MIDDLE + ACROSS
-        made.append(
-            _turned(x + 3, foot + 11, text, -SLANT, END)
-            if slanted
-            else words(x, foot + 13, text, level)
-        )
-    return made
 
 
 def _turned(x: float, y: float, text: str, angle: float, anchor: str) -> str:

@@ -7,7 +7,7 @@ from torsion.output.drawing.frame import END, MIDDLE, WIDTH
 from torsion.output.drawing.pens import BAD, GRADES, GREY, INK, MARKED, Stroke
 from torsion.output.drawing.plot import hatching
 from torsion.output.drawing.words import GROWTH, SIZE, clean, fitted, plain, shown, width, words
-from torsion.output.figures.figure import Grade, Share, Shares, Use
+from torsion.output.figures.figure import Grade, Shares, Use
 
 Box = tuple[float, float, float, float]
 SAMPLE, KEY_ROW = 24.0, 16.0  # px: length of a sample; height of a row of a key
@@ -82,29 +82,24 @@ def shares(panel: Shares, top: float) -> tuple[float, str]:
     end = BEYOND * min(max(largest, 1.0), MOST)
     limit = LEFT + (RIGHT - LEFT) / end
     foot = top + HEAD + ROW * len(panel.rows)
-    rows = "".join(_row(row, end, top + HEAD + ROW * k) for k, row in enumerate(panel.rows))
-    parts = [
-        f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">',
-        rows,
-        f'<path d="M{shown(LEFT)} {shown(top + HEAD - 3)}V{shown(foot)}" stroke="{GREY}" stroke-width=".8"/>',
-        f'<path d="M{shown(limit)} {shown(top + HEAD - 4)}V{shown(foot)}" stroke="{BAD}" stroke-width="1.6"/>',
-        words(limit, top + HEAD - 7, "limit, 100 %", f'{MIDDLE} fill="{BAD}"'),
-        "</g>",
-    ]
-    return foot + 3.0 - top, "".join(parts)
-
-
-def _row(share: Share, end: float, top: float) -> str:
-    """Return a name, the area of its share, and its words; a share beyond the end is cut, which two strokes show."""
-    middle, shown_share = top + ROW / 2, min(share.share, end)
-    right = LEFT + (RIGHT - LEFT) * shown_share / end
-    box = (10 * LEFT, 10 * (top + 2.0), 10 * max(right, LEFT + 0.8), 10 * (top + ROW - 2.0))
-    cut = ""
-    if share.share > end:
-        x, y = shown(right - 14), shown(top + ROW - 1)
-        cut = f'<path d="M{x} {y}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}" stroke="#ffffff" stroke-width="2"/>'
-    bold = BOLD + f' fill="{BAD}"' if share.use.is_bad else ""
-    room, clause = (LEFT - 8) / GROWTH, f", {share.clause}"
-    name = fitted(fitted(share.name, max(room - width(clause), FEWEST)) + clause, room)
-    label = words(RIGHT + 8, middle + 3.7, share.use.words, bold)
-    return f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, share.use.grade)}</g>{cut}{label}'
+    parts = [f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">']
+    for k, row in enumerate(panel.rows):
+        upper = top + HEAD + ROW * k
+        right = LEFT + (RIGHT - LEFT) * min(row.share, end) / end
+        room, clause = (LEFT - 8) / GROWTH, f", {row.clause}"
+        name = fitted(fitted(row.name, max(room - width(clause), FEWEST)) + clause, room)
+        box = (10 * LEFT, 10 * (upper + 2.0), 10 * max(right, LEFT + 0.8), 10 * (upper + ROW - 2.0))
+        parts.append(words(LEFT - 6, upper + ROW / 2 + 3.7, name, END))
+        parts.append(f'<g transform="scale(.1)">{area(box, row.use.grade)}</g>')
+        if row.share > end:  # two strokes show that it is cut
+            cut = f"M{shown(right - 14)} {shown(upper + ROW - 1)}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}"
+            parts.append(f'<path d="{cut}" stroke="#ffffff" stroke-width="2"/>')
+        bold = BOLD + f' fill="{BAD}"' if row.use.is_bad else ""
+        parts.append(words(RIGHT + 8, upper + ROW / 2 + 3.7, row.use.words, bold))
+    for x, begin, look in (
+        (LEFT, 3, f'stroke="{GREY}" stroke-width=".8"'),
+        (limit, 4, f'stroke="{BAD}" stroke-width="1.6"'),
+    ):
+        parts.append(f'<path d="M{shown(x)} {shown(top + HEAD - begin)}V{shown(foot)}" {look}/>')
+    parts.append(words(limit, top + HEAD - 7, "limit, 100 %", f'{MIDDLE} fill="{BAD}"'))
+    return foot + 3.0 - top, "".join([*parts, "</g>"])

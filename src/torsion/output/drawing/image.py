@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.output.drawing.curves import path
 from torsion.output.drawing.pens import INK
 from torsion.output.figures.figure import Cells
@@ -18,24 +18,20 @@ def level_line(
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield pieces (x, y) on which values (rows, columns), linear along the sides of each square, are the level."""
     z = values - level
-    for row in range(z.shape[0] - 1):
-        for column in np.flatnonzero(_changes(z[row : row + 2])).tolist():
-            corners = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)]
-            met = []
-            for (r0, c0), (r1, c1) in zip(corners, corners[1:] + corners[:1], strict=True):
-                a, b = float(z[r0, c0]), float(z[r1, c1])
-                if (a > 0) != (b > 0):
-                    share = a / (a - b)
-                    met.append((x[c0] + share * (x[c1] - x[c0]), y[r0] + share * (y[r1] - y[r0])))
-            for first, last in zip(met[::2], met[1::2], strict=False):
-                yield np.array([first[0], last[0]]), np.array([first[1], last[1]])
-
-
-def _changes(pair: FloatArray) -> BoolArray:
-    """Return (columns - 1,) whether the sign changes in the square, all of whose values are known."""
-    four = np.stack([pair[0, :-1], pair[0, 1:], pair[1, :-1], pair[1, 1:]])
+    four = np.stack([z[:-1, :-1], z[:-1, 1:], z[1:, :-1], z[1:, 1:]])  # corners of the squares
     above = (four > 0).sum(axis=0)
-    return np.asarray(np.isfinite(four).all(axis=0) & (above > 0) & (above < 4))
+    # Squares in which the sign changes, and all of whose values are known.
+    squares = np.argwhere(np.isfinite(four).all(axis=0) & (above > 0) & (above < 4))
+    for row, column in squares.tolist():
+        corners = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)]
+        met = []
+        for (r0, c0), (r1, c1) in zip(corners, corners[1:] + corners[:1], strict=True):
+            a, b = float(z[r0, c0]), float(z[r1, c1])
+            if (a > 0) != (b > 0):
+                share = a / (a - b)
+                met.append((x[c0] + share * (x[c1] - x[c0]), y[r0] + share * (y[r1] - y[r0])))
+        for first, last in zip(met[::2], met[1::2], strict=False):
+            yield np.array([first[0], last[0]]), np.array([first[1], last[1]])
 
 
 SHADES = 64
@@ -54,14 +50,10 @@ def palette(*, is_log: bool = False) -> np.ndarray:
     """Return (SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
     shares = np.linspace(-1.0, 1.0, SHADES)
     places, words = zip(*(LOG_STOPS if is_log else STOPS), strict=True)
-    colours = np.array(
-        [[int(word[k : k + 2], 16) for k in (1, 3, 5)] for word in words], dtype=float
+    colours = (
+        np.interp(shares, places, [int(word[k : k + 2], 16) for word in words]) for k in (1, 3, 5)
     )
-    return (
-        np.column_stack([np.interp(shares, places, colours[:, k]) for k in range(3)])
-        .round()
-        .astype(np.uint8)
-    )
+    return np.column_stack([*colours]).round().astype(np.uint8)
 
 
 def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
@@ -74,16 +66,13 @@ def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
 
     rows, columns = pixels.shape
     lines = np.column_stack([np.zeros(rows, dtype=np.uint8), pixels.astype(np.uint8)]).tobytes()
-    clear = bytes([255] * len(colours) + [0])
-    return b"".join(
-        (
-            b"\x89PNG\r\n\x1a\n",
-            chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)),
-            chunk(b"PLTE", colours.tobytes() + bytes(3)),
-            chunk(b"tRNS", clear),
-            chunk(b"IDAT", zlib.compress(lines, 9)),
-            chunk(b"IEND", b""),
-        )
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0))
+        + chunk(b"PLTE", colours.tobytes() + bytes(3))
+        + chunk(b"tRNS", bytes([255] * len(colours) + [0]))
+        + chunk(b"IDAT", zlib.compress(lines, 9))
+        + chunk(b"IEND", b"")
     )
 
 
@@ -98,9 +87,12 @@ def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:
     for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
         if not even or edges.size > n + 1:
             values = _by_px(values, axis, edges, n)
-    shade = np.where(np.isfinite(values), np.rint(_share(grid, values) * (SHADES - 1)), SHADES)[
-        ::-1
-    ]
+    # Each value between the first colour, 0, and the last, 1; a place without a value is clear.
+    size = np.nan_to_num(values / grid.largest, nan=0.0)
+    share = (np.clip(size, -1.0, 1.0) + 1.0) / 2.0
+    if grid.decades:
+        share = 1.0 + np.log10(np.clip(size, 10.0**-grid.decades, 1.0)) / grid.decades
+    shade = np.where(np.isfinite(values), np.rint(share * (SHADES - 1)), SHADES)[::-1]
     data = b64encode(png(shade, palette(is_log=bool(grid.decades)))).decode()
     box = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
     yield f'<image {box} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
@@ -123,14 +115,6 @@ def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> Floa
         largest = np.fmax.reduce(values.take(range(begin[pixel], end[pixel]), axis=axis), axis=axis)
         columns[(slice(None), pixel) if axis else pixel] = largest
     return columns
-
-
-def _share(grid: Cells, values: FloatArray) -> FloatArray:
-    """Return 0 for the first colour, 1 for the last."""
-    size = np.nan_to_num(values / grid.largest, nan=0.0)
-    if not grid.decades:
-        return np.asarray((np.clip(size, -1.0, 1.0) + 1.0) / 2.0)
-    return np.asarray(1.0 + np.log10(np.clip(size, 10.0**-grid.decades, 1.0)) / grid.decades)
 
 
 def _edges(places: FloatArray) -> FloatArray:

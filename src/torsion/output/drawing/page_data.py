@@ -13,8 +13,8 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.output.drawing.curves import decimated
 from torsion.output.drawing.frame import Frame, Scale
 from torsion.output.drawing.words import plain
-from torsion.output.figures.figure import Axis, Cells, Criticals, Figure, Line, Panel, Stops
-from torsion.output.report_figures import Piece, file_name, pieces
+from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
+from torsion.output.report_figures import file_name, pieces
 
 MOST_POINTS = 1200  # of a line; of a longer one first, least, greatest and last of equal bins
 LEAST_BINS = 75  # of such lines over one coordinate
@@ -33,22 +33,43 @@ class Page:
 
     def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
         """Return JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
-        light = _light(figure)
-        data: dict[str, Any] = {
-            "plots": [
-                self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)
-            ]
-        }
-        if light.plots:
-            data["file"], data["csv"] = (
-                file_name(figure),
-                [self._piece(piece) for piece in _pieces(figure, light)],
-            )
-        if figure.criticals is not None:
-            data["criticals"] = self._criticals(figure.criticals)
-        if lacks := _lacking(light):
+        # Long lines keep the points that can be seen; lines over one coordinate keep the same ones.
+        lines = [line for panel in figure.plots for line in panel.lines]
+        plots = [
+            replace(panel, lines=tuple(_thinned(line, lines) for line in panel.lines))
+            for panel in figure.plots
+        ]
+        data: dict[str, Any] = {"plots": list(map(self._plot, frames, plots))}
+        if plots:
+            # The table as CSV, of the lighter figure where the whole is too large for a page.
+            notes = [THINNED] if any(line.x.size > MOST_POINTS for line in lines) else []
+            table = list[Any]()
+            for piece in pieces(replace(figure, panels=tuple(plots))):
+                if not isinstance(piece, Cells):
+                    is_text = isinstance(piece, str)
+                    table.append(piece if is_text else [self.array(column) for column in piece])
+                elif piece.values.size <= MOST_CELLS:
+                    places = self._arrays_of(piece, "x", "y")
+                    table.append({**places, "cells": self.array(piece.values)})
+                elif LEFT_OUT not in notes:
+                    notes.append(LEFT_OUT)
+            data["file"], data["csv"] = file_name(figure), [*notes, *table]
+        if (criticals := figure.criticals) is not None:
+            data["criticals"] = {
+                "of": criticals.of,
+                "rated": criticals.rated,
+                "orders": self._listed(criticals.orders),
+                **self._arrays_of(criticals, "x", "frequency", "mode", "order"),
+            }
+        lacks = []  # what the page does not do with so many points
+        if any(panel.stops and len(panel.stops.names) > MOST_POINTS for panel in plots):
+            lacks.append("no cursor")
+        is_moved = (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS
+        if moving is not None and not is_moved:
+            lacks.append("no motion")
+        if lacks:
             data["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
-        if (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS:
+        if is_moved:
             data["moving"] = {
                 **self._arrays_of(moving, "x", "row", "angle", "ends"),
                 "marked": self.array(np.flatnonzero(moving.marked)),
@@ -75,14 +96,6 @@ class Page:
         """Return the places of the arrays of a record by their names."""
         return {name: self.array(getattr(record, name)) for name in names}
 
-    def _criticals(self, criticals: Criticals) -> dict[str, Any]:
-        return {
-            "of": criticals.of,
-            "rated": criticals.rated,
-            "orders": self._listed(criticals.orders),
-            **self._arrays_of(criticals, "x", "frequency", "mode", "order"),
-        }
-
     def _listed(self, names: tuple[str, ...]) -> int:
         return self._names.setdefault(names, len(self._names))
 
@@ -107,7 +120,7 @@ class Page:
             for marks in panel.marks
             if marks.words
         ]
-        if (stops := panel.stops) is not None and _is_short(stops):
+        if (stops := panel.stops) is not None and len(stops.names) <= MOST_POINTS:
             plot["stops"] = {
                 **self._arrays_of(stops, "x", "y"),
                 "names": self._listed(stops.names),
@@ -121,87 +134,23 @@ class Page:
             plot.update({"ranges": ranges} if ranges else {})
         return plot
 
-    def _piece(self, piece: Piece) -> Any:
-        match piece:
-            case str():
-                return piece
-            case Cells():
-                return {
-                    **self._arrays_of(piece, "x", "y"),
-                    "cells": self.array(piece.values),
-                }
-        return [self.array(column) for column in piece]
-
-
-def _pieces(figure: Figure, light: Figure) -> list[Piece]:
-    """Return the table of a figure as CSV, of the lighter one where the whole is too large for a page."""
-    made = list(pieces(light))
-    notes = (
-        [THINNED]
-        if any(line.x.size > MOST_POINTS for panel in figure.plots for line in panel.lines)
-        else []
-    )
-    large = [piece for piece in made if isinstance(piece, Cells) and piece.values.size > MOST_CELLS]
-    notes += [LEFT_OUT] if large else []
-    return [*notes, *(piece for piece in made if not any(piece is dropped for dropped in large))]
-
-
-def _is_short(stops: Stops) -> bool:
-    return len(stops.names) <= MOST_POINTS
-
-
-def _lacking(figure: Figure) -> list[str]:
-    """Return what the page does not do with a figure, as it has too many points."""
-    lacks = (
-        ["no cursor"]
-        if any(panel.stops and not _is_short(panel.stops) for panel in figure.plots)
-        else []
-    )
-    return [*lacks, "no motion"] if figure.moving and figure.moving.x.size > MOST_POINTS else lacks
-
-
-def _light(figure: Figure) -> Figure:
-    """Return a figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
-    lines = [line for panel in figure.plots for line in panel.lines]
-    return replace(
-        figure,
-        panels=tuple(
-            replace(panel, lines=tuple(_thinned(line, lines) for line in panel.lines))
-            if isinstance(panel, Panel)
-            else panel
-            for panel in figure.panels
-        ),
-    )
-
 
 def _thinned(line: Line, lines: Sequence[Line]) -> Line:
     if line.x.size <= MOST_POINTS:
         return line
-    like = [
-        other_line
-        for other_line in lines
-        if other_line.x is line.x or np.array_equal(other_line.x, line.x, equal_nan=True)
-    ]
+    like = [other for other in lines if np.array_equal(other.x, line.x, equal_nan=True)]
     bins = max(LEAST_BINS, MOST_POINTS // 4 // len(like))
-    kept = np.unique(
-        np.concatenate(
-            [decimated(np.nan_to_num(alike.x), np.nan_to_num(alike.y), bins) for alike in like]
-        )
-    )
-    return replace(
-        line, x=line.x[kept], y=line.y[kept], base=None if line.base is None else line.base[kept]
-    )
+    chosen = [decimated(np.nan_to_num(alike.x), np.nan_to_num(alike.y), bins) for alike in like]
+    kept = np.unique(np.concatenate(chosen))
+    base = None if line.base is None else line.base[kept]
+    return replace(line, x=line.x[kept], y=line.y[kept], base=base)
 
 
 def _is_read(line: Line) -> bool:
     """Whether a cursor reads the line: it has a name, goes on in its coordinate and has values."""
     x = line.x[np.isfinite(line.x)]
-    return (
-        bool(line.name)
-        and x.size > 1
-        and bool(np.all(np.diff(x) >= 0))
-        and bool(np.isfinite(line.y).any())
-    )
+    goes_on = x.size > 1 and bool(np.all(np.diff(x) >= 0))
+    return bool(line.name) and goes_on and bool(np.isfinite(line.y).any())
 
 
 def _axis(axis: Axis, scale: Scale) -> dict[str, Any]:

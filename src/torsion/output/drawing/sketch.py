@@ -1,7 +1,6 @@
 """The sketch of the train as SVG: discs as high as their inertia is large, shafts, couplings, gears and joints."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,8 +8,8 @@ from torsion.output.drawing.curves import outline
 from torsion.output.drawing.frame import MIDDLE, WIDTH
 from torsion.output.drawing.grades import BOLD, hatched, key
 from torsion.output.drawing.pens import BAD, COLOURS, GRADES, INK, MARKED, Stroke
-from torsion.output.drawing.words import GROWTH, HALO, SIZE, Box, Room, Word, shown, width, words
-from torsion.output.figures.figure import Disc, Link, Sketch, Use
+from torsion.output.drawing.words import GROWTH, HALO, SIZE, Box, Room, shown, width, words
+from torsion.output.figures.figure import Disc, Link, Place, Sketch, Use
 from torsion.output.numbers import counted
 
 Points = Sequence[tuple[float, float]]
@@ -18,40 +17,31 @@ ROW = 2.9  # distance of the rows, in units of the layout
 TALL = 45.0  # px of a unit down
 
 
-@dataclass(frozen=True)
-class Look:
-    """Of strokes or areas that become one element, and how near they are."""
-
-    stroke: Stroke
-    fill: str = "none"
-    near: float = 2.0
-
-
 class Sheet:
     """Strokes and areas in units of the layout; those of one look become one element."""
 
-    def __init__(self, across: float, left: float, thickness: float, down: float = TALL) -> None:
+    def __init__(self, across: float, left: float, thickness: float, down: float) -> None:
         """Set the scale; across, down: px of a unit; left: unit at the left edge; thickness: factor on widths of lines."""
         self.across, self.down, self.left, self.thickness = across, down, left, thickness
-        self.drawn: dict[Look, list[str]] = {}
+        self.drawn: dict[tuple[float, str, Stroke], list[str]] = {}  # paths by nearness, fill, look
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Return the px of a place; y goes up."""
         return (x - self.left) * self.across, -y * self.down
 
     def line(
-        self, points: Points, width: float, dash: str = "", colour: str = INK, near: float = 2.0
+        self,
+        points: Points,
+        width: float,
+        dash: str = "",
+        colour: str = INK,
+        near: float = 2.0,
+        *,
+        fill: str = "",
     ) -> None:
-        """Draw a line through places in units of the layout."""
-        look = Look(Stroke(colour, width * self.thickness, dash), near=near)
-        self.drawn.setdefault(look, []).append(self._path(points))
-
-    def area(
-        self, points: Points, fill: str, width: float, dash: str = "", near: float = 3.0
-    ) -> None:
-        """Draw a filled polygon in units of the layout."""
-        look = Look(Stroke(INK, width * self.thickness, dash), fill, near)
-        self.drawn.setdefault(look, []).append(self._path(points) + "z")
+        """Draw a line through places in units of the layout, or a polygon with a fill."""
+        look = near, fill or "none", Stroke(colour, width * self.thickness, dash)
+        self.drawn.setdefault(look, []).append(self._path(points) + "z" * bool(fill))
 
     def graded(self, corners: Points, use: Use | None, *, near: float) -> None:
         """Draw a polygon in the colour and the pattern of a grade, if there is one.
@@ -60,27 +50,21 @@ class Sheet:
         """
         if use is None:
             return
-        self.area(corners, GRADES[use.grade].fill, 1.1, near=near)
+        self.line(corners, 1.1, near=near, fill=GRADES[use.grade].fill)
         places = np.array([[10.0 * length for length in self.at(x, y)] for x, y in corners])
-        x, y = np.sort(places[:, 0]), np.sort(places[:, 1])
+        x, y = np.sort(places, axis=0).T
         look, path = hatched((x[1], y[1], x[2], y[2]), use.grade)
         if path:
-            self.drawn.setdefault(Look(look, near=near + 0.05), []).append(path)
+            self.drawn.setdefault((near + 0.05, "none", look), []).append(path)
         if use.mark:
-            self.drawn.setdefault(Look(MARKED, near=5.0), []).append(self._path(corners) + "z")
+            outlines = self.drawn.setdefault((5.0, "none", MARKED), [])
+            outlines.append(self._path(corners) + "z")
 
     def _path(self, points: Points) -> str:
         places = np.rint([[10.0 * length for length in self.at(x, y)] for x, y in points]).astype(
             np.int64
         )
         return outline([places[0].tolist(), *np.diff(places, axis=0).tolist()])
-
-    def elements(self) -> list[str]:
-        """Return the elements from the farthest to the nearest."""
-        return [
-            f'<path d="{"".join(paths)}" fill="{look.fill}" {look.stroke.attributes(10.0)}/>'
-            for look, paths in sorted(self.drawn.items(), key=lambda item: item[0].near)
-        ]
 
 
 def height(row: float) -> float:
@@ -100,24 +84,37 @@ VERDICT_COLOURS = {
 }  # of a row, by the sign of its verdict
 WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
-Spread = tuple[float, float]  # px of the highest and the lowest
-Place = tuple[float, float]  # x, row
 
 
-def place_words(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
+def place_words(sheet: Sheet, sketch: Sketch) -> tuple[tuple[float, float], list[str]]:
     """Place the words of the worst place, then of links by rank, then of points, as far as there is room.
 
-    Returns the spread of the words in px and the SVG elements; the number of components without words is one of them.
+    Returns the highest and the lowest px of words and axes, and the SVG elements; the number of components without
+    words is one of them.
     """
     room = Room((0.0, -9e9, WIDTH, 9e9), np.zeros((0, 2)))
     room.taken += _bodies(sheet, sketch)
     bodies, lines, texts = len(room.taken), list[str](), list[str]()
-    if sketch.worst is not None:
-        texts += _pointer(sheet, room, *sketch.worst)
+    if sketch.worst is not None:  # a triangle above the place, with words
+        (position, row), use = sketch.worst
+        text, colour = use.words, BAD if use.is_bad else INK
+        x, tip = sheet.at(position, height(row) + LETTERS)
+        half, top = WIDER * GROWTH * width(text) / 2 + 1, tip - 9.0 - GROWTH * SIZE
+        middle = min(max(x, half), WIDTH - half)
+        room.taken += [
+            (x - 7.0, tip - 9.0, x + 7.0, tip + 2.0),
+            (middle - half, top, middle + half, tip - 9.0),
+        ]
+        triangle = f"M{shown(x)} {shown(tip + 2)}l-6-10h12z"
+        texts.append(f'<path class="worst" d="{triangle}" fill="{colour}"/>')
+        look = f'{MIDDLE}{BOLD} fill="{colour}"'
+        texts.append(words(middle, top + GROWTH * SIZE / 2 + 3.7, text, look))
 
     omitted = failures = 0
-    for link in sorted((link for link in sketch.links if link.label), key=_rank):
-        is_placed = _label(sheet, room, _middle(link), _words(link), (-1,), lines, texts)
+    labelled = (link for link in sketch.links if link.label)
+    for link in sorted(labelled, key=lambda link: link.use.rank if link.use else ()):
+        position = (link.start[0] + link.end[0]) / 2, link.end[1]
+        is_placed = _label(sheet, room, position, _words(link), (-1,), lines, texts)
         omitted += not is_placed
         failures += not is_placed and link.use is not None and link.use.is_bad
     named = [disc for disc in sketch.discs if disc.label]
@@ -126,7 +123,11 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     for disc in sorted(named, key=lambda disc: -abs(disc.x - (min(ends) + max(ends)) / 2)):
         omitted += not _label(sheet, room, (disc.x, disc.row), [disc.label], (1, -1), lines, texts)
 
-    high, low = _spread(sheet, sketch, room.taken[bodies:])
+    rows = [row for link in sketch.links for _, row in (link.start, link.end)]
+    rows += [0.0, *(disc.row for disc in sketch.discs)]
+    boxes = room.taken[bodies:]
+    high = min(sheet.at(0, height(min(rows)) + LETTERS)[1], *(box[1] for box in boxes), np.inf)
+    low = max(sheet.at(0, height(max(rows)) - LETTERS)[1], *(box[3] for box in boxes), -np.inf)
     if omitted:
         low += 1.3 * SIZE
         sentence = f"Not labelled for want of room: {counted(omitted, 'component')}"
@@ -148,16 +149,7 @@ def _words(link: Link) -> Iterator[str]:
         yield f"{link.label}\n{worst.removesuffix(':')}"
 
 
-def _rank(link: Link) -> tuple[float, ...]:
-    return link.use.rank if link.use is not None else ()
-
-
-def _middle(link: Link) -> Place:
-    """Return x and row below or above which the words of a link stand."""
-    return (link.start[0] + link.end[0]) / 2, link.end[1]
-
-
-def _bodies(sheet: Sheet, sketch: Sketch) -> Iterable[Box]:
+def _bodies(sheet: Sheet, sketch: Sketch) -> Iterator[Box]:
     """Yield the boxes of discs and links in px, which words do not cover."""
     for disc in sketch.discs:
         (x, y), half = sheet.at(disc.x, height(disc.row)), (0.25 + 0.55 * disc.size) * sheet.down
@@ -166,17 +158,6 @@ def _bodies(sheet: Sheet, sketch: Sketch) -> Iterable[Box]:
         (left, y), (right, _) = (sheet.at(x, height(row)) for x, row in (link.start, link.end))
         if link.start[1] == link.end[1]:
             yield (left, y - 0.3 * sheet.down, right, y + 0.3 * sheet.down)
-
-
-def _spread(sheet: Sheet, sketch: Sketch, boxes: Sequence[Box]) -> Spread:
-    """Return the highest and the lowest px of words and axes."""
-    ends = [end for link in sketch.links for end in (link.start, link.end)]
-    rows = [0.0, *(row for _, row in ends), *(disc.row for disc in sketch.discs)]
-    top, foot = (
-        sheet.at(0, height(row) + letters)[1]
-        for row, letters in ((min(rows), LETTERS), (max(rows), -LETTERS))
-    )
-    return min([top, *(box[1] for box in boxes)]), max([foot, *(box[3] for box in boxes)])
 
 
 def _label(
@@ -188,56 +169,31 @@ def _label(
     lines: list[str],
     elements: list[str],
 ) -> bool:
-    """Place the first text that has room above (side 1) or below the axis, with a line to it; return whether any has."""
-    for text in texts:
-        for side in sides:
-            across, tip = sheet.at(position[0], height(position[1]) + side * LETTERS)
-            half = GROWTH * max(map(width, text.split("\n"))) / 2 + 2
-            across = min(max(across, half), max(WIDTH - half, half))
-            foot = np.array([[across, tip]])
-            word = room.place(text, foot, gap=0.0, ways=WAYS[side], reach=REACH[side])
-            if word is not None:
-                lines.append(_leader(sheet, position, word, side))
-                elements += _rows(word)
-                return True
+    """Place the first text that has room above (side 1) or below the axis, with a line to it; return whether any has.
+
+    All rows of the text but the first are in bold letters and the colour of their own verdict.
+    """
+    for text, side in ((text, side) for text in texts for side in sides):
+        across, tip = sheet.at(position[0], height(position[1]) + side * LETTERS)
+        half = GROWTH * max(map(width, text.split("\n"))) / 2 + 2
+        foot = np.array([[min(max(across, half), max(WIDTH - half, half)), tip]])
+        word = room.place(text, foot, gap=0.0, ways=WAYS[side], reach=REACH[side])
+        if word is None:
+            continue
+        left, upper, right, lower = word.box
+        start, begin = sheet.at(position[0], height(position[1]) + 0.3 * side)
+        end, across = lower if side > 0 else upper, min(max(start, left + 4.0), right - 4.0)
+        path = f"M{shown(start)} {shown(begin)}L{shown(across)} {shown(end)}"
+        lines.append(f'<path d="{path}" stroke="{LINE}" stroke-width=".6" fill="none"/>')
+        rows, colour = text.split("\n"), INK
+        step = (lower - upper) / len(rows)
+        for k, row in enumerate(rows):
+            if k:  # without a sign it continues the verdict before it
+                colour = VERDICT_COLOURS.get(row[:1], colour)
+            look = f'{MIDDLE}{HALO} fill="{colour}"{BOLD if k else ""}'
+            elements.append(words((left + right) / 2, upper + (k + 0.5) * step + 3.7, row, look))
+        return True
     return False
-
-
-def _leader(sheet: Sheet, position: Place, word: Word, side: int) -> str:
-    """Return a thin line from a component to its words."""
-    start, foot = sheet.at(position[0], height(position[1]) + 0.3 * side)
-    left, upper, right, lower = word.box
-    end, across = lower if side > 0 else upper, min(max(start, left + 4.0), right - 4.0)
-    path = f"M{shown(start)} {shown(foot)}L{shown(across)} {shown(end)}"
-    return f'<path d="{path}" stroke="{LINE}" stroke-width=".6" fill="none"/>'
-
-
-def _rows(word: Word) -> list[str]:
-    """Return the rows of a placed text, all but the first in bold letters and the colour of their own verdict."""
-    left, upper, right, lower = word.box
-    rows = word.text.split("\n")
-    step, colour, elements = (lower - upper) / len(rows), INK, list[str]()
-    for k, text in enumerate(rows):
-        if k and text[:1] in VERDICT_COLOURS:  # else it continues the verdict before it
-            colour = VERDICT_COLOURS[text[:1]]
-        look = f'{MIDDLE}{HALO} fill="{colour}"{BOLD if k else ""}'
-        elements.append(words((left + right) / 2, upper + (k + 0.5) * step + 3.7, text, look))
-    return elements
-
-
-def _pointer(sheet: Sheet, room: Room, position: Place, use: Use) -> list[str]:
-    """Return a triangle above a place, with words."""
-    text, colour = use.words, BAD if use.is_bad else INK
-    x, tip = sheet.at(position[0], height(position[1]) + LETTERS)
-    half, top = WIDER * GROWTH * width(text) / 2 + 1, tip - 9.0 - GROWTH * SIZE
-    middle = min(max(x, half), WIDTH - half)
-    room.taken += [
-        (x - 7.0, tip - 9.0, x + 7.0, tip + 2.0),
-        (middle - half, top, middle + half, tip - 9.0),
-    ]
-    triangle = f'<path class="worst" d="M{shown(x)} {shown(tip + 2)}l-6-10h12z" fill="{colour}"/>'
-    look = f'{MIDDLE}{BOLD} fill="{colour}"'
-    return [triangle, words(middle, top + GROWTH * SIZE / 2 + 3.7, text, look)]
 
 
 MANY = 60  # points and links from which lines are drawn thinner
@@ -263,48 +219,48 @@ DOTTED = "1.6 2"
 
 
 def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
-    """Return height in px and elements of the sketch below `top`."""
-    sheet = _sheet(sketch)
+    """Return height in px and elements of the sketch below `top`, as wide as the figure, or less if it is short."""
+    places = [(disc.x, disc.row) for disc in sketch.discs] + [
+        end for link in sketch.links for end in (link.start, link.end)
+    ]
+    x, rows = zip(*places or [(0.0, 0.0), (1.0, 0.0)], strict=True)
+    number, wide = len(sketch.discs) + len(sketch.links), max(x) - min(x) + 1.0
+    across, thickness = min(WIDTH / wide, WIDEST), min(1.0, MANY / max(number, 1)) ** 0.5
+    high, left = ROW * (max(rows) - min(rows)), min(x) - 0.5 - (WIDTH / across - wide) / 2
+    down = TALL if sketch.height is None or not high else min(TALL, sketch.height / high)
+
+    sheet = Sheet(across, left, thickness, down)
     for link in sketch.links:
-        DRAWINGS[link.kind](sheet, link)
+        (_gear if link.kind == "gear" else _link)(sheet, link)
     for disc in sketch.discs:
         _disc(sheet, disc)
-    spread, texts = place_words(sheet, sketch)
-    upper, lower = spread[0] - 3.0, spread[1] + 3.0
+    elements = [  # from the farthest to the nearest
+        f'<path d="{"".join(paths)}" fill="{fill}" {look.attributes(10.0)}/>'
+        for (_, fill, look), paths in sorted(sheet.drawn.items(), key=lambda item: item[0][0])
+    ]
+    (upper, lower), texts = place_words(sheet, sketch)
+    upper, lower = upper - 3.0, lower + 3.0
     below, legend = key(
         [link.use for link in sketch.links if link.use is not None], lower - upper + top
     )
-    body = f'<g transform="scale(.1)">{"".join(sheet.elements())}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
+    body = f'<g transform="scale(.1)">{"".join(elements)}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
     scale = f'data-left="{sheet.left:.6g}" data-across="{sheet.across:.6g}" data-row="{ROW * sheet.down:g}"'  # of modes
     placed = f'<g class="sketch" {scale} transform="translate(0 {shown(top - upper)})">{body}</g>{legend}'
     return lower - upper + below, placed
 
 
-def _sheet(sketch: Sketch) -> Sheet:
-    """Return a sheet as wide as the figure, or less if the train is short."""
-    places = [(disc.x, disc.row) for disc in sketch.discs] + [
-        end for link in sketch.links for end in (link.start, link.end)
-    ]
-    x, rows = [x for x, _ in places] or [0.0, 1.0], [row for _, row in places] or [0.0]
-    number, wide = len(sketch.discs) + len(sketch.links), max(x) - min(x) + 1.0
-    across, thickness = min(WIDTH / wide, WIDEST), min(1.0, MANY / max(number, 1)) ** 0.5
-    high, left = ROW * (max(rows) - min(rows)), min(x) - 0.5 - (WIDTH / across - wide) / 2
-    down = TALL if sketch.height is None or not high else min(TALL, sketch.height / high)
-    return Sheet(across, left, thickness, down)
-
-
 def _disc(sheet: Sheet, disc: Disc) -> None:
-    y, half, thick = height(disc.row), 0.25 + 0.55 * disc.size, 0.17
+    x, y, half, thick = disc.x, height(disc.row), 0.25 + 0.55 * disc.size, 0.17
     if disc.is_held:
-        _ground(sheet, disc.x, y, 0.5, vertical=True)
+        _ground(sheet, x, y, 0.5, vertical=True)
         return
     if disc.ring:
         tall = half + 0.13 + 0.12 * disc.ring
-        _box(sheet, (disc.x, y), thick + 0.14, tall, "#ffffff", dash="4 2", near=2.9)
-    _box(sheet, (disc.x, y), thick, half, FILLS[disc.role])
+        _box(sheet, (x, y), thick + 0.14, tall, "#ffffff", dash="4 2", near=2.9)
+    _box(sheet, (x, y), thick, half, FILLS[disc.role])
     if disc.is_grounded:
-        _zigzag(sheet, (disc.x, y - half), (disc.x, y - half - 0.45), 0.07)
-        _ground(sheet, disc.x, y - half - 0.45, 0.2, vertical=False)
+        _zigzag(sheet, (x, y - half), (x, y - half - 0.45), 0.07)
+        _ground(sheet, x, y - half - 0.45, 0.2, vertical=False)
 
 
 def _box(
@@ -318,8 +274,8 @@ def _box(
     near: float = 3.0,
 ) -> None:
     """Draw a rectangle around a place, as wide and half as high as given."""
-    left, right, y = middle[0] - width / 2, middle[0] + width / 2, middle[1]
-    sheet.area(_corners(left, right, y, half), fill, 1.1, dash, near)
+    left, right = middle[0] - width / 2, middle[0] + width / 2
+    sheet.line(_corners(left, right, middle[1], half), 1.1, dash, near=near, fill=fill)
 
 
 def _ground(sheet: Sheet, x: float, y: float, half: float, *, vertical: bool) -> None:
@@ -346,41 +302,53 @@ def _zigzag(
     sheet.line([(x, y) for x, y in points.tolist()], 1.2)
 
 
-def _coupling(sheet: Sheet, link: Link) -> None:
-    (x0, x1), y = (link.start[0], link.end[0]), (height(link.start[1]), height(link.end[1]))
-    edge = 0.18 * (x1 - x0)
-    sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
-    _zigzag(sheet, (x0, y[0]), (x1, y[1]))
-
-
-def _crank(sheet: Sheet, link: Link) -> None:
-    """Draw two webs and the pin between them, off the axis."""
-    (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
-    middle, top = (x0 + x1) / 2, y + WEB
-    webs = (middle - PIN * (x1 - x0), middle + PIN * (x1 - x0))
-    sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
-    for first, last in ((x0, webs[0]), (webs[1], x1)):
-        sheet.line([(first, y), (last, y)], 1.4)
-    for x in webs:
-        _box(sheet, (x, y + WEB / 2), 0.1, BED, "#f3f3f3")
-    sheet.line([(webs[0] + 0.05, top), (webs[1] - 0.05, top)], 2.2)
-
-
 def _corners(left: float, right: float, y: float, half: float) -> Points:
     return [(left, y - half), (right, y - half), (right, y + half), (left, y + half)]
 
 
-def _shaft(sheet: Sheet, link: Link) -> None:
-    (x0, x1), y = (link.start[0], link.end[0]), (height(link.start[1]), height(link.end[1]))
-    first, last = ((0.12 if link.use is None else GRADED) * share for share in link.taper)
-    corners = [(x0, y[0] - first), (x0, y[0] + first), (x1, y[1] + last), (x1, y[1] - last)]
-    if link.use is None:
-        sheet.area(corners, "#f3f3f3", 1.1, near=2.0)
-    else:
-        sheet.graded(corners, link.use, near=2.0)
-    for sign in (-1, 1) if link.bore else ():
-        ends = [(x0, y[0] + sign * first * link.bore), (x1, y[1] + sign * last * link.bore)]
-        sheet.line(ends, 0.7, "3 2", near=3.0)
+def _link(sheet: Sheet, link: Link) -> None:
+    """Draw a shaft, coupling, crank or joint, or the line of a rigid link."""
+    (x0, row0), (x1, row1) = link.start, link.end
+    y0, y1, middle, use = height(row0), height(row1), (x0 + x1) / 2, link.use
+    match link.kind:
+        case "shaft":
+            first, last = ((0.12 if use is None else GRADED) * share for share in link.taper)
+            corners = [(x0, y0 - first), (x0, y0 + first), (x1, y1 + last), (x1, y1 - last)]
+            if use is None:
+                sheet.line(corners, 1.1, fill="#f3f3f3")
+            sheet.graded(corners, use, near=2.0)
+            for sign in (-1, 1) if link.bore else ():
+                ends = [(x0, y0 + sign * first * link.bore), (x1, y1 + sign * last * link.bore)]
+                sheet.line(ends, 0.7, "3 2", near=3.0)
+        case "coupling":
+            edge = 0.18 * (x1 - x0)
+            sheet.graded(_corners(x0 + edge, x1 - edge, (y0 + y1) / 2, BED), use, near=1.5)
+            _zigzag(sheet, (x0, y0), (x1, y1))
+        case "crank":  # two webs and the pin between them, off the axis
+            webs = middle - PIN * (x1 - x0), middle + PIN * (x1 - x0)
+            sheet.graded(_corners(*webs, y0 + WEB / 2, BED), use, near=1.5)
+            sheet.line([(x0, y0), (webs[0], y0)], 1.4)
+            sheet.line([(webs[1], y0), (x1, y0)], 1.4)
+            for x in webs:
+                _box(sheet, (x, y0 + WEB / 2), 0.1, BED, "#f3f3f3")
+            sheet.line([(webs[0] + 0.05, y0 + WEB), (webs[1] - 0.05, y0 + WEB)], 2.2)
+        case "joint":
+            colour = "#ffffff" if use is not None and use.grade == "over" else COLOURS[1]
+            sheet.graded(_corners(middle - JOINT, middle + JOINT, y0, BED + 0.1), use, near=1.5)
+            for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
+                sheet.line([(x, y0) for x in ends], 1.4)
+            for up in (-0.26, 0.26):
+                cross = [(middle - 0.14, y0 - up), (middle + 0.14, y0 + up)]
+                sheet.line(cross, 2.2, colour=colour)
+            pin = [
+                (middle - 0.04, y0),
+                (middle, y0 + 0.07),
+                (middle + 0.04, y0),
+                (middle, y0 - 0.07),
+            ]
+            sheet.line(pin, 1.1, near=4.0, fill="#ffffff")
+        case _:  # rigid, or a tie
+            sheet.line([(x0, y0), (x0, y1), (x1, y1)], 1.4, DOTTED * (link.kind == "tie"))
 
 
 def _gear(sheet: Sheet, link: Link) -> None:
@@ -411,43 +379,3 @@ def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
     _box(sheet, (x, y), 0.14, half, "#fbe3c8")
     for tooth in np.arange(-half + 0.08, half - 0.04, 0.08).tolist():
         sheet.line([(x - 0.07, y + tooth), (x + 0.07, y + tooth)], 0.7, near=3.1)
-
-
-def _joint(sheet: Sheet, link: Link) -> None:
-    (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
-    middle, colour = (x0 + x1) / 2, COLOURS[1]
-    if link.use is not None and link.use.grade == "over":
-        colour = "#ffffff"
-    sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
-    for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
-        sheet.line([(x, y) for x in ends], 1.4)
-    for sign in (-1, 1):
-        sheet.line(
-            [(middle - 0.14, y - sign * 0.26), (middle + 0.14, y + sign * 0.26)], 2.2, colour=colour
-        )
-    sheet.area(
-        [(middle - 0.04, y), (middle, y + 0.07), (middle + 0.04, y), (middle, y - 0.07)],
-        "#ffffff",
-        1.1,
-        near=4.0,
-    )
-
-
-def _line(sheet: Sheet, link: Link) -> None:
-    (x0, row0), (x1, row1) = link.start, link.end
-    sheet.line(
-        [(x0, height(row0)), (x0, height(row1)), (x1, height(row1))],
-        1.4,
-        {"rigid": "", "tie": DOTTED}[link.kind],
-    )
-
-
-DRAWINGS = {
-    "shaft": _shaft,
-    "coupling": _coupling,
-    "gear": _gear,
-    "joint": _joint,
-    "crank": _crank,
-    "rigid": _line,
-    "tie": _line,
-}

@@ -1,7 +1,5 @@
 """A figure as one SVG element: its plots below each other, and one key of all lines, ranges and symbols."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from torsion.output.drawing import grades, sketch
@@ -36,21 +34,22 @@ def svg(figure: Figure) -> str:
 def framed(figure: Figure) -> tuple[str, list[Frame]]:
     """Return the element, and where its plots stand in it."""
     pieces, frames, foot = list[str](), list[Frame](), 0.0
-    for panel, has_numbers in _panels(figure):
-        match panel:
-            case Panel():
-                frame = _frame(figure, panel, foot)
-                frames.append(frame)
-                pieces += drawn(frame, has_numbers=has_numbers)
-                foot = frame.top + frame.high + (frame.below if has_numbers else 6.0)
-            case Sketch():
-                high, text = sketch.drawn(panel, foot)
-                pieces.append(text)
-                foot += high
-            case Shares():
-                high, text = grades.shares(panel, foot)
-                pieces.append(text)
-                foot += high
+    # Plots begin as far to the right as the widest numbers need, and names (of any length) that run over the edge.
+    left = max((margin(plot, vertical(plot)) for plot in figure.plots), default=0.0)
+    beyond = max((_frame(plot, left, 0.0).beyond for plot in figure.plots), default=0.0)
+    left += min(beyond, WIDTH / 3.0)
+    for panel, below in zip(figure.panels, (*figure.panels[1:], None), strict=True):
+        if isinstance(panel, Panel):
+            frames.append(frame := _frame(panel, left, foot))
+            # The next plot has the numbers of an axis that is the same.
+            has_numbers = not isinstance(below, Panel) or below.x != panel.x
+            pieces += drawn(frame, has_numbers=has_numbers)
+            foot = frame.top + frame.high + (frame.below if has_numbers else 6.0)
+        else:
+            is_sketch = isinstance(panel, Sketch)
+            high, text = sketch.drawn(panel, foot) if is_sketch else grades.shares(panel, foot)
+            pieces.append(text)
+            foot += high
     key, foot = _key(frames, foot)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {shown(WIDTH)} {shown(foot)}" width="{shown(WIDTH)}" '
@@ -83,36 +82,15 @@ def description(figure: Figure) -> str:
             if line.name and finite.any():
                 peak = int(np.nanargmax(line.y))
                 largest = f"{number(float(line.y[peak]), 3)} {panel.y.unit}".strip()
-                sentences.append(
-                    f"{line.name}: largest {largest} at {number(float(line.x[peak]), 4)} {panel.x.unit}.".replace(
-                        " .", "."
-                    )
-                )
+                where = f"{number(float(line.x[peak]), 4)} {panel.x.unit}."
+                sentences.append(f"{line.name}: largest {largest} at {where}".replace(" .", "."))
     return " ".join(sentences)
 
 
-def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
-    """Yield every plot, and whether its x axis has numbers: not if the next one has the same."""
-    for position, panel in enumerate(figure.panels):
-        below = figure.panels[position + 1] if position + 1 < len(figure.panels) else None
-        shares_axis = isinstance(panel, Panel) and isinstance(below, Panel) and panel.x == below.x
-        yield panel, not shares_axis
-
-
-def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
-    """Return a plot under what stands already, as far to the right as the widest numbers of all need."""
-    left = max(margin(plot, vertical(plot)) for plot in figure.plots)
-    left += min(
-        max(_framed(plot, left, foot).beyond for plot in figure.plots), WIDTH / 3.0
-    )  # names of any length
-    return _framed(panel, left, foot)
-
-
-def _framed(panel: Panel, left: float, foot: float) -> Frame:
-    wide = WIDTH - RIGHT - left
-    return Frame(
-        panel, horizontal(panel, wide), vertical(panel), left, foot + TOP, wide, panel.height
-    )
+def _frame(panel: Panel, left: float, foot: float) -> Frame:
+    wide, top = WIDTH - RIGHT - left, foot + TOP
+    scales = horizontal(panel, wide), vertical(panel)
+    return Frame(panel, *scales, left, top, wide, panel.height)
 
 
 def _key(frames: list[Frame], foot: float) -> tuple[str, float]:
@@ -122,8 +100,13 @@ def _key(frames: list[Frame], foot: float) -> tuple[str, float]:
         panel = frame.panel
         keyed: tuple[Keyed, ...] = (*panel.lines, *panel.marks, *panel.levels, *panel.bands)
         for entry in keyed:
-            if entry.name and (not isinstance(entry, Marks) or entry.x.size):
-                entries.setdefault(_name(frame, entry), (SAMPLE, _sample(entry)))
+            if not entry.name or (isinstance(entry, Marks) and not entry.x.size):
+                continue
+            name = entry.name
+            if isinstance(entry, Level) and not is_on(frame, entry):
+                unit = (panel.y if entry.axis == "y" else panel.x).unit
+                name = f"{name}: {number(entry.value, 4)} {unit}, not on this scale"
+            entries.setdefault(name, (SAMPLE, _sample(entry)))
         if panel.cells is not None:
             entries.setdefault(*_colours(panel.cells))
     if not entries:
@@ -133,46 +116,26 @@ def _key(frames: list[Frame], foot: float) -> tuple[str, float]:
     return text, foot + 1.0
 
 
-def _name(frame: Frame, entry: Keyed) -> str:
-    """Return the name in the key; with the value of a limit that is off the scale."""
-    if isinstance(entry, Level) and not is_on(frame, entry):
-        axis = frame.panel.y if entry.axis == "y" else frame.panel.x
-        return f"{entry.name}: {number(entry.value, 4)} {axis.unit}, not on this scale"
-    return entry.name
-
-
 def _sample(entry: Keyed) -> str:
     """Return a sample of 27 px around the middle of a row."""
-    match entry:
-        case Band():
-            fill, colour, distance, sign = BANDS[entry.kind]
-            lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(distance, 5.0), sign)
-            inside = (
-                f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
-                if colour
-                else ""
-            )
-            area = f'<rect y="-50" width="{10 * SAMPLE:g}" height="100" fill="{fill}"/>'
-            return f'<g transform="scale(.1)" fill="none">{area}{inside}</g>'
-        case Marks():
-            middle = np.array([5 * SAMPLE])
-            return f'<g transform="scale(.1)">{symbols(entry.symbol, entry.pen, middle, 0 * middle)}</g>'
-        case Level():
-            return f'<path d="M0 0h{SAMPLE:g}" fill="none" {stroke(entry.pen).attributes()}/>'
-        case Line():
-            look, middle = stroke(entry.pen, entry.weight), np.array([5 * SAMPLE])
-            fill = f'<rect y="-5" width="{SAMPLE:g}" height="10" fill="{look.colour}" fill-opacity=".3"/>'
-            line = (
-                f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>'
-                if entry.weight
-                else ""
-            )
-            dot = (
-                f'<g transform="scale(.1)">{symbols(entry.symbol, entry.pen, middle, 0 * middle)}</g>'
-                if entry.symbol
-                else ""
-            )
-            return (fill if entry.base is not None else "") + line + dot
+    if isinstance(entry, Band):
+        fill, colour, distance, sign = BANDS[entry.kind]
+        lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(distance, 5.0), sign)
+        area = f'<rect y="-50" width="{10 * SAMPLE:g}" height="100" fill="{fill}"/>'
+        if colour:
+            area += f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
+        return f'<g transform="scale(.1)" fill="none">{area}</g>'
+    text, look = "", stroke(entry.pen, entry.weight if isinstance(entry, Line) else 1.0)
+    if isinstance(entry, Line) and entry.base is not None:
+        box = f'y="-5" width="{SAMPLE:g}" height="10"'
+        text = f'<rect {box} fill="{look.colour}" fill-opacity=".3"/>'
+    if isinstance(entry, Level) or (isinstance(entry, Line) and entry.weight):
+        text += f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>'
+    if not isinstance(entry, Level) and entry.symbol:
+        middle = np.array([5 * SAMPLE])
+        dot = symbols(entry.symbol, entry.pen, middle, 0 * middle)
+        text += f'<g transform="scale(.1)">{dot}</g>'
+    return text
 
 
 def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
@@ -187,8 +150,6 @@ def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
     ]
     long = left + step * len(shades)
     parts += [words(left - 4, 3.7, low, ' text-anchor="end"'), words(long + 4, 3.7, ends)]
-    how = ", logarithmic" if cells.decades else ""
-    return f"{', '.join(filter(None, (cells.quantity, cells.unit)))}{how}", (
-        long + 8 + GROWTH * width(ends),
-        "".join(parts),
-    )
+    name = ", ".join(filter(None, (cells.quantity, cells.unit)))
+    name += ", logarithmic" if cells.decades else ""
+    return name, (long + 8 + GROWTH * width(ends), "".join(parts))

@@ -15,20 +15,12 @@ GROWTH = (
     1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
 )
 # Adobe, Helvetica AFM (1990): widths of the signs 32 to 126 in 1/1000 of the size
-WIDTHS = tuple(
-    map(
-        int,
-        re.findall(
-            r"\d+",
-            """
+WIDTHS = """
     278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556
     556 556 278 278 584 584 584 556 1015 667 667 722 722 667 611 778 722 278 500 667 556 833 722 778
     667 778 722 667 611 722 667 944 667 667 611 278 278 278 469 556 333 556 556 500 556 556 278 556
     556 222 222 500 222 833 556 556 556 556 333 500 278 556 500 722 500 500 500 334 260 334 584
-""",
-        ),
-    )
-)
+""".split()
 SUPERSCRIPTS, LATIN = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", 0x0500  # signs behind the second are as wide as high
 DIRECTIONS = (
     (0, -1),
@@ -55,7 +47,17 @@ def width(text: str, size: float = SIZE) -> float:
     >>> width("mm", 10.0)
     16.66
     """
-    return sum(map(_sign, text)) * size / 1000.0
+    letters = (
+        int(WIDTHS[code - 32])
+        if 32 <= code <= 126
+        else 340
+        if chr(code) in SUPERSCRIPTS
+        else 580
+        if code < LATIN
+        else 1000
+        for code in map(ord, text)
+    )
+    return sum(letters) * size / 1000.0
 
 
 def fitted(text: str, most: float) -> str:
@@ -66,17 +68,9 @@ def fitted(text: str, most: float) -> str:
     """
     if width(text) <= most:
         return text
-    kept = next(
-        k for k in range(len(text) - 1, -1, -1) if width(text[:k].rstrip() + "…") <= most or not k
-    )
-    return text[:kept].rstrip() + "…"
-
-
-def _sign(sign: str) -> int:
-    code = ord(sign)
-    if 32 <= code <= 126:
-        return WIDTHS[code - 32]
-    return 340 if sign in SUPERSCRIPTS else 580 if code < LATIN else 1000
+    while text and width(text.rstrip() + "…") > most:
+        text = text[:-1]
+    return text.rstrip() + "…"
 
 
 @dataclass(frozen=True)
@@ -96,12 +90,9 @@ class Room:
         self.box = np.array(box)
         self.taken: list[Box] = []
         finite = curves[np.isfinite(curves).all(axis=1)]
-        # An infinite box of no curves has no mesh.
-        size = (
-            np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH) + 1, 1)
-            if len(finite)
-            else [1, 1]
-        )
+        size = [1, 1]  # an infinite box of no curves has no mesh
+        if len(finite):
+            size = np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH) + 1, 1).tolist()
         mesh = [
             np.arange(count + 1) * MESH + start for count, start in zip(size, box, strict=False)
         ]
@@ -136,10 +127,8 @@ class Room:
             choice = int(np.argmin(costs))
             if costs[choice] < lowest:
                 lowest = float(costs[choice])
-                left, top, right, foot = boxes[choice].tolist()
-                best = Word(
-                    text, (left, top, right, foot), tuple(points[0].tolist()) if row else None
-                )
+                foot = tuple(points[0].tolist()) if row else None
+                best = Word(text, tuple(boxes[choice].tolist()), foot)
             if lowest < APART * (row + 1):
                 break
         if best is not None:
@@ -154,27 +143,22 @@ class Room:
         offset = ways * np.column_stack([half[0] + sideways, np.full(len(ways), half[1] + away)])
         middle = (feet[:, None, :] + offset).reshape(-1, 2)
         boxes = np.hstack([middle - half, middle + half])
-        free = (boxes[:, :2] >= self.box[:2]).all(axis=1) & (boxes[:, 2:] <= self.box[2:]).all(
-            axis=1
-        )
+        free = ((boxes[:, :2] >= self.box[:2]) & (boxes[:, 2:] <= self.box[2:])).all(axis=1)
         if self.taken:
             placed = np.array(self.taken)
             clear = (boxes[:, None, :2] >= placed[:, 2:]) | (boxes[:, None, 2:] <= placed[:, :2])
-            free &= np.logical_and.reduce(np.logical_or.reduce(clear, axis=2), axis=1)
-        covered = self._covered(middle - half / GROWTH, middle + half / GROWTH)
-        return np.where(free, covered, np.inf), boxes
+            free &= clear.any(axis=2).all(axis=1)
 
-    def _covered(self, first: FloatArray, last: FloatArray) -> FloatArray:
-        """Return (boxes,) numbers of points of curves between corners (boxes, 2), to a mesh."""
-        size = np.array(self.before.shape) - 1
+        # Points of curves between two corners, to a mesh.
+        before = self.before
         (x0, y0), (x1, y1) = (
-            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T
-            for corner in (first, last)
+            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, np.array(before.shape) - 1)
+            .astype(np.int64)
+            .T
+            for corner in (middle - half / GROWTH, middle + half / GROWTH)
         )
-        count = (
-            self.before[x1, y1] - self.before[x0, y1] - self.before[x1, y0] + self.before[x0, y0]
-        )
-        return np.asarray(count)
+        covered = before[x1, y1] - before[x0, y1] - before[x1, y0] + before[x0, y0]
+        return np.where(free, covered, np.inf), boxes
 
 
 SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")
