@@ -46,7 +46,6 @@ REPORTS = {
             "@tooth forces",
             "closing:steps",
             "closing:sources",
-            "sources_used",
             "closing:input_file",
         ),
         "report",

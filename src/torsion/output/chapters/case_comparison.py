@@ -61,11 +61,7 @@ class Row:
 
     checks: Mapping[str, Check]  # by name of the case
     worst: str  # name of the case
-
-    @property
-    def check(self) -> Check:
-        """The check of the worst case."""
-        return self.checks[self.worst]
+    check: Check  # of the worst case
 
 
 def side_by_side(cases: Cases) -> list[Row]:
@@ -80,7 +76,8 @@ def side_by_side(cases: Cases) -> list[Row]:
     rows = []
     for checks in by_key.values():
         names = [name for name in checks if cases[name].is_judged] or list(checks)
-        rows.append(Row(checks, min(names, key=lambda name: check_words.rank(checks[name]))))
+        worst = min(names, key=lambda name: check_words.rank(checks[name]))
+        rows.append(Row(checks, worst, checks[worst]))
     return sorted(rows, key=lambda row: check_words.rank(row.check))
 
 
@@ -99,16 +96,22 @@ def chapter(findings: Findings) -> Iterator[Block]:
         rows = [(change.what, change.before, change.after) for change in case.changes]
         titles = "< Parameter | < Nominal case | < This case"
         yield table(titles, rows, "Changes of the input by this case")
-    if findings.cases:
-        yield Heading("Cases side by side", at_end=True)
-        yield from _all(findings.each)
-
-
-def _all(cases: Cases) -> Iterator[Block]:
+    if not findings.cases:
+        return
+    cases = findings.each
+    yield Heading("Cases side by side", at_end=True)
     yield from _checks(cases)
-    yield from _barred(cases)
-    yield from _frequencies(cases)
-    yield from _loads(cases)
+    answered = {name: case for name, case in cases.items() if case.is_answered}
+    bands = [(name, *band) for name, case in answered.items() for band in barred_rpm(case)]
+    if bands:
+        titles = "< Case -> | From [=rpm] -> from rpm | To [=rpm] -> to rpm"
+        yield table(titles, bands, title := "Cases: barred ranges", short=title)
+    modes = [(modes, name) for name, case in cases.items() if (modes := case.get(Modes))]
+    if count := max((len(case_modes.frequency) for case_modes, _ in modes), default=0):
+        columns = (f"frequency@{k}: Mode {k} [Hz]:7" for k in range(1, min(count, MOST_MODES) + 1))
+        titles = " | ".join(["< Case", *columns])
+        yield table(titles, modes, "Natural frequencies of the cases")
+    yield from _loads(answered)
     changes = [
         (name, change.what, change.before, change.after)
         for name, case in cases.items()
@@ -169,34 +172,11 @@ def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def _barred(cases: Cases) -> Iterator[Table]:
-    """Yield the barred ranges of every case; nothing where there is none."""
-    rows = [
-        (name, *band)
-        for name, case in cases.items()
-        for band in (barred_rpm(case) if case.is_answered else ())
-    ]
-    if rows:
-        titles = "< Case -> | From [=rpm] -> from rpm | To [=rpm] -> to rpm"
-        caption = "Cases: barred ranges"
-        yield table(titles, rows, caption, short=caption)
-
-
-def _frequencies(cases: Cases) -> Iterator[Table]:
-    """Yield natural frequencies, one row a case; nothing where no case has any."""
-    rows = [(modes, name) for name, case in cases.items() if (modes := case.get(Modes))]
-    count = max((len(modes.frequency) for modes, _ in rows), default=0)
-    shown = range(1, min(count, MOST_MODES) + 1)
-    if count:
-        titles = "< Case" + "".join(f" | frequency@{k}: Mode {k} [Hz]:7" for k in shown)
-        yield table(titles, rows, "Natural frequencies of the cases")
-
-
 def _loads(cases: Cases) -> Iterator[Figure]:
-    """Yield the most stressed shaft in every case; without shafts the component with the largest torque."""
+    """Yield the most stressed shaft in every answered case; without shafts the component with the largest torque."""
     from torsion.output.chapters.component_loads import stress_curves
 
-    answered = {name: case for name, case in cases.items() if case.is_answered and responds(case)}
+    answered = {name: case for name, case in cases.items() if responds(case)}
     loads = [case.need(ComponentLoads) for case in answered.values()]
     shafts = [shaft for case in loads for shaft in case.shafts]
     parts = [part for case in loads for part in case.elements]

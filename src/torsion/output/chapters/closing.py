@@ -16,7 +16,7 @@ from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, 
 from torsion.output.check_words import basis
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
 from torsion.output.numbers import number, order, rpm, symbols
-from torsion.output.reported_values import reference, speed_range
+from torsion.output.reported_values import speed_range
 from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
@@ -31,9 +31,33 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Conclusion and proposed measurements")
     yield from conclusion(findings)
-    if response is not None and response.lines:
-        yield Paragraph("Measurements on the plant that would confirm the calculation:")
-        yield Points(tuple(_measurements(findings, response)))
+    if response is None or not response.lines:
+        return
+    yield Paragraph("Measurements on the plant that would confirm the calculation:")
+    # Orders over speed, the torque of the most loaded shaft, the angle where mode 1 is largest.
+    stated = speed_range(findings)
+    ends = f"from {stated}" if stated else "over the speed range"
+    excited = [line.order for line in response.lines[:MOST_LISTED] if line.order is not None]
+    orders = f" ({', '.join(map(order, excited))})" if excited else ""
+    runs = f"Run up and down slowly {ends} (speed of {findings.study.reference})"
+    runs += f" and at steps of constant speed. Analyse the orders{orders} and the natural frequencies."
+    points = [runs]
+    loads = findings.get(ComponentLoads)
+    shafts = () if loads is None else loads.shafts
+    shaft = max(shafts, key=lambda shaft: shaft.stress or 0.0, default=None)
+    if shaft is not None and shaft.stress:
+        peak = f"the largest amplitude is expected at {rpm(shaft.speed)} rpm"
+        points.append(f"Torque by strain gauges with telemetry on {shaft.shaft}; {peak}.")
+    modes, stations = findings.get(Modes), findings.study.train.stations
+    if modes is not None and len(modes.frequency):
+        angle = modes.shape[: len(stations), 0] / findings.system.speed_ratio[: len(stations)]
+        name = stations[int(np.argmax(np.abs(angle)))].name
+        lowest = ", ".join(number(f, 4) for f in modes.frequency[:3].tolist())
+        compare = f"Compare the measured natural frequencies with {lowest} Hz. If they differ by more than 5 %, "
+        compare += "correct the input data and repeat the calculation."
+        where = f"at {name}, where mode 1 has its largest amplitude."
+        points += [f"Angular vibration by encoder or laser {where}", compare]
+    yield Points(tuple(points))
 
 
 def conclusion(findings: Findings) -> Iterator[Block]:
@@ -45,36 +69,6 @@ def conclusion(findings: Findings) -> Iterator[Block]:
         yield Points(sentences)
 
 
-def _measurements(findings: Findings, response: Response) -> Iterator[str]:
-    """Yield what to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 is largest."""
-    stated = speed_range(findings)
-    ends = f"from {stated}" if stated else "over the speed range"
-    orders = ", ".join(
-        order(line.order) for line in response.lines[:MOST_LISTED] if line.order is not None
-    )
-    yield (
-        f"Run up and down slowly {ends} (speed of {reference(findings)}) and at steps of constant speed. Analyse the "
-        f"orders{f' ({orders})' if orders else ''} and the natural frequencies."
-    )
-    loads = findings.get(ComponentLoads)
-    shafts = () if loads is None else loads.shafts
-    if shaft := max(shafts, key=lambda shaft: shaft.stress or 0.0, default=None):
-        peak = f"the largest amplitude is expected at {rpm(shaft.speed)} rpm"
-        if shaft.stress:
-            yield f"Torque by strain gauges with telemetry on {shaft.shaft}; {peak}."
-    modes, stations = findings.get(Modes), findings.study.train.stations
-    if modes is None or len(modes.frequency) == 0:
-        return
-    size = np.abs(modes.shape[: len(stations), 0] / findings.system.speed_ratio[: len(stations)])
-    name = stations[int(np.argmax(size))].name
-    yield f"Angular vibration by encoder or laser at {name}, where mode 1 has its largest amplitude."
-    lowest = ", ".join(number(f, 4) for f in modes.frequency[:3].tolist())
-    yield (
-        f"Compare the measured natural frequencies with {lowest} Hz. If they differ by more than 5 %, correct the "
-        "input data and repeat the calculation."
-    )
-
-
 MOST_CLAUSES = 20  # of a rule
 
 
@@ -84,7 +78,8 @@ def steps(findings: Findings) -> Iterator[Block]:
     yield Heading("Appendix: what was computed")
     yield table(
         "what: < Step | method: < Method | < Size | why: < Reason",
-        [(line, _singular(line.size)) for line in plan.done],
+        # Of what there is one is not said as several: 1 line at 241 speeds, cycle of 1/2 turns.
+        [(line, re.sub(r"(?<![\d.,/])1 (\w+[^s\W])s\b", r"1 \1", line.size)) for line in plan.done],
         "Computed steps",
     )
     if seconds := sum(line.seconds for line in plan.done):
@@ -97,7 +92,7 @@ def steps(findings: Findings) -> Iterator[Block]:
 
 
 def sources(findings: Findings) -> Iterator[Block]:
-    """Appendix: the rules that judged, their clauses and the basis of their limits."""
+    """Appendix: the rules that judged, their clauses and the basis of their limits, and the literature of formulas."""
     checks: dict[tuple[str, str], list[Check]] = {}
     for check in findings.need(Checks).lines:
         checks.setdefault((check.rule, basis(check)), []).append(check)
@@ -112,15 +107,15 @@ def sources(findings: Findings) -> Iterator[Block]:
             rows,
             "Rules used by this run and the basis of their limits",
         )
-
-
-def _singular(size: str) -> str:
-    """A size of the plan, of which a single one is not said as several.
-
-    >>> _singular("1 lines at 241 speeds, cycle of 1/2 turns")
-    '1 line at 241 speeds, cycle of 1/2 turns'
-    """
-    return re.sub(r"(?<![\d.,/])1 (\w+[^s\W])s\b", r"1 \1", size)
+    # The rules are in that table; the editions of the rules are not repeated here.
+    literature = [
+        ", ".join((used.words, *used.where)) + ("" if used.compared else ", edition not confirmed")
+        for used in findings.plan.sources
+        if not used.is_rule
+    ]
+    if literature:
+        words = "; ".join(literature)
+        yield Paragraph(f"Sources of the formulas used in this calculation: {words}.")
 
 
 def input_file(findings: Findings) -> Iterator[Block]:
@@ -132,10 +127,9 @@ def input_file(findings: Findings) -> Iterator[Block]:
     files = [folder / file for file in (*pressure_files(study), *signal_files(study))]
     named = study.shown_file or "Input"
     sums = [(f"{named} with its tables" if study.tables else named, checksum(study) or "")]
-    sums += [
-        (without_controls(file), _sha256(file))
-        for file in (*dict.fromkeys(meshes), *map(str, files))
-    ]
+    for file in (*dict.fromkeys(meshes), *map(str, files)):
+        content = read_file(file, LARGEST_SIGNAL)
+        sums.append((without_controls(file), hashlib.sha256(content).hexdigest()))
     yield Heading("Appendix: the input as read")
     yield Paragraph("The report was computed from these files. SHA-256:")
     yield KeyValues(tuple(sums))
@@ -143,7 +137,3 @@ def input_file(findings: Findings) -> Iterator[Block]:
     for name, table_text in study.tables:
         yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
         yield Verbatim(table_text)
-
-
-def _sha256(file: str) -> str:
-    return hashlib.sha256(read_file(file, LARGEST_SIGNAL)).hexdigest()

@@ -1,7 +1,8 @@
 """Chapters: what the response over speed means for shafts (stress), gear meshes and couplings (torque, heat)."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,7 +35,7 @@ from torsion.output.reported_values import (
     responds,
     synthesis,
 )
-from torsion.output.scene import Element, elements, highest, torques
+from torsion.output.scene import elements, highest, torques
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
@@ -86,9 +87,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
             )
             value = f"{number(load.stress * PA)} N/mm² at {rpm(load.speed)} rpm"
             yield Paragraph(f"{words}: {value}.")
-    for name in (name for name in curves if name in drawn):
-        figure = _stress_figure(findings, name, curves[name])
-        yield of_torsion(findings, figure)
+    yield from (_stress_figure(findings, name, curves[name]) for name in curves if name in drawn)
 
 
 def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
@@ -110,14 +109,10 @@ def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
         for words, values, pen in given
         if values is not None and np.any(np.isfinite(values))
     )
-    ranges = tuple(
-        (band.lower * RPM, band.upper * RPM) for band in barred(findings) if band.shaft == name
-    )
-    x, levels, behind = (
-        span(SPEED, speed),
-        rated_level(rated_rpm(findings)),
-        barred_bands(ranges) + bands,
-    )
+    own_bands = (band for band in barred(findings) if band.shaft == name)
+    ranges = tuple((band.lower * RPM, band.upper * RPM) for band in own_bands)
+    x, levels = span(SPEED, speed), rated_level(rated_rpm(findings))
+    behind = barred_bands(ranges) + bands
     lowest = min((float(np.nanmin(line.y)) for line in limits), default=0.0)
     y = amplitudes(*STRESS, [total.y], [highest(line.y) for line in limits])
     panels = [Panel(x, y, stresses + limits, levels, behind)]
@@ -127,8 +122,9 @@ def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
             Panel(x, both, (total, *limits), levels, behind, height=75.0),
             Panel(x, y, stresses, levels, behind, height=105.0),
         ]
-    name_of_figure = f"stress-{findings.study.train.position(name)}"
-    return Figure(name_of_figure, f"Vibratory shear stress of {name}", tuple(panels))
+    figure_name = f"stress-{findings.study.train.position(name)}"
+    figure = Figure(figure_name, f"Vibratory shear stress of {name}", tuple(panels))
+    return of_torsion(findings, figure)
 
 
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
@@ -138,16 +134,15 @@ def stress_curves(findings: Findings, bar: Bar) -> Curves:
     orders = stress_of(bar, findings.system, np.abs(response.torque)) * PA
     orders = np.where(response.status == Status.OK, orders, np.nan)
     stress = np.where(response.unreliable, np.nan, stress)
+    curves = Curves(response.speed, stress, orders)
     if findings.study.rules:
         from torsion.rules import shaft_stress
 
-        try:
+        with suppress(KeyError):
             rule, shaft = shaft_stress.judging(findings, bar.name)
-        except KeyError:
-            return Curves(response.speed, stress, orders)
-        limits = shaft_stress.limits_of(findings, shaft)
-        return Curves(response.speed, stress, orders, limits.tau_c, limits.tau_t, rule.title)
-    return Curves(response.speed, stress, orders)
+            limits = shaft_stress.limits_of(findings, shaft)
+            return replace(curves, continuous=limits.tau_c, transient=limits.tau_t, rule=rule.title)
+    return curves
 
 
 def gears(findings: Findings) -> Iterator[Block]:
@@ -168,40 +163,36 @@ def gears(findings: Findings) -> Iterator[Block]:
         f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if mesh.reversal else "" for mesh in loads.meshes],
     )
-    limits = {
-        check.where: check.limit
+    limits_by_mesh = {
+        check.where: [check.limit]
         for check in reversed(findings.need(Checks).lines)
         if check.rule == "gear-hammer" and check.unit == "N m" and np.isfinite(check.limit)
     }
-    for mesh in (mesh for mesh in elements(findings.system) if mesh.kind == "gear"):
-        yield of_torsion(findings, _gear_figure(findings, mesh, limits.get(mesh.name)))
-
-
-def _gear_figure(findings: Findings, mesh: Element, limit: float | None) -> Figure:
-    """Draw vibratory and mean torque in one gear mesh; limit: N m."""
-    response, torque = findings.need(Response), synthesis(findings, mesh.spans)
-    speed, has_mean = response.speed * RPM, findings.get(Steady) is not None
-    mean = np.abs(response.mean[:, mesh.spans[0]])
-    unit = torques([torque, mean] if has_mean else [torque])
+    response = findings.need(Response)
+    speed = response.speed * RPM
     hidden, bands = unanswered(speed, response.unreliable)
-    total, mean = np.where(hidden, np.nan, torque * unit.factor), mean * unit.factor
-    lines = [Line(TOTAL, speed, total, "synthesis")]
-    if has_mean:
-        lines.append(Line("mean torque", speed, mean, 0))
-        over = np.where(total > mean, total, np.nan)
-        if np.isfinite(over).any():
-            lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
-    limits = [] if limit is None else [limit * unit.factor]
-    levels = [Level("limit of the vibratory torque", value, is_reached=True) for value in limits]
-    panel = Panel(
-        span(SPEED, speed),
-        amplitudes("mesh torque", unit.unit, [total], limits),
-        tuple(lines),
-        (*levels, *rated_level(rated_rpm(findings))),
-        barred_bands(barred_rpm(findings)) + bands,
-    )
-    name = f"gear-{mesh.part}-{mesh.spans[0]}"
-    return Figure(name, f"Vibratory and mean torque in {mesh.name}", (panel,))
+    for mesh in (mesh for mesh in elements(findings.system) if mesh.kind == "gear"):
+        torque, mean = synthesis(findings, mesh.spans), np.abs(response.mean[:, mesh.spans[0]])
+        unit = torques([torque, mean] if has_mean else [torque])
+        total, mean = np.where(hidden, np.nan, torque * unit.factor), mean * unit.factor
+        lines = [Line(TOTAL, speed, total, "synthesis")]
+        if has_mean:
+            lines.append(Line("mean torque", speed, mean, 0))
+            over = np.where(total > mean, total, np.nan)
+            if np.isfinite(over).any():
+                lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
+        limits = [limit * unit.factor for limit in limits_by_mesh.get(mesh.name, ())]
+        words = "limit of the vibratory torque"
+        levels = [Level(words, limit, is_reached=True) for limit in limits]
+        panel = Panel(
+            span(SPEED, speed),
+            amplitudes("mesh torque", unit.unit, [total], limits),
+            tuple(lines),
+            (*levels, *rated_level(rated_rpm(findings))),
+            barred_bands(barred_rpm(findings)) + bands,
+        )
+        name, caption = f"gear-{mesh.part}-{mesh.spans[0]}", "Vibratory and mean torque in "
+        yield of_torsion(findings, Figure(name, caption + mesh.name, (panel,)))
 
 
 def couplings(findings: Findings) -> Iterator[Block]:

@@ -6,19 +6,19 @@ from itertools import chain
 
 import numpy as np
 
-from torsion.analyses.modes.coupling_tables import CouplingTables, Table
+from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
 from torsion.analyses.response.pendulums import Pendulums
-from torsion.analyses.response.vibratory_couplings import VibratoryTorque, VibratoryTorques
+from torsion.analyses.response.vibratory_couplings import VibratoryTorques
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.curves import SPEED
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel
-from torsion.output.numbers import RPM, Scale, number, rpm, scale
-from torsion.output.records import along
+from torsion.output.numbers import RPM, number, rpm, scale
+from torsion.output.records import Place, along
 
 LINEAR = "Stiffness k and loss factor η are interpolated linearly between the points of a table."
 BEYOND = {True: "constant outside the table", False: "not computed outside the table"}
@@ -111,7 +111,17 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
         x = Axis(axis.quantity, axis.unit, float(at[0]) - room, float(at[-1]) + room)
         curve = Line("stiffness", at, law.stiffness * unit.factor, symbol="box")
         upper = Axis("stiffness", unit.unit, low=0.0)
-        panels = [Panel(x, upper, (curve,), marks=_modes_of(result, law, unit))]
+        modes = [
+            mode
+            for mode in result.at_modes
+            if mode.coupling == law.coupling
+            and law.over == "frequency"
+            and at[0] <= mode.frequency <= at[-1]
+        ]
+        words = tuple(f"mode {mode.mode}: {number(mode.frequency)} Hz" for mode in modes)
+        places = np.array([(mode.frequency, mode.stiffness * unit.factor) for mode in modes])
+        marks = (Marks("modes", *places.T, "disc", "natural", words=words),) if modes else ()
+        panels = [Panel(x, upper, (curve,), marks=marks)]
         if law.loss_factor.any():
             lines = (Line("loss factor", at, law.loss_factor, 1, symbol="box"),)
             panels.append(Panel(x, Axis("loss factor", "", low=0.0), lines, height=95.0))
@@ -131,22 +141,6 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
             ],
             "Couplings and dampers with tables: values at the modes",
         )
-
-
-def _modes_of(result: CouplingTables, law: Table, unit: Scale) -> tuple[Marks, ...]:
-    """Return the modes on the curve of a table over frequency; nothing where there is none."""
-    modes = [
-        mode
-        for mode in result.at_modes
-        if mode.coupling == law.coupling
-        and law.over == "frequency"
-        and law.at[0] <= mode.frequency <= law.at[-1]
-    ]
-    if not modes:
-        return ()
-    x, y = np.array([(mode.frequency, mode.stiffness * unit.factor) for mode in modes]).T
-    words = tuple(f"mode {mode.mode}: {number(mode.frequency)} Hz" for mode in modes)
-    return (Marks("modes", x, y, "disc", "natural", words=words),)
 
 
 def frequencies(findings: Findings) -> Iterator[Block]:
@@ -208,19 +202,22 @@ def vibratory_torques(findings: Findings) -> Iterator[Block]:
     couplings = findings.need(VibratoryTorques).each
     yield Heading("Couplings with a table over vibratory torque")
     yield Paragraph(VIBRATING)
+    rows = list[Place]()
     for coupling in couplings:
-        if lost := int(np.count_nonzero(~coupling.settled)):
-            text = f"{coupling.coupling}: {lost} of {coupling.speed.size} speeds did not converge."
+        count, lost = coupling.speed.size, np.flatnonzero(~coupling.settled)
+        if lost.size:
+            text = f"{coupling.coupling}: {lost.size} of {count} speeds did not converge."
             yield Paragraph(text, "note")
+        # Speeds through the range, the worst, the ends of those with several solutions, the first without any.
+        through = np.linspace(0, count - 1, min(MOST_VIBRATING, count)).round().astype(int)
+        several, worst = np.flatnonzero(coupling.number > 1), int(np.argmax(coupling.torque))
+        chosen = {*through.tolist(), *several[[0, -1] if several.size else []].tolist(), worst}
+        rows += along(coupling, "speed", sorted(chosen | set(lost[:1].tolist())))
     yield table(
         "coupling: < Coupling -> | speed: Speed [rpm] -> rpm | torque: T [~N m] -> T | "
         "number: Solutions -> solutions | smallest: Smallest [~N m] | stiffness: k own [N m/rad]:7 -> k | "
         "loss_factor: Loss factor η -> η | residual: Residual:2 | rounds: Rounds | settled: Converged",
-        [
-            place
-            for coupling in couplings
-            for place in along(coupling, "speed", _telling_speeds(coupling))
-        ],
+        rows,
         "Couplings with a table over vibratory torque, at the worst speeds and over the range",
         short="Couplings with a table over vibratory torque",
     )
@@ -242,15 +239,6 @@ def vibratory_torques(findings: Findings) -> Iterator[Block]:
                 Panel(SPEED, Axis("stiffness", stiffness.unit, low=0.0), (curve,)),
             ),
         )
-
-
-def _telling_speeds(coupling: VibratoryTorque) -> list[int]:
-    """Return speeds through the range, the worst, the ends of those with several solutions, the first without any."""
-    count = coupling.speed.size
-    through = np.linspace(0, count - 1, min(MOST_VIBRATING, count)).round().astype(int)
-    several, lost = np.flatnonzero(coupling.number > 1), np.flatnonzero(~coupling.settled)
-    marked = [*through, *several[:1], *several[-1:], *lost[:1], int(np.argmax(coupling.torque))]
-    return sorted({int(k) for k in marked})
 
 
 DAMPERS = (
@@ -341,42 +329,32 @@ def nonlinear_at_peaks(findings: Findings) -> Iterator[Block]:
     yield table(TITLES, peaks.each, "Torque amplitudes at the peaks", short=title)
     for name in dict.fromkeys(peak.coupling for peak in peaks.each):
         peaks_of_coupling = [peak for peak in peaks.each if peak.coupling == name]
-        notes = [
-            *_ranges(peaks_of_coupling[0]),
-            *chain.from_iterable(map(_notes, peaks_of_coupling)),
-        ]
+        notes, peak = list[str](), peaks_of_coupling[0]
+        # Where its play opens, and where there are several solutions.
+        if peak.opens_from is not None and peak.opens_to is not None:
+            where = f"between {rpm(peak.opens_from)} and {rpm(peak.opens_to)} rpm"
+            where = f"at {rpm(peak.opens_from)} rpm" if peak.opens_from == peak.opens_to else where
+            notes.append(f"the backlash opens {where}: the faces separate and hammer.")
+        if peak.several_from is not None and peak.several_to is not None:
+            notes.append(
+                f"Between {rpm(peak.several_from)} and {rpm(peak.several_to)} rpm the response has several solutions, "
+                "and the amplitude can jump between them. The report shows the largest."
+            )
+        notes += chain.from_iterable(map(_notes, peaks_of_coupling))
         if notes:
             yield Paragraph(f"{name}: {' '.join(notes)}", "note")
 
 
-def _ranges(peak: NonlinearPeak) -> Iterator[str]:
-    """Where its play opens, and where there are several solutions."""
-    if peak.opens_from is not None and peak.opens_to is not None:
-        where = f"between {rpm(peak.opens_from)} and {rpm(peak.opens_to)} rpm"
-        where = f"at {rpm(peak.opens_from)} rpm" if peak.opens_from == peak.opens_to else where
-        yield f"the backlash opens {where}: the faces separate and hammer."
-    if peak.several_from is not None and peak.several_to is not None:
-        yield (
-            f"Between {rpm(peak.several_from)} and {rpm(peak.several_to)} rpm the response has several solutions, and "
-            "the amplitude can jump between them. The report shows the largest."
-        )
-
-
 def _notes(peak: NonlinearPeak) -> Iterator[str]:
     """What a reader must know of a comparison."""
-    speed_words = f"At {rpm(peak.speed)} rpm"
+    at_speed, remedy = f"At {rpm(peak.speed)} rpm", "Compute the transient response at this speed."
     if peak.from_rest is not None:
-        yield f"{speed_words} the exact motion that starts without vibration reaches {number(peak.from_rest)} N m."
+        yield f"{at_speed} the exact motion that starts without vibration reaches {number(peak.from_rest)} N m."
     if not peak.ended:
-        yield (
-            f"{speed_words} the exact motion needs too much computing time. Compute the transient response at this speed."
-        )
+        yield f"{at_speed} the exact motion needs too much computing time. {remedy}"
     elif peak.exact is None:
-        yield (
-            f"{speed_words} the motion that starts from the response does not settle. Compute the transient "
-            "response at this speed."
-        )
+        yield f"{at_speed} the motion that starts from the response does not settle. {remedy}"
     elif peak.difference is not None and abs(peak.difference) > DIFFERS:
-        text = f"{speed_words} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
+        text = f"{at_speed} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
         leaves = peak.solutions > 1 and peak.response > peak.exact
         yield text + (", which leaves the largest solution." if leaves else ".")

@@ -47,7 +47,23 @@ def engines(findings: Findings) -> Iterator[Block]:
     result = findings.get(Engines)
 
     def engine_blocks(engine: EngineFound, number_of_machine: int) -> Iterator[Block]:
-        yield KeyValues(tuple(_engine_sheet(engine)))
+        pairs = [("Engine", engine.name), *engine.words, ("Gas torque", engine.gas_words)]
+        pairs.append(("Mechanical efficiency", f"{given(100 * engine.efficiency)} %"))
+        if engine.inertia:
+            what = "Mean inertia of the moving masses of a cylinder"
+            pairs.append((what, f"{given(engine.inertia)} kg m²"))
+        if engine.stress_modulus is not None:
+            modulus = f"{given(engine.stress_modulus * 1e9)} mm³"
+            pairs.append(("Minimum section modulus of journal and pin", modulus))
+        pairs += _balance(
+            engine,
+            ("Mean torque", engine.mean_torque, "N m"),
+            ("Mean torque with equal firing of all cylinders", engine.balanced_torque, "N m"),
+            ("Mean gas torque of a firing cylinder", engine.gas_mean, "N m"),
+            ("Indicated mean effective pressure", engine.imep, "bar"),
+            ("Indicated mean effective pressure of the gas data", engine.stated, "bar"),
+        )
+        yield KeyValues(tuple(pairs))
         yield table(
             "number: < Cylinder | station: < Throw | firing: Fires at [deg]:g | state: < State | "
             "share: Heat input / balanced cylinder [%]",
@@ -134,26 +150,6 @@ def _balance(
         if value is not None:
             size = value * BAR if unit == "bar" else value
             yield name + _at_speed(machine), f"{number(size)} {unit}"
-
-
-def _engine_sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:
-    yield "Engine", engine.name
-    yield from engine.words
-    yield "Gas torque", engine.gas_words
-    yield "Mechanical efficiency", f"{given(100 * engine.efficiency)} %"
-    if engine.inertia:
-        yield "Mean inertia of the moving masses of a cylinder", f"{given(engine.inertia)} kg m²"
-    if engine.stress_modulus is not None:
-        modulus = f"{given(engine.stress_modulus * 1e9)} mm³"
-        yield "Minimum section modulus of journal and pin", modulus
-    yield from _balance(
-        engine,
-        ("Mean torque", engine.mean_torque, "N m"),
-        ("Mean torque with equal firing of all cylinders", engine.balanced_torque, "N m"),
-        ("Mean gas torque of a firing cylinder", engine.gas_mean, "N m"),
-        ("Indicated mean effective pressure", engine.imep, "bar"),
-        ("Indicated mean effective pressure of the gas data", engine.stated, "bar"),
-    )
 
 
 def _cycle(engine: EngineFound, number_of_machine: int) -> Figure:
@@ -284,23 +280,14 @@ def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> I
             f"Ends of the cylinders of {compressor.name}; absolute pressures; positive imep: the gas absorbs work",
         )
         yield _operation_note(compressor)
-        lines = tuple(
-            Line(
-                f"throw {throw.number}, {end.end}",
-                np.degrees(end.angle),
-                end.pressure * BAR,
-                pen,
-                weight=1.5,
-            )
-            for pen, (throw, end) in enumerate(ends)
-        )
+        lines = []
+        for pen, (throw, end) in enumerate(ends):
+            angle, words = np.degrees(end.angle), f"throw {throw.number}, {end.end}"
+            lines.append(Line(words, angle, end.pressure * BAR, pen, weight=1.5))
         x = Axis("crank angle from the dead centre of the head end", "deg")
-        panel = Panel(span(x, np.concatenate([line.x for line in lines])), PRESSURE, lines)
-        name, caption = (
-            f"compressor-{number_of_machine}-pressure",
-            f"Pressures of {compressor.name}",
-        )
-        yield Figure(name, caption, (panel,))
+        panel = Panel(span(x, np.concatenate([line.x for line in lines])), PRESSURE, tuple(lines))
+        caption = f"Pressures of {compressor.name}"
+        yield Figure(f"compressor-{number_of_machine}-pressure", caption, (panel,))
     yield _effort(compressor, number_of_machine)
     yield table(
         "number: Throw | order: Order | gas: Gas [N m]:s | masses: Masses [N m]:s | total: Both [N m]:s | "

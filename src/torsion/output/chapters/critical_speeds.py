@@ -7,13 +7,20 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
+from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.figures.curves import MOST_LINES, SPEED, barred_bands, met, rated_level
+from torsion.output.figures.curves import (
+    MOST_LINES,
+    SPEED,
+    Crossing,
+    barred_bands,
+    met,
+    rated_level,
+)
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Panel
 from torsion.output.numbers import RPM, counted, number, order, rpm
 from torsion.output.reported_values import (
@@ -48,7 +55,24 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"{counted(len(crossings), 'critical speed')}."
     )
     if inside:
-        yield _in_range(findings, inside)
+        inside = sorted(inside, key=lambda crossing: crossing.speed)
+        names = [crossing.line.named(reference(findings)) for crossing in inside]
+        lowest = [
+            f"{rpm(crossing.speed)} rpm ({name}, mode {crossing.mode})"
+            for crossing, name in zip(inside[:MOST_IN_SUMMARY], names, strict=False)
+        ]
+        if len(inside) > MOST_IN_SUMMARY:
+            lowest[-1] += f", and {len(inside) - MOST_IN_SUMMARY} more"
+        omitted = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
+        margin = "margin: Distance from rated [%]:3 | " * (rated_rpm(findings) is not None)
+        yield table(
+            "speed: Critical speed [rpm] -> rpm | order: Order:o -> | mode: Mode -> | frequency: Frequency [Hz] | "
+            f"{margin}< Excited by ->",
+            list(zip(inside[:MOST_ROWS], names, strict=False)),
+            IN_RANGE + omitted,
+            short=IN_RANGE,
+            summary=f"{IN_RANGE}: {', '.join(lowest)}",
+        )
 
     # Orders that meet a mode in the range come first, then the lowest.
     met_inside, orders = ({crossing.order for crossing in some} for some in (inside, crossings))
@@ -87,21 +111,20 @@ def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Frac
         words = order(value)
         hertz = float(value) * end / 60.0
         lines.append(Line(f"order {words}", end, hertz, pen, words, label_at="end"))
-    points = [
-        (
-            crossing.speed * RPM,
-            crossing.frequency,
-            crossing.is_inside,
-            _point_words(crossing, rated_rpm(findings)),
-        )
-        for crossing in crossings
-        if crossing.is_inside or crossing.order in orders
-    ]
+    points, rated = list[Crossing](), rated_rpm(findings)
+    for crossing in crossings:
+        if crossing.is_inside or crossing.order in orders:
+            words = f"critical speed {rpm(crossing.speed)} rpm: order {order(crossing.order)} excites mode "
+            words += f"{crossing.mode} at {number(crossing.frequency)} Hz"
+            if rated and crossing.margin is not None:
+                words += f", {number(100 * crossing.margin, 3)} % from rated"
+            place = crossing.speed * RPM, crossing.frequency
+            points.append((*place, crossing.is_inside, words))
     panel = Panel(
         replace(SPEED, low=0.0, high=right),
         Axis("frequency", "Hz", low=0.0, high=top),
         tuple(lines),
-        (*modes, *rated_level(rated_rpm(findings))),
+        (*modes, *rated_level(rated)),
         (*bands, *barred_bands(barred_rpm(findings))),
         tuple(met(points, right, top)),
         height=210.0,
@@ -141,35 +164,4 @@ def matrix(findings: Findings) -> Iterator[Table]:
             for value, line in sorted(lines.items())
         ],
         f"Critical speeds, order by mode; the speed range is {speed_range(findings)}",
-    )
-
-
-def _point_words(crossing: CriticalSpeed, rated: float | None) -> str:
-    """Return the words of a point of the Campbell diagram, with its distance from the rated speed, if there is one."""
-    words = f"critical speed {rpm(crossing.speed)} rpm: order {order(crossing.order)} excites mode {crossing.mode}"
-    words += f" at {number(crossing.frequency)} Hz"
-    if rated and crossing.margin is not None:
-        words += f", {number(100 * crossing.margin, 3)} % from rated"
-    return words
-
-
-def _in_range(findings: Findings, inside: list[CriticalSpeed]) -> Table:
-    """Return the critical speeds in the range, and how far they lie from the rated speed."""
-    inside = sorted(inside, key=lambda crossing: crossing.speed)
-    names = [crossing.line.named(reference(findings)) for crossing in inside]
-    lowest = [
-        f"{rpm(crossing.speed)} rpm ({name}, mode {crossing.mode})"
-        for crossing, name in zip(inside[:MOST_IN_SUMMARY], names, strict=False)
-    ]
-    if len(inside) > MOST_IN_SUMMARY:
-        lowest[-1] += f", and {len(inside) - MOST_IN_SUMMARY} more"
-    omitted = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
-    margin = "margin: Distance from rated [%]:3 | " * (rated_rpm(findings) is not None)
-    return table(
-        "speed: Critical speed [rpm] -> rpm | order: Order:o -> | mode: Mode -> | frequency: Frequency [Hz] | "
-        f"{margin}< Excited by ->",
-        list(zip(inside[:MOST_ROWS], names, strict=False)),
-        IN_RANGE + omitted,
-        short=IN_RANGE,
-        summary=f"{IN_RANGE}: {', '.join(lowest)}",
     )

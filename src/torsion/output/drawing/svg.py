@@ -38,7 +38,7 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
     left = max((margin(plot, vertical(plot)) for plot in figure.plots), default=0.0)
     beyond = max((_frame(plot, left, 0.0).beyond for plot in figure.plots), default=0.0)
     left += min(beyond, WIDTH / 3.0)
-    for panel, below in zip(figure.panels, (*figure.panels[1:], None), strict=True):
+    for panel, below in zip(figure.panels, (*figure.panels[1:], None), strict=False):
         if isinstance(panel, Panel):
             frames.append(frame := _frame(panel, left, foot))
             # The next plot has the numbers of an axis that is the same.

@@ -15,12 +15,15 @@ GROWTH = (
     1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
 )
 # Adobe, Helvetica AFM (1990): widths of the signs 32 to 126 in 1/1000 of the size
-WIDTHS = """
+WIDTHS = re.findall(
+    r"\d+",
+    """
     278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556
     556 556 278 278 584 584 584 556 1015 667 667 722 722 667 611 778 722 278 500 667 556 833 722 778
     667 778 722 667 611 722 667 944 667 667 611 278 278 278 469 556 333 556 556 500 556 556 278 556
     556 222 222 500 222 833 556 556 556 556 333 500 278 556 500 722 500 500 500 334 260 334 584
-""".split()
+""",
+)
 SUPERSCRIPTS, LATIN = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", 0x0500  # signs behind the second are as wide as high
 DIRECTIONS = (
     (0, -1),
