@@ -9,11 +9,12 @@ import pytest
 from tests.contracts.frozen import solved
 
 import torsion
-from torsion.output.blocks import Table
+from torsion.output.blocks import Table, table
 from torsion.output.chapters import chapters
 from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import document
-from torsion.output.table_text import figures, one_line
+from torsion.output.numbers import number
+from torsion.output.table_text import figures, one_line, table_text
 from torsion.output.write import write
 
 TEXT = """
@@ -34,15 +35,15 @@ def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> No
         assert sorted(files.namelist()) == sorted(
             f"{name.lower().replace(' ', '-')}.csv" for name in stated
         )
-        for name, table in stated.items():
+        for name, block in stated.items():
             caption, *lines = (
                 files.read(f"{name.lower().replace(' ', '-')}.csv").decode().splitlines()
             )
-            assert caption == f"# {name}: {table.caption}"
+            assert caption == f"# {name}: {block.caption}"
             head, *rows = csv.reader(lines)
-            assert len(head) == len(table.columns)
-            assert rows == figures(table)
-    inertias = next(table for table in stated.values() if table.caption.startswith("Inertias"))
+            assert len(head) == len(block.columns)
+            assert rows == figures(block)
+    inertias = next(block for block in stated.values() if block.caption.startswith("Inertias"))
     assert (inertias.rows[0][0], figures(inertias)[0][2]) == ("a, b", "1.5e-09")
     assert archive(made) == archive(made)
     write(found, tmp_path)
@@ -60,6 +61,20 @@ def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(
     with zipfile.ZipFile(io.BytesIO(archive(document(found)))) as files:
         written = [files.read(name).decode().splitlines() for name in files.namelist()]
     assert len(tables) == len(written) > 15
-    for table, (caption, _, *lines) in zip(tables, written, strict=True):
-        assert caption.endswith(f": {one_line(table.caption)}")
-        assert list(csv.reader(lines)) == figures(table)
+    for block, (caption, _, *lines) in zip(tables, written, strict=True):
+        assert caption.endswith(f": {one_line(block.caption)}")
+        assert list(csv.reader(lines)) == figures(block)
+
+
+def test_a_number_in_a_column_of_words_is_a_number_of_the_csv_and_no_value_an_empty_cell() -> None:
+    rows = [
+        ("stiffness", number(-9.3381e-19)),
+        ("limit", number(float("inf"))),
+        ("mode", number(None)),
+    ]
+    title, *lines = table_text("Table 1", table("< What | < Value", rows)).splitlines()[1:]
+    cells = [value for _, value in csv.reader(lines)]
+    assert [float(value) for value in cells[:2]] == [-9.3381e-19, float("inf")]
+    assert cells[2] == ""
+    words = [("order", "2 ≈ 2.0000"), ("reason", "none – not requested"), ("phase", "3 ∠ 40°")]
+    assert figures(table("< What | < Value", words)) == [list(row) for row in words]

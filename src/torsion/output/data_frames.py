@@ -39,8 +39,20 @@ def data_frame(result: Any) -> "pandas.DataFrame":
     except ImportError:
         raise ImportError("to_dataframe needs pandas: pip install pandas") from None
 
+    columns: dict[str, Any]
     if isinstance(result, Response | SpanTorque):
-        columns, orders = _over_speed_and_order(result)
+        if isinstance(result, SpanTorque):
+            columns, orders = {"torque_Nm": result.torque}, list(result.orders)
+        else:  # in every component too
+            orders = [line.order for line in result.lines]
+            columns = {
+                quantity.key: getattr(result, quantity.name)
+                for quantity in quantities(Response)
+                if quantity.axes == ("speed", "line")
+            }
+            for element in Selection(result.system).elements:
+                columns[f"torque_Nm of {element.name}"] = result[element.name].torque
+        # Orders are per revolution of the reference; a fixed frequency has none.
         per_revolution = [float("nan") if order is None else float(order) for order in orders]
         index = pandas.MultiIndex.from_product(
             [result.speed * RPM, per_revolution], names=["speed_rpm", "order"]
@@ -68,20 +80,3 @@ def data_frame(result: Any) -> "pandas.DataFrame":
     if axis in ("check", "mode"):
         return frame.set_index(pandas.RangeIndex(1, 1 + len(frame), name=axis))
     return frame.set_index(frame.columns[0])
-
-
-def _over_speed_and_order(result: Response | SpanTorque) -> tuple[dict[str, Any], list[Any]]:
-    """Return values (speeds, orders) by their keys, of a response in every component too, and the orders.
-
-    Orders are per revolution of the reference, None for a fixed frequency.
-    """
-    if isinstance(result, SpanTorque):
-        return {"torque_Nm": result.torque}, list(result.orders)
-    columns = {
-        quantity.key: getattr(result, quantity.name)
-        for quantity in quantities(Response)
-        if quantity.axes == ("speed", "line")
-    }
-    for element in Selection(result.system).elements:
-        columns[f"torque_Nm of {element.name}"] = result[element.name].torque
-    return columns, [line.order for line in result.lines]

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import torsion
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, PageEnd, Paragraph, Table, Value, Verbatim
+from torsion.output.blocks import Block, Heading, PageEnd, Paragraph, Table, Verbatim
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
 from torsion.output.reported_values import operation_words
@@ -30,8 +30,25 @@ Texts = Mapping[str, Callable[[], str]]  # what makes the text of a file, by its
 def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
     """Return a block as the page has it, and the files beside the page that it names; a short block unchanged."""
     if isinstance(block, Table) and len(block.values) > MOST_ROWS and number:
-        name = f"{stem}-{file_name(number)}"
-        return _shorten_table(block, name), {name: partial(table_text, number, block)}
+        # A gap stands in place of omitted rows, and the caption says so.
+        name, count = f"{stem}-{file_name(number)}", len(block.values)
+        failed = [row for row, mark in enumerate(block.marks) if mark in FAILED]
+        kept = {*range(FIRST), *failed[:MOST_ROWS], *range(count - LAST, count)}
+        shown = [row for row in range(count) if row in kept or row - 1 in kept]
+        gap = (GAP,) * len(block.columns)
+        which = f"the first {MOST_ROWS}" if len(failed) > MOST_ROWS else f"all {len(failed)}"
+        caption = f"{block.caption}; the first {FIRST} rows, the last {LAST}"
+        caption += f" and {which} that do not pass" if failed else ""
+        caption += f", {count - len(kept):,} more rows in {name}"
+        if failures := len(set(failed) - kept):
+            caption += f", {failures:,} of them not passed"
+        short = replace(
+            block,
+            values=tuple(block.values[row] if row in kept else gap for row in shown),
+            marks=tuple(block.marks[k] if k in kept else "" for k in shown if block.marks),
+            caption=caption,
+        )
+        return short, {name: partial(table_text, number, block)}
     if isinstance(block, Verbatim):
         lines, signs = block.text.count("\n"), len(block.text)
         if lines > MOST_LINES or signs > MOST_SIGNS:
@@ -39,30 +56,6 @@ def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
             sentence = f"The input is long ({size}): see {name}."
             return Paragraph(sentence), {name: lambda: block.text}
     return block, {}
-
-
-def _shorten_table(table: Table, name: str) -> Table:
-    """Return the rows that are printed, with a gap in place of omitted rows, and a caption that says so."""
-    failed = [row for row, mark in enumerate(table.marks) if mark in FAILED]
-    count = len(table.values)
-    kept = {*range(FIRST), *failed[:MOST_ROWS], *range(count - LAST, count)}
-    values: list[tuple[Value, ...]] = []
-    marks: list[str] = []
-    for row, cells in enumerate(table.values):
-        if row in kept:
-            values.append(cells)
-            marks += table.marks[row : row + 1]
-        elif row - 1 in kept:
-            values.append((GAP,) * len(table.columns))
-            marks += [""] if table.marks else []
-
-    which = f"the first {MOST_ROWS}" if len(failed) > MOST_ROWS else f"all {len(failed)}"
-    rows = f"the first {FIRST} rows, the last {LAST}"
-    rows += f" and {which} that do not pass" if failed else ""
-    caption = f"{table.caption}; {rows}, {count - len(kept):,} more rows in {name}"
-    if failures := len(set(failed) - kept):
-        caption += f", {failures:,} of them not passed"
-    return replace(table, values=tuple(values), marks=tuple(marks), caption=caption)
 
 
 DISCLAIMER = "The results are as accurate as the input data. The report does not replace class approval or measurements."
@@ -168,15 +161,11 @@ def document(
         body.append(Numbered(block, item.number))
         files_beside.update(files)
     name = next(name for name, known_report in REPORTS.items() if known_report is report)
-    return Document(
-        _cover(findings, today, report.title), tuple(body), name, _ending(findings), files_beside
-    )
-
-
-def _ending(findings: Findings) -> Ending:
     done = [line for case in findings.each.values() for line in case.plan.done]
     work = f"{len(done)} steps in {sum(line.seconds for line in done):.2f} s" if done else ""
-    return Ending(findings.exit_status, work, findings.without_answer)
+    ending = Ending(findings.exit_status, work, findings.without_answer)
+    cover = _cover(findings, today, report.title)
+    return Document(cover, tuple(body), name, ending, files_beside)
 
 
 def _cover(findings: Findings, today: date | None, title: str) -> Cover:
@@ -202,9 +191,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         identity=" · ".join([*label, *case]) or study.name,
         origin=f"input SHA-256 {sha[:SHORT]}" if sha else "",
         logo=study.logo,
-        signatures=()
-        if front is None
-        else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
+        signatures=tuple((words, stated.get(key, "")) for key, words in SIGNED.items() if front),
     )
 
 

@@ -1,7 +1,7 @@
 """The verdict in words: headline, worst check, restrictions and the basis of the limits; no other module words it."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from torsion.output.reported_values import (
 )
 from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict, worst_verdict
-from torsion.what_if.sweep.sweep_results import Sweep
+
+if TYPE_CHECKING:
+    from torsion.what_if.sweep.sweep_results import Sweep
 
 Head = tuple[str, str]  # sign, words
 Kind = Literal["pass", "fail", "note"]
@@ -40,14 +42,25 @@ KINDS: Mapping[Verdict, Kind] = {
 
 
 def verdict(findings: Findings) -> Verdict:
-    """Return the worst verdict of the checks, of a comparison, fit or sweep that fails, and of missing answers."""
-    results, sweep = findings.results, findings.get(Sweep)
+    """Return the worst verdict of the checks, of a comparison, fit or sweep that fails, and of missing answers.
+
+    A case that was not solved is not judged.
+    """
+    if not findings.is_answered:
+        return "not judged"
+    results, sweep = findings.results, _sweep(findings)
     if any(getattr(results.get(name), "fails", False) for name in ("check", "fit", "sweep")):
         return "fail"
     worst = worst_verdict(findings.need(Checks).lines)
     if findings.plan.unanswered and WORDS[worst] != "FAIL":
         return "not judged"
     return "restricted" if worst == "pass" and sweep is not None and sweep.is_partial else worst
+
+
+def _sweep(findings: Findings) -> "Sweep | None":
+    """Return the sweep by its name: its class is not loaded where there is none."""
+    sweep: Sweep | None = findings.results.get("sweep")
+    return sweep
 
 
 def headline(findings: Findings) -> tuple[Head, Kind]:
@@ -60,7 +73,7 @@ def _clause(findings: Findings, word: Verdict) -> str:
     """Return why the verdict is what it is."""
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
     first = next((check for check in checks if WORDS[check.verdict] == WORDS[word]), None)
-    sweep = findings.get(Sweep)
+    sweep = _sweep(findings)
     if sweep is not None and (
         (word == "restricted" and sweep.is_partial) or (first is None and sweep.fails)
     ):
@@ -88,13 +101,13 @@ def _clause(findings: Findings, word: Verdict) -> str:
 
 def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
     """Return sign and words of the worst verdict of the judged cases, with the names of the cases that have it."""
-    verdicts = {name: case_verdict(case) for name, case in judged(cases).items()}
+    counted_cases = judged(cases)
     with_rules = {
-        name: verdicts[name]
-        for name, case in judged(cases).items()
+        name: case
+        for name, case in counted_cases.items()
         if case.study.rules or lines_of(case) or not case.is_answered
     }
-    verdicts = with_rules or verdicts
+    verdicts = {name: verdict(case) for name, case in (with_rules or counted_cases).items()}
     worst = next(word for word in WORDS if word in verdicts.values())
     names = [name for name, word in verdicts.items() if WORDS[word] == WORDS[worst]]
     if len(verdicts) == 1:
@@ -103,12 +116,11 @@ def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
         which = f"{_named(names[:MOST_CASES])} ({len(names)} of {len(verdicts)})"
     else:
         which = "both cases" if len(names) == 2 else f"all {len(names)} cases"
-    omitted = "".join(
-        f", without {listed(rules)} in case {name}" for name, rules in omitted_rules(cases).items()
-    )
-    if omitted and worst == "pass":  # one case omits a rule: the file as a whole does not pass it
-        worst = "restricted"
-    return (SIGNS[worst], f"{WORDS[worst]}: {which}{omitted}"), KINDS[worst]
+    for name, rules in omitted_rules(cases).items():
+        which += f", without {listed(rules)} in case {name}"
+        if worst == "pass":  # one case omits a rule: the file as a whole does not pass it
+            worst = "restricted"
+    return (SIGNS[worst], f"{WORDS[worst]}: {which}"), KINDS[worst]
 
 
 def overall_headline(findings: Findings) -> tuple[Head, Kind]:
@@ -130,20 +142,15 @@ def lines_of(findings: Findings) -> tuple[Check, ...]:
     return findings.need(Checks).lines if findings.is_answered else ()
 
 
-def case_verdict(findings: Findings) -> Verdict:
-    """Return the worst verdict of a case; an unsolved case is not judged."""
-    return verdict(findings) if findings.is_answered else "not judged"
-
-
 def omitted_rules(cases: Cases) -> dict[str, tuple[str, ...]]:
     """Return, by judged case, the rules of other cases that it does not name."""
     rules = {name: dict(case.study.rules) for name, case in judged(cases).items()}
     all_rules = dict.fromkeys(rule for named in rules.values() for rule in named)
-    omitted = {
-        name: tuple(rule for rule in all_rules if rule not in named)
+    return {
+        name: tuple(lacking)
         for name, named in rules.items()
+        if (lacking := [rule for rule in all_rules if rule not in named])
     }
-    return {name: lacking for name, lacking in omitted.items() if lacking}
 
 
 def case_name(findings: Findings) -> str:
@@ -158,11 +165,17 @@ def box(findings: Findings) -> Box:
     """
     cases = findings.each if findings.cases else {"": findings}
     solved = {name: case for name, case in judged(cases).items() if case.is_answered}
-    lines = [
-        *worst_line(solved),
-        *_joined("Sweep", solved, _sweep_words),
-        *_design_line(findings),
-        *_engine_line(findings),
+    lines = [*worst_line(solved), *_joined("Sweep", solved, _sweep_words)]
+    if "design" in findings.results:
+        from torsion.output.chapters.design import design_line
+
+        lines += design_line(findings)
+    if any(part.engine is not None for part in findings.study.train.parts):
+        from torsion.output.chapters.crank_machines import states
+
+        if words := listed(states(findings), "; "):
+            lines.append(("Engine state", words))
+    lines += [
         *_joined("Barred ranges", solved, _barred_words),
         *_joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case))),
         *_joined("Not computed", cases, _uncomputed_words),
@@ -229,7 +242,7 @@ def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
 
 def _sweep_words(findings: Findings) -> str:
     """Return how many variants of a sweep fail a check."""
-    sweep = findings.get(Sweep)
+    sweep = _sweep(findings)
     result = None if sweep is None else sweep.any_fails
     if sweep is None or result is None:
         return ""
@@ -252,22 +265,6 @@ def _sweep_words(findings: Findings) -> str:
     if result.failing:
         fail = f"{share} % of the variants fail a check"
     return f"{fail} (95 % CI {low} to {high} %){unsolved}"
-
-
-def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    if "design" in findings.results:
-        from torsion.output.chapters.design import design_line
-
-        yield from design_line(findings)
-
-
-def _engine_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """Yield the state of the engines unless all cylinders fire alike."""
-    if any(part.engine is not None for part in findings.study.train.parts):
-        from torsion.output.chapters.crank_machines import states
-
-        if words := listed(states(findings), "; "):
-            yield "Engine state", words
 
 
 def _barred_words(findings: Findings) -> str:
@@ -335,10 +332,7 @@ def other_restrictions(findings: Findings) -> tuple[str, ...]:
         speeds = response.speed[response.unreliable] * RPM
         # Neighbours form one range.
         groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
-        ranges = [
-            "–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1])))))
-            for group in groups
-        ]
+        ranges = ["–".join(dict.fromkeys(map(number, group[[0, -1]].tolist()))) for group in groups]
         omitted = ""
         if len(ranges) > MOST_LISTED:
             omitted = f" (the first {MOST_LISTED} of {len(ranges)} ranges)"

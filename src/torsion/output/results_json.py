@@ -81,40 +81,29 @@ def _result(value: Any, selection: Selection) -> Any:
         axis = next((axis for axis in declaration.axes if axis in records), None)
         if declaration.record is not None:
             entries = [plain(record, selection) for record in held]
-            entries_by_key[declaration.key] = (
-                [{declaration.record: entry} for entry in entries]
-                if declaration.record
-                else entries
-            )
+            if name := declaration.record:
+                entries = [{name: entry} for entry in entries]
+            entries_by_key[declaration.key] = entries
         elif axis is None or held is None:
-            entries_by_key[declaration.key] = plain(
-                _reduced(held, declaration, declaration.axes, selection), selection
-            )
+            reduced = selection.reduced(held, declaration, declaration.axes)
+            entries_by_key[declaration.key] = plain(reduced, selection)
         else:
-            position, remaining = (
-                declaration.axes.index(axis),
-                tuple(other_axis for other_axis in declaration.axes if other_axis != axis),
-            )
+            position = declaration.axes.index(axis)
+            remaining = declaration.axes[:position] + declaration.axes[position + 1 :]
             for number, entry in enumerate(entries_by_key[records[axis].key]):
-                inside = _reduced(
-                    np.take(held, number, axis=position), declaration, remaining, selection
-                )
-                entry[declaration.key] = plain(inside, selection)
+                inside = np.take(held, number, axis=position)
+                reduced = selection.reduced(inside, declaration, remaining)
+                entry[declaration.key] = plain(reduced, selection)
+    if "" in entries_by_key:
+        return entries_by_key[""]
     printed = {axis for quantity in declared for axis in quantity.printed}
-    positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
-    return (
-        entries_by_key[""]
-        if "" in entries_by_key
-        else {
-            **{LISTED[axis]: held_positions for axis, held_positions in positions.items()},
-            **entries_by_key,
-        }
-    )
+    positions = {LISTED[axis]: selection.positions(axis) for axis in LISTED if axis in printed}
+    return {**positions, **entries_by_key}
 
 
 def shown(value: Any, quantity: Quantity, selection: Selection) -> Any:
     """Return a quantity as every output shows it: reduced to what is reported, NaN where it is not known."""
-    return _reduced(_known(value, quantity), quantity, quantity.axes, selection)
+    return selection.reduced(_known(value, quantity), quantity, quantity.axes)
 
 
 def _known(value: Any, quantity: Quantity) -> Any:
@@ -125,14 +114,6 @@ def _known(value: Any, quantity: Quantity) -> Any:
     status = np.asarray(getattr(value, quantity.known_by))
     bad = np.expand_dims(status != 0, tuple(range(status.ndim, held.ndim)))
     return np.where(bad, complex(np.nan, np.nan) if np.iscomplexobj(held) else np.nan, held)
-
-
-def _reduced(value: Any, quantity: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:
-    return (
-        selection.reduced(value, quantity, axes)
-        if isinstance(value, np.ndarray) and value.ndim
-        else value
-    )
 
 
 if TYPE_CHECKING:
@@ -158,14 +139,10 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
     if isinstance(values, np.ndarray):
         return change(path, values)
     if isinstance(values, Mapping):
-        return {
-            key: replaced(value, change, f"{path}.{key}" if path else key)
-            for key, value in values.items()
-        }
+        head = f"{path}." if path else ""
+        return {key: replaced(value, change, head + key) for key, value in values.items()}
     if isinstance(values, list | tuple):
-        return [
-            replaced(value, change, f"{path}[{position}]") for position, value in enumerate(values)
-        ]
+        return [replaced(value, change, f"{path}[{k}]") for k, value in enumerate(values)]
     return values
 
 
@@ -188,9 +165,8 @@ def write_json(
     def stored(name: str, array: NDArray[Any]) -> Any:
         nonlocal numbers_listed
         is_full = numbers_listed + array.size > MOST_LISTED
-        if array.size <= (
-            min(most, MOST_OF_A_CASE) if is_full or name.startswith("cases.") else most
-        ):
+        is_short = is_full or name.startswith("cases.")
+        if array.size <= (min(most, MOST_OF_A_CASE) if is_short else most):
             numbers_listed += array.size
             return array
         if not archive:
@@ -205,9 +181,8 @@ def write_json(
             target.write(line.encode())
         paths = file.parent.rglob("*.*")
         names = [path.relative_to(file.parent).as_posix() for path in paths]
-        target.write(
-            (reports.END if ending is None else ending(before.hexdigest(), names)).encode()
-        )
+        end = reports.END if ending is None else ending(before.hexdigest(), names)
+        target.write(end.encode())
     return [file, series] if series.exists() else [file]
 
 

@@ -201,11 +201,6 @@ class Selection:
         return elements(self.system)
 
     @cached_property
-    def named_stations(self) -> list[int]:
-        """Positions of the stations that the train names."""
-        return list(range(len(self.system.train.stations)))
-
-    @cached_property
     def end_spans(self) -> list[int]:
         """Positions of the first and the last span of every element, of a shaft of sections of each."""
         return sorted(
@@ -216,37 +211,29 @@ class Selection:
         """Return what a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
         if axis == "element":
             return [element.name for element in self.elements]
-        return self.named_stations if axis == "named station" else self.end_spans
+        is_station = axis == "named station"
+        return [*range(len(self.system.train.stations))] if is_station else self.end_spans
 
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
-        """Return the values with the axes that are printed, in their order; `axes` are those of the values."""
-        array = np.asarray(values)
-        kept = [
-            next(
-                shown_axis
-                for shown_axis in quantity.printed
-                if shown_axis in WITHIN.get(axis, (axis,))
-            )
-            for axis in axes
-        ]
-        for position, axis in enumerate(axes):
-            if axis in WITHIN:
-                array = self._along(array, position, axis, kept[position])
-        return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
+        """Return the values with the axes that are printed, in their order; `axes` are those of the values.
 
-    def _along(self, array: Any, position: int, axis: str, shown: str) -> Any:
-        """Return the values with one axis, of stations or spans, reduced to what is shown of it."""
-        if shown == "element":
-            largest = [
-                array.take(list(element.spans), axis=position).max(axis=position)
-                for element in self.elements
-            ]
-            return np.stack(largest, axis=position) if largest else array.take([], axis=position)
-        if shown in ("named station", "end span"):
-            return array.take(
-                self.named_stations if axis == "station" else self.end_spans, axis=position
-            )
-        return array
+        What is no array with axes stays as it is.
+        """
+        if not isinstance(values, np.ndarray) or not values.ndim:
+            return values
+        array, kept = values, list[str]()
+        for position, axis in enumerate(axes):
+            shown = next(name for name in quantity.printed if name in WITHIN.get(axis, (axis,)))
+            kept.append(shown)
+            if shown == "element":
+                largest = [
+                    array.take(list(element.spans), axis=position).max(axis=position)
+                    for element in self.elements
+                ]
+                array = np.stack(largest, position) if largest else array.take([], axis=position)
+            elif shown in ("named station", "end span"):
+                array = array.take(self.positions(shown), axis=position)
+        return array.transpose([kept.index(shown) for shown in quantity.printed if shown in kept])
 
 
 def highest(values: FloatArray) -> float:

@@ -8,12 +8,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from torsion.output.blocks import Column, Table
-from torsion.output.numbers import cell
+from torsion.output.numbers import NONE, cell
 
 _NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
 _FORMULA = re.compile(
     rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})"
 )  # also behind what parts cells elsewhere
+_WRITTEN_NUMBER = re.compile(r"−?(?:∞|\d[\d.]*(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)")  # as `number` writes it
+_PLAIN_SIGNS = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 WRITTEN = (1980, 1, 1, 0, 0, 0)  # date of every file in an archive: equal results, equal bytes
 
 
@@ -53,15 +55,22 @@ def figures(table: Table) -> list[list[str]]:
     """
     return [
         [
-            repr(value * column.factor)
-            if isinstance(value, float)
-            else ""
-            if value is None
-            else one_line(cell(value))
+            repr(value * column.factor) if isinstance(value, float) else parseable(cell(value))
             for column, value in zip(table.columns, row, strict=True)
         ]
         for row in table.values
     ]
+
+
+def parseable(text: str) -> str:
+    """Return a number in words of the report as programs read it, '' for none, and any other text on one line.
+
+    >>> parseable("−9.3381·10⁻¹⁹"), parseable("–"), parseable("mode 2 at\\n3 Hz")
+    ('-9.3381e-19', '', 'mode 2 at 3 Hz')
+    """
+    if _WRITTEN_NUMBER.fullmatch(text):
+        text = text.replace("·10", "e").translate(_PLAIN_SIGNS).replace("∞", "inf")
+    return "" if text == NONE else one_line(text)
 
 
 def file_name(number: str) -> str:

@@ -12,8 +12,6 @@ from textwrap import wrap
 
 from rich.console import Console, RenderableType
 from rich.markup import escape
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bar
 from rich.table import Table as Grid
 from rich.text import Text
 
@@ -190,6 +188,9 @@ def progress() -> Iterator[Progress]:
 
     No thread draws it: beside one, a process begins no copies of itself to share work out.
     """
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
     console, drawn = Console(stderr=True), 0.0
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     is_off = not console.is_terminal

@@ -3,13 +3,11 @@
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
-from torsion.what_if.design.design_results import Design
-from torsion.what_if.fit.fit_results import Fit
 
 
 def designed(document: Document, findings: Findings) -> str | None:
     """Its text, with what was chosen in the first lines; None where nothing was."""
-    design, variation = findings.get(Design), findings.study.variations.get("design")
+    design, variation = findings.results.get("design"), findings.study.variations.get("design")
     if design is None or variation is None or not design.picked.size or document.report.keys:
         return None
     words = [
@@ -27,7 +25,7 @@ def designed(document: Document, findings: Findings) -> str | None:
 
 def fitted(document: Document, findings: Findings) -> str | None:
     """The text of the file; None where nothing was fitted."""
-    fit = findings.get(Fit)
+    fit = findings.results.get("fit")
     if fit is None or document.report.keys:
         return None
     changes = "".join(

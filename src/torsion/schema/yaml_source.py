@@ -22,7 +22,7 @@ _LARGEST = 100_000  # values after aliases are written out; bounds what a few li
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _FORBIDDEN = re.compile(
-    "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
+    "[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]"
 )
 _BREAK = re.compile("[\t\n]")
 _WORDS: dict[str, bool | None] = {"": None, "~": None}

@@ -15,7 +15,7 @@ from torsion.output import check_words
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table
 from torsion.output.figures.curves import MAIN, MOST_LINES, SPEED, amplitudes, span
 from torsion.output.figures.figure import Figure, Line, Panel
-from torsion.output.headline import Cases, case_verdict, lines_of, omitted_rules
+from torsion.output.headline import Cases, lines_of, omitted_rules, verdict
 from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.scene import elements, highest, torques
@@ -29,7 +29,7 @@ def overview(cases: Cases) -> Table:
     rows, marks = list[tuple[object, ...]](), list[str]()
     omitted = {name: f", without {listed(rules)}" for name, rules in omitted_rules(cases).items()}
     for name, findings in cases.items():
-        checks, word, case = lines_of(findings), case_verdict(findings), findings.study.case
+        checks, word, case = lines_of(findings), verdict(findings), findings.study.case
         limited = [check for check in checks if check.utilisation is not None]
         highest = max(limited, key=lambda check: check.utilisation or 0.0, default=None)
         report, text = NONE, WORDS[word]

@@ -40,7 +40,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     excited = [line.order for line in response.lines[:MOST_LISTED] if line.order is not None]
     orders = f" ({', '.join(map(order, excited))})" if excited else ""
     runs = f"Run up and down slowly {ends} (speed of {findings.study.reference})"
-    runs += f" and at steps of constant speed. Analyse the orders{orders} and the natural frequencies."
+    runs += (
+        f" and at steps of constant speed. Analyse the orders{orders} and the natural frequencies."
+    )
     points = [runs]
     loads = findings.get(ComponentLoads)
     shafts = () if loads is None else loads.shafts

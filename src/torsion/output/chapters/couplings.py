@@ -119,8 +119,10 @@ def input_and_modes(findings: Findings) -> Iterator[Block]:
             and at[0] <= mode.frequency <= at[-1]
         ]
         words = tuple(f"mode {mode.mode}: {number(mode.frequency)} Hz" for mode in modes)
-        places = np.array([(mode.frequency, mode.stiffness * unit.factor) for mode in modes])
-        marks = (Marks("modes", *places.T, "disc", "natural", words=words),) if modes else ()
+        hertz = np.array([mode.frequency for mode in modes])
+        stiffness = np.array([mode.stiffness * unit.factor for mode in modes])
+        of_modes = Marks("modes", hertz, stiffness, pen="natural", words=words)
+        marks = (of_modes,) if modes else ()
         panels = [Panel(x, upper, (curve,), marks=marks)]
         if law.loss_factor.any():
             lines = (Line("loss factor", at, law.loss_factor, 1, symbol="box"),)

@@ -8,8 +8,6 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
-from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
@@ -31,7 +29,6 @@ from torsion.output.reported_values import (
     speed_range,
     tolerated_rpm,
 )
-from torsion.what_if.sweep.sweep_results import Sweep
 
 MOST_IN_SUMMARY = 3  # on the terminal without `-v`
 MOST_ORDERS = 12  # in the figure
@@ -85,7 +82,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
 def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Fraction]) -> Figure:
     """Draw natural frequencies, the lines of some orders, and critical speeds; speeds: rpm, ends of the range."""
     crossings = findings.need(CriticalSpeeds).crossings
-    frequencies, by_torque = findings.need(Modes).frequency, findings.get(FrequenciesOverSpeed)
+    frequencies = findings.need(Modes).frequency
+    by_torque = findings.results.get("frequencies_over_speed")
     inside = max((crossing.frequency for crossing in crossings if crossing.is_inside), default=0.0)
     reached, right = float(max(orders)) * speeds[1] / 60.0, AROUND * speeds[1]
     # One mode above what matters.
@@ -134,7 +132,7 @@ def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Frac
 
 def _spread(findings: Findings) -> tuple[str, list[tuple[float, float]]]:
     """Return what the band of each mode (Hz) is: the proven one of tolerances, or that of most variants of a sweep."""
-    tolerances, sweep = findings.get(Tolerances), findings.get(Sweep)
+    tolerances, sweep = (findings.results.get(name) for name in ("tolerances", "sweep"))
     if tolerances is not None:
         bands = np.transpose([tolerances.lower, tolerances.upper])
         return "within the tolerances", bands.tolist()

@@ -88,10 +88,10 @@ def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:
         if not even or edges.size > n + 1:
             values = _by_px(values, axis, edges, n)
     # Each value between the first colour, 0, and the last, 1; a place without a value is clear.
-    size = np.nan_to_num(values / grid.largest, nan=0.0)
-    share = (np.clip(size, -1.0, 1.0) + 1.0) / 2.0
+    relative = np.nan_to_num(values / grid.largest, nan=0.0)
+    share = (np.clip(relative, -1.0, 1.0) + 1.0) / 2.0
     if grid.decades:
-        share = 1.0 + np.log10(np.clip(size, 10.0**-grid.decades, 1.0)) / grid.decades
+        share = 1.0 + np.log10(np.clip(relative, 10.0**-grid.decades, 1.0)) / grid.decades
     shade = np.where(np.isfinite(values), np.rint(share * (SHADES - 1)), SHADES)[::-1]
     data = b64encode(png(shade, palette(is_log=bool(grid.decades)))).decode()
     box = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'

@@ -45,9 +45,10 @@ class Page:
             notes = [THINNED] if any(line.x.size > MOST_POINTS for line in lines) else []
             table = list[Any]()
             for piece in pieces(replace(figure, panels=tuple(plots))):
-                if not isinstance(piece, Cells):
-                    is_text = isinstance(piece, str)
-                    table.append(piece if is_text else [self.array(column) for column in piece])
+                if isinstance(piece, str):
+                    table.append(piece)
+                elif not isinstance(piece, Cells):
+                    table.append([self.array(column) for column in piece])
                 elif piece.values.size <= MOST_CELLS:
                     places = self._arrays_of(piece, "x", "y")
                     table.append({**places, "cells": self.array(piece.values)})
@@ -64,12 +65,13 @@ class Page:
         lacks = []  # what the page does not do with so many points
         if any(panel.stops and len(panel.stops.names) > MOST_POINTS for panel in plots):
             lacks.append("no cursor")
-        is_moved = (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS
-        if moving is not None and not is_moved:
+        moving = figure.moving
+        if moving is not None and moving.x.size > MOST_POINTS:
             lacks.append("no motion")
+            moving = None
         if lacks:
             data["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
-        if is_moved:
+        if moving is not None:
             data["moving"] = {
                 **self._arrays_of(moving, "x", "row", "angle", "ends"),
                 "marked": self.array(np.flatnonzero(moving.marked)),

@@ -197,7 +197,8 @@ def _labels(frame: Frame, room: Room) -> Iterator[str]:
     for band in panel.bands:
         if band.label:
             middle = (max(band.low, frame.x.low) + min(band.high, frame.x.high)) / 2
-            x, y = frame.across([middle]), frame.down([panel.y.high or frame.y.high])
+            x = frame.across(np.array([middle]))
+            y = frame.down(np.array([panel.y.high or frame.y.high]))
             requests.append((band.label, x, y, {"ways": BELOW}))
     for line in sorted(panel.lines, key=lambda line: -line.weight):
         # At the largest value of a line on the plot, or at its last, else at some others.

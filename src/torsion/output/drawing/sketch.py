@@ -113,8 +113,8 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[tuple[float, float], list
     omitted = failures = 0
     labelled = (link for link in sketch.links if link.label)
     for link in sorted(labelled, key=lambda link: link.use.rank if link.use else ()):
-        position = (link.start[0] + link.end[0]) / 2, link.end[1]
-        is_placed = _label(sheet, room, position, _words(link), (-1,), lines, texts)
+        middle_of_link = (link.start[0] + link.end[0]) / 2, link.end[1]
+        is_placed = _label(sheet, room, middle_of_link, _words(link), (-1,), lines, texts)
         omitted += not is_placed
         failures += not is_placed and link.use is not None and link.use.is_bad
     named = [disc for disc in sketch.discs if disc.label]
@@ -335,8 +335,8 @@ def _link(sheet: Sheet, link: Link) -> None:
         case "joint":
             colour = "#ffffff" if use is not None and use.grade == "over" else COLOURS[1]
             sheet.graded(_corners(middle - JOINT, middle + JOINT, y0, BED + 0.1), use, near=1.5)
-            for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
-                sheet.line([(x, y0) for x in ends], 1.4)
+            for begin, end in ((x0, middle - 0.14), (middle + 0.14, x1)):
+                sheet.line([(begin, y0), (end, y0)], 1.4)
             for up in (-0.26, 0.26):
                 cross = [(middle - 0.14, y0 - up), (middle + 0.14, y0 + up)]
                 sheet.line(cross, 2.2, colour=colour)

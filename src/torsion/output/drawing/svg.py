@@ -46,8 +46,10 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
             pieces += drawn(frame, has_numbers=has_numbers)
             foot = frame.top + frame.high + (frame.below if has_numbers else 6.0)
         else:
-            is_sketch = isinstance(panel, Sketch)
-            high, text = sketch.drawn(panel, foot) if is_sketch else grades.shares(panel, foot)
+            if isinstance(panel, Sketch):
+                high, text = sketch.drawn(panel, foot)
+            else:
+                high, text = grades.shares(panel, foot)
             pieces.append(text)
             foot += high
     key, foot = _key(frames, foot)

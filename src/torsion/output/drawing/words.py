@@ -150,7 +150,7 @@ class Room:
         if self.taken:
             placed = np.array(self.taken)
             clear = (boxes[:, None, :2] >= placed[:, 2:]) | (boxes[:, None, 2:] <= placed[:, :2])
-            free &= clear.any(axis=2).all(axis=1)
+            free &= np.logical_and.reduce(clear.any(axis=2), axis=1)
 
         # Points of curves between two corners, to a mesh.
         before = self.before
@@ -166,7 +166,7 @@ class Room:
 
 SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")
 HALO = ' stroke="#ffffff" stroke-width="2.6" stroke-linejoin="round" paint-order="stroke"'  # of words over lines
-FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # in XML 1.0
+FORBIDDEN = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")  # in XML 1.0
 
 
 def shown(value: float) -> str:
