@@ -72,7 +72,7 @@ def test_a_number_in_a_column_of_words_is_a_number_of_the_csv_and_no_value_an_em
         ("limit", number(float("inf"))),
         ("mode", number(None)),
     ]
-    title, *lines = table_text("Table 1", table("< What | < Value", rows)).splitlines()[1:]
+    _, *lines = table_text("Table 1", table("< What | < Value", rows)).splitlines()[1:]
     cells = [value for _, value in csv.reader(lines)]
     assert [float(value) for value in cells[:2]] == [-9.3381e-19, float("inf")]
     assert cells[2] == ""

@@ -20,7 +20,7 @@ from torsion.output.check_words import is_listed
 from torsion.output.document import document
 from torsion.output.figures.figure import Figure
 from torsion.output.headline import box as verdict_box
-from torsion.output.headline import case_verdict
+from torsion.output.headline import verdict as case_verdict
 from torsion.output.html import html
 from torsion.output.results_json import MOST_OF_A_CASE, results
 from torsion.output.write import write
