@@ -1,8 +1,7 @@
 """All samples of motions over time as files: arrays in motion.npz, or a table motion.csv of each motion."""
 
 import re
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,42 +26,30 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
 
     forms = {settings.name: settings.export for settings, _ in cases(findings.study)}
     exported = [motion for motion in transients.each if forms[motion.name]]
-    if not exported or document.report.keys:
-        return None
-    return partial(_write, findings, exported, forms)
 
+    def write(target: Path) -> list[Path]:
+        """Write the files and return their paths; arrays of all motions stand in one."""
+        files, arrays = list[Path](), dict[str, Any]()
+        for motion in exported:
+            columns = _columns(findings, motion)
+            if forms[motion.name] == "npz":
+                mark = f"{motion.name}: " if motion.name else ""
+                arrays |= {mark + title: values for title, values in columns.items()}
+                continue
+            word = re.sub(r"[^\w.-]+", "-", motion.name)
+            files.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
+            titles = (inert(one_line(title)).replace('"', "'") for title in columns)
+            head = ",".join(f'"{title}"' for title in titles)
+            rows = np.column_stack(list(columns.values()))
+            form = {"delimiter": ",", "comments": "", "fmt": "%.17g", "encoding": "utf-8"}
+            np.savetxt(files[-1], rows, header=head, **form)
+        if arrays:
+            with target.open("wb") as file:
+                np.savez(file, **arrays)
+            files.append(target)
+        return files
 
-def _write(
-    findings: Findings,
-    motions: "list[TransientMotion]",
-    forms: Mapping[str, str | None],
-    target: Path,
-) -> list[Path]:
-    """Write the files and return their paths; arrays of all motions stand in one."""
-    files, arrays = list[Path](), dict[str, Any]()
-    for motion in motions:
-        columns = _columns(findings, motion)
-        if forms[motion.name] == "npz":
-            mark = f"{motion.name}: " if motion.name else ""
-            arrays |= {mark + title: values for title, values in columns.items()}
-            continue
-        word = re.sub(r"[^\w.-]+", "-", motion.name)
-        files.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
-        titles = (inert(one_line(title)).replace('"', "'") for title in columns)
-        np.savetxt(
-            files[-1],
-            np.column_stack(list(columns.values())),
-            delimiter=",",
-            header=",".join(f'"{title}"' for title in titles),
-            comments="",
-            fmt="%.17g",
-            encoding="utf-8",
-        )
-    if arrays:
-        with target.open("wb") as file:
-            np.savez(file, **arrays)
-        files.append(target)
-    return files
+    return write if exported and not document.report.keys else None
 
 
 def _columns(findings: Findings, motion: "TransientMotion") -> dict[str, FloatArray]:

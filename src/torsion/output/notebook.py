@@ -44,12 +44,8 @@ def bundle(shown: Any) -> dict[str, str]:
         Modes: _modes,
         Response: _response,
     }
-    blocks = content[type(shown)](shown)
-    page = (
-        environment()
-        .get_template("notebook.html")
-        .render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
-    )
+    blocks, template = content[type(shown)](shown), environment().get_template("notebook.html")
+    page = template.render(blocks=blocks, drawn=lambda figure: Markup(svg(figure)))
     return {"text/plain": repr(shown), "text/html": page}
 
 
@@ -57,7 +53,12 @@ def line(shown: Any) -> str:
     """Return Findings, Modes or Response in one line."""
     match shown:
         case Findings():
-            text = _findings_line(shown)
+            checks = shown.get(Checks)
+            judged = "no check"
+            if checks is not None and checks.lines:
+                count = counted(len(checks.lines), "check")
+                judged = f"{WORDS[headline.verdict(shown)]}, {count}"
+            text = f"{shown.study.name}; {judged}; results: {', '.join(shown.results)}"
         case Modes():
             ellipsis = ", …" if shown.frequency.size > FEW else ""
             hertz = ", ".join(map(number, shown.frequency[:FEW].tolist()))
@@ -69,17 +70,6 @@ def line(shown: Any) -> str:
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
     return one_line(f"{type(shown).__name__}: {text}")
-
-
-def _findings_line(findings: Findings) -> str:
-    checks = findings.get(Checks)
-    lines = () if checks is None else checks.lines
-    judged = (
-        f"{WORDS[headline.verdict(findings)]}, {counted(len(lines), 'check')}"
-        if lines
-        else "no check"
-    )
-    return f"{findings.study.name}; {judged}; results: {', '.join(findings.results)}"
 
 
 def _findings(findings: Findings) -> Iterator[Block]:

@@ -32,8 +32,15 @@ def pdf(document: Document) -> bytes:
         try:
             return _set(source(document, Path(folder)), Path(folder))
         except RuntimeError as error:
-            _try_logo(Path(folder))
-            raise InputError([Fault((), f"Typst cannot set it: {error}")]) from None
+            fault = Fault((), f"Typst cannot set it: {error}")
+        # Perhaps the logo is what cannot be set.
+        for logo in Path(folder).glob("logo.*"):
+            try:
+                _set(f"#image({text(logo.name)})", Path(folder))
+            except RuntimeError as error:
+                message = f"this picture cannot be set in a PDF: {error}"
+                fault = Fault(("document", "logo"), message, "save it again as PNG")
+        raise InputError([fault])
 
 
 def _set(source: str, folder: Path) -> bytes:
@@ -48,7 +55,11 @@ def _set(source: str, folder: Path) -> bytes:
 
 def source(document: Document, folder: Path) -> str:
     """Return the source for Typst; the figures and the logo are written into the folder."""
-    count = itertools.count()
+    count, logo = itertools.count(), ""
+    if document.cover.logo:  # a data URI, which becomes a file beside the source
+        kind, _, content = document.cover.logo.partition(";base64,")
+        logo = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
+        (folder / logo).write_bytes(b64decode(content))
 
     def drawn(figure: Figure) -> str:
         file = folder / f"figure-{next(count)}.svg"
@@ -63,7 +74,7 @@ def source(document: Document, folder: Path) -> str:
     return templates.get_template("report_blocks.typ").render(
         style=template_text("report.typ"),
         cover=document.cover,
-        logo=_logo(document.cover.logo, folder),
+        logo=logo,
         body=document.body,
         has_first_page=document.has_first_page,
         colours=COLOURS,
@@ -81,30 +92,6 @@ def words(value: str) -> str:
     pieces = SUBSCRIPT.split(value)
     parts = [f"sub({text(p)})" if k % 2 else f"text({text(p)})" for k, p in enumerate(pieces) if p]
     return " + ".join(parts) or '""'
-
-
-def _try_logo(folder: Path) -> None:
-    """Raise InputError where the logo is what cannot be set."""
-    for logo in folder.glob("logo.*"):
-        try:
-            _set(f"#image({text(logo.name)})", folder)
-        except RuntimeError as error:
-            fault = Fault(
-                ("document", "logo"),
-                f"this picture cannot be set in a PDF: {error}",
-                "save it again as PNG",
-            )
-            raise InputError([fault]) from None
-
-
-def _logo(logo: str, folder: Path) -> str:
-    """Write the logo, a data URI, into a file beside the source; return its name, empty if there is none."""
-    if not logo:
-        return ""
-    kind, _, content = logo.partition(";base64,")
-    name = "logo." + kind.removeprefix("data:image/").removesuffix("+xml")
-    (folder / name).write_bytes(b64decode(content))
-    return name
 
 
 def longest(texts: Iterable[str]) -> str:

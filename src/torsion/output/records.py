@@ -43,19 +43,6 @@ def declared_of(part: Any) -> dict[str, Quantity]:
     return {quantity.name: quantity for quantity in quantities(type(part))}
 
 
-def is_record(part: Any) -> bool:
-    """Return whether a part of a row is a result, or a place of one."""
-    return isinstance(part, Place) or is_declared(part)
-
-
-def _item(values: Any, number: str) -> Any:
-    """Return a value of an array by its number from 1, or of a mapping by its key; None where there is none."""
-    if isinstance(values, Mapping):
-        return values[number]
-    place = int(number) - 1
-    return None if values is None or len(values) <= place else values[place]
-
-
 def values_of_records(
     columns: Sequence[tuple[str, str]],
     rows: Sequence[Any],
@@ -71,7 +58,8 @@ def values_of_records(
     count = sum(not name for name, _ in columns)
     first = [next((part for part in column if part is not None), None) for column in parts]
     records, others = first[: len(parts) - count], iter(parts[len(parts) - count :])
-    if not records or sum(map(is_record, first)) != len(records):
+    found = sum(isinstance(part, Place) or is_declared(part) for part in first)
+    if not records or found != len(records):
         raise ValueError(f"a row has not {count} values beside its records")
     level_of = {name: k for k, record in enumerate(records) for name in declared_of(record)}
     units, values = list[str](), list[Sequence[Any]]()
@@ -93,5 +81,10 @@ def values_of_records(
         if shown.get(units[-1], (can_show,))[0] != unit:
             raise ValueError(f"'{name}' is declared in {unit}, not in what {units[-1]} shows")
         held = [getattr(part, name, None) for part in parts[level]]
-        values.append([_item(value, number) for value in held] if number else held)
+        if number and any(isinstance(value, Mapping) for value in held):
+            held = [value and value[number] for value in held]
+        elif number:  # None where an array has no such value
+            k = int(number)
+            held = [None if value is None or len(value) < k else value[k - 1] for value in held]
+        values.append(held)
     return units, list(zip(*values, strict=True))

@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from torsion.findings import Findings
 from torsion.output.chapters import chapters
 from torsion.output.document import Document
 from torsion.output.drawing.svg import svg
-from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
+from torsion.output.figures.figure import Cells, Figure, Line, Panel
 from torsion.output.table_text import csv_rows, inert, one_line
 
 Values = tuple[FloatArray, ...] | Cells  # columns of numbers, or a map
@@ -27,17 +26,32 @@ def csv_of(figure: Figure) -> str:
 
     A cell without a value is empty; a figure without axes has no table.
     """
-    return "".join(
-        piece if isinstance(piece, str) else csv_rows(_rows(piece)) for piece in pieces(figure)
-    )
+    text = ""
+    for piece in pieces(figure):
+        if isinstance(piece, str):
+            text += piece
+        else:
+            rows = zip(*(column.tolist() for column in _columns(piece)), strict=True)
+            text += csv_rows(["" if math.isnan(value) else value for value in row] for row in rows)
+    return text
 
 
 def pieces(figure: Figure) -> Iterator[Piece]:
-    """Yield the parts of the file in their order."""
+    """Yield the parts of the file in their order: what is no table, limits and ranges, as comments."""
     yield f"# {inert(one_line(figure.caption))}\n"
     for panel in figure.plots:
-        for comment in _comments(panel):
-            yield f"# {inert(one_line(comment))}\n"
+        units = {"x": panel.x.unit, "y": panel.y.unit}
+        comments = [f"{panel.y.title} over {panel.x.title}"]
+        comments += [
+            f"{level.name or level.label}: {level.value!r} {units[level.axis]}"
+            for level in panel.levels
+            if level.name or level.label
+        ]
+        comments += [
+            f"{band.label or band.name}: {band.low!r} to {band.high!r} {units[band.axis]}"
+            for band in panel.bands
+        ]
+        yield from (f"# {inert(one_line(comment))}\n" for comment in comments)
         for titles, values in _tables(panel):
             yield "\n" + csv_rows([titles])
             yield values
@@ -45,10 +59,16 @@ def pieces(figure: Figure) -> Iterator[Piece]:
 
 def tables(document: Document) -> Callable[[Path], list[Path]] | None:
     """Return a writer of one file for every figure with axes, next to its argument; None if no figure has axes."""
-    figures = [
-        item.block for item in document.body if isinstance(item.block, Figure) and item.block.plots
-    ]
-    return partial(_write_files, figures) if figures else None
+    blocks = (item.block for item in document.body)
+    figures = [block for block in blocks if isinstance(block, Figure) and block.plots]
+
+    def write(target: Path) -> list[Path]:
+        paths = [target.with_name(file_name(figure)) for figure in figures]
+        for path, figure in zip(paths, figures, strict=True):
+            path.write_text(csv_of(figure), encoding="utf-8")
+        return paths
+
+    return write if figures else None
 
 
 def file_name(figure: Figure) -> str:
@@ -56,49 +76,23 @@ def file_name(figure: Figure) -> str:
     return "figure-" + re.sub(r"[^\w.-]+", "-", figure.name) + ".csv"
 
 
-def _write_files(figures: list[Figure], target: Path) -> list[Path]:
-    paths = [target.with_name(file_name(figure)) for figure in figures]
-    for path, figure in zip(paths, figures, strict=True):
-        path.write_text(csv_of(figure), encoding="utf-8")
-    return paths
-
-
-def _comments(panel: Panel) -> Iterator[str]:
-    """Yield what is no table: limits and ranges."""
-    axes = {"x": panel.x, "y": panel.y}
-    yield f"{panel.y.title} over {panel.x.title}"
-    for level in panel.levels:
-        if level.name or level.label:
-            yield f"{level.name or level.label}: {level.value!r} {axes[level.axis].unit}"
-    for band in panel.bands:
-        yield f"{band.label or band.name}: {band.low!r} to {band.high!r} {axes[band.axis].unit}"
-
-
-def tables_of(panel: Panel) -> Iterator[list[tuple[str, FloatArray]]]:
-    """Yield the tables of the file as columns (title, values); NaN if there is no value."""
-    for titles, values in _tables(panel):
-        yield list(zip(titles, _columns(values), strict=True))
-
-
 def _tables(panel: Panel) -> Iterator[tuple[list[str], Values]]:
     """Yield titles and values: lines by their coordinate, marks, and the cells of a map."""
-    x_title, y_title = map(_axis_title, (panel.x, panel.y))
-    groups: list[list[Line]] = []
+    x_title, y_title = (
+        (f"{axis.quantity} [{axis.unit}]" if axis.unit else axis.quantity) or "place"
+        for axis in (panel.x, panel.y)
+    )
+    groups = dict[bytes, list[Line]]()  # by their coordinate
     for line in panel.lines:
         if line.name or panel.x.places:
-            same_x = (
-                group
-                for group in groups
-                if line.x is group[0].x or np.array_equal(line.x, group[0].x, equal_nan=True)
-            )
-            group = next(same_x, None)
-            if group is None:
-                groups.append([line])
-            else:
-                group.append(line)
+            groups.setdefault((line.x + 0.0).tobytes(), []).append(line)
 
-    for group in groups:
-        titles = [_line_title(line, panel.y) for line in group]
+    for group in groups.values():
+        titles = []
+        for line in group:  # its name, with its label if that says more, and its unit
+            name = line.name if line.label in line.name else f"{line.name}: {line.label}"
+            unit = f" [{panel.y.unit}]" if panel.y.unit else ""
+            titles.append(name + unit or panel.y.quantity)
         yield [x_title, *titles], (group[0].x, *(line.y for line in group))
     for marks in panel.marks:
         if marks.name and marks.x.size:
@@ -106,22 +100,6 @@ def _tables(panel: Panel) -> Iterator[tuple[list[str], Values]]:
     if panel.cells is not None:
         quantity = f"{panel.cells.quantity} [{panel.cells.unit}]"
         yield [x_title, y_title, quantity], panel.cells
-
-
-def _axis_title(axis: Axis) -> str:
-    return (f"{axis.quantity} [{axis.unit}]" if axis.unit else axis.quantity) or "place"
-
-
-def _line_title(line: Line, axis: Axis) -> str:
-    """Return the name of a line, with its label if that says more, and its unit."""
-    name = line.name if line.label in line.name else f"{line.name}: {line.label}"
-    return f"{name} [{axis.unit}]" if axis.unit else name or axis.quantity
-
-
-def _rows(values: Values) -> Iterator[list[Any]]:
-    """Yield rows of numbers with all their digits, and empty cells for NaN."""
-    for row in zip(*(column.tolist() for column in _columns(values)), strict=True):
-        yield ["" if math.isnan(value) else value for value in row]
 
 
 def _columns(values: Values) -> tuple[FloatArray, ...]:
@@ -148,8 +126,18 @@ class ReportFigure(Figure):
 
     @property
     def tables(self) -> tuple[dict[str, FloatArray], ...]:
-        """The tables of the CSV: (points,) values by title with unit, NaN where there is none."""
-        return tuple(_by_title(columns) for panel in self.plots for columns in tables_of(panel))
+        """The tables of the CSV: (points,) values by title with unit, NaN where there is none.
+
+        Equal titles get numbers.
+        """
+        tables = list[dict[str, FloatArray]]()
+        for titles, values in (table for panel in self.plots for table in _tables(panel)):
+            by_title: dict[str, FloatArray] = {}
+            for title, column in zip(titles, _columns(values), strict=True):
+                count = sum(title == name or name.startswith(f"{title} (") for name in by_title)
+                by_title[f"{title} ({count + 1})" if count else title] = column
+            tables.append(by_title)
+        return tuple(tables)
 
     def to_matplotlib(self, ax: Any = None) -> Any:
         """Draw its plots into axes of matplotlib, by default new ones; return the axes, one for each plot."""
@@ -185,14 +173,3 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     """
     drawn = [block for block in chapters(findings, is_full=True) if isinstance(block, Figure)]
     return {figure.name: ReportFigure(**vars(figure)) for figure in drawn}
-
-
-def _by_title(columns: list[tuple[str, FloatArray]]) -> dict[str, FloatArray]:
-    """Return columns by their titles; equal titles get numbers."""
-    by_title: dict[str, FloatArray] = {}
-    for title, values in columns:
-        count = sum(
-            title == known_title or known_title.startswith(f"{title} (") for known_title in by_title
-        )
-        by_title[f"{title} ({count + 1})" if count else title] = values
-    return by_title

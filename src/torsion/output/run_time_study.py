@@ -7,7 +7,6 @@ from dataclasses import asdict
 from datetime import date
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import torsion
 from torsion.analyses.compare.timing import (
@@ -125,6 +124,40 @@ def cells(row: TimedRow) -> tuple[str | float, ...]:
 def json_text(findings: Findings, timings: Timings) -> str:
     """Return the study as JSON text; times in seconds, every run; an error that is infinite is null."""
     study = findings.study
+    quantities = []
+    for quantity in timings.quantities:
+        rows, best = quantity.rows, fastest(quantity.rows, timings.tolerance)
+        runs = []
+        for row in rows:
+            total = asdict(row.total)
+            of_total = {"runs": total.pop("runs"), **{f"{key}_s": t for key, t in total.items()}}
+            runs.append(
+                {
+                    "method": row.curve,
+                    "division": row.division,
+                    "size": row.size,
+                    "error": finite(row.error),
+                    "errors": [finite(error) for error in row.errors],
+                    "total": of_total,
+                    "assembly_s": row.assembly,
+                    "solve_s": row.solve,
+                }
+            )
+        quantities.append(
+            {
+                "key": quantity.key,
+                "title": quantity.title,
+                "meaning": quantity.meaning,
+                "reference": {"what": quantity.reference, "bound": finite(quantity.bound)},
+                "highest_Hz": quantity.highest,
+                "errors_are_of": quantity.columns,
+                "recommendation": recommendation(quantity, timings.tolerance),
+                "recommended_row": None if best is None else rows.index(best),
+                "unbeaten_rows": [rows.index(row) for row in unbeaten(rows, quantity.bound)],
+                "remarks": quantity.remarks,
+                "rows": runs,
+            }
+        )
     values = {
         "format": FORMAT,
         "program": {"name": "torsion", "version": torsion.__version__},
@@ -133,37 +166,6 @@ def json_text(findings: Findings, timings: Timings) -> str:
         "rounds": timings.rounds,
         "machine": dict(timings.machine),
         "remarks": timings.remarks,
-        "quantities": [_quantity(quantity, timings.tolerance) for quantity in timings.quantities],
+        "quantities": quantities,
     }
     return json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _quantity(quantity: TimedQuantity, tolerance: float) -> dict[str, Any]:
-    rows, best = quantity.rows, fastest(quantity.rows, tolerance)
-    return {
-        "key": quantity.key,
-        "title": quantity.title,
-        "meaning": quantity.meaning,
-        "reference": {"what": quantity.reference, "bound": finite(quantity.bound)},
-        "highest_Hz": quantity.highest,
-        "errors_are_of": quantity.columns,
-        "recommendation": recommendation(quantity, tolerance),
-        "recommended_row": None if best is None else rows.index(best),
-        "unbeaten_rows": [rows.index(row) for row in unbeaten(rows, quantity.bound)],
-        "remarks": quantity.remarks,
-        "rows": [_row(row) for row in rows],
-    }
-
-
-def _row(row: TimedRow) -> dict[str, Any]:
-    total = asdict(row.total)
-    return {
-        "method": row.curve,
-        "division": row.division,
-        "size": row.size,
-        "error": finite(row.error),
-        "errors": [finite(error) for error in row.errors],
-        "total": {"runs": total.pop("runs"), **{f"{key}_s": t for key, t in total.items()}},
-        "assembly_s": row.assembly,
-        "solve_s": row.solve,
-    }

@@ -45,11 +45,16 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
 
     lengths: of parts, in place of those in the sketch.
     """
-    number = len(system.stations)
+    number, train = len(system.stations), system.train
     x, row = np.full(number, np.nan), np.zeros(number)
     rows, of_path = _Rows(), dict[Path, int]()
-    widths = _widths(system) | dict(lengths or {})
-    for number, part in enumerate(system.train.parts):
+    widths = dict[int, float]()
+    for bars in train.sectioned.values():  # to scale, on the average half a shaft
+        scale = train.parts[bars[0].part].symbol.width / 2.0 * len(bars)
+        scale /= sum(bar.length for bar in bars)
+        widths |= {bar.part: scale * bar.length for bar in bars}
+    widths |= lengths or {}
+    for number, part in enumerate(train.parts):
         if part.stations and part.kind != "planets":  # they stand beside their gear
             first, last = part.stations[0], part.stations[-1]
             is_new = np.isnan(x[first])
@@ -60,21 +65,18 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
                 row[first] = line
             if np.isnan(x[last]):
                 x[last], row[last] = x[first] + widths.get(number, part.symbol.width), line
-            rows.fill(line, float(x[last]))
+            rows.end[line] = max(rows.end.get(line, -math.inf), float(x[last]))
             of_path.setdefault(part.path, last)
     _along_shafts(system, x, row)
-    _hanging(system, x, row)
+
+    # Rings, grounds, planets and wheels without a train stand beside the station that they are joined to.
+    missing = -1
+    while missing != (missing := int(np.isnan(x).sum())):
+        for span in system.own_spans:
+            for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
+                if np.isnan(x[far]) and not np.isnan(x[near]):
+                    x[far], row[far] = x[near], math.floor(row[near]) + 0.5
     return Layout(x, row)
-
-
-def _widths(system: System) -> dict[int, float]:
-    """Return widths by part for the sections of a shaft: to scale, on the average half a shaft."""
-    train, widths = system.train, dict[int, float]()
-    for bars in train.sectioned.values():
-        width = train.parts[bars[0].part].symbol.width
-        scale = width / 2.0 * len(bars) / sum(bar.length for bar in bars)
-        widths |= {bar.part: scale * bar.length for bar in bars}
-    return widths
 
 
 class _Rows:
@@ -82,7 +84,7 @@ class _Rows:
 
     def __init__(self) -> None:
         self._row: dict[Path, int] = {}
-        self._end: dict[int, float] = {}
+        self.end: dict[int, float] = {}
 
     def of(self, branch: Path, start: float, beside: int) -> int:
         """Return the row of a branch, which begins at `start` beside a row.
@@ -92,19 +94,11 @@ class _Rows:
         if not self._row:
             self._row[branch] = 0
         elif branch not in self._row:
-            going_on = {
-                row
-                for other_branch, row in self._row.items()
-                if branch[: len(other_branch)] == other_branch
-            }
+            going_on = [row for other, row in self._row.items() if branch[: len(other)] == other]
             near = [row for row in (beside + 1, beside - 1) if row not in going_on]
-            free = [row for row in near if self._end.get(row, -math.inf) < start - CLEAR]
-            self._row[branch] = free[0] if free else max(self._end) + 1
+            free = [row for row in near if self.end.get(row, -math.inf) < start - CLEAR]
+            self._row[branch] = free[0] if free else max(self.end) + 1
         return self._row[branch]
-
-    def fill(self, row: int, end: float) -> None:
-        """Note how far a component fills a row."""
-        self._end[row] = max(self._end.get(row, end), end)
 
 
 def _behind(
@@ -141,14 +135,3 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
         share = np.arange(1, len(inner) + 1) / (len(inner) + 1)
         x[inner] = x[bar.driving] + share * (x[bar.driven] - x[bar.driving])
         row[inner] = row[bar.driven]
-
-
-def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Place rings, grounds, planets and wheels without a train beside the station that drives them, or that they drive."""
-    while (missing := np.isnan(x)).any():
-        for span in system.own_spans:
-            for near, far in ((span.driving, span.driven), (span.driven, span.driving)):
-                if np.isnan(x[far]) and not np.isnan(x[near]):
-                    x[far], row[far] = x[near], math.floor(row[near]) + 0.5
-        if np.array_equal(missing, np.isnan(x)):
-            return

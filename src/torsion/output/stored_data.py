@@ -8,7 +8,7 @@ import math
 import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Collection
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
 from operator import itemgetter
 from types import NoneType
@@ -22,7 +22,6 @@ from pydantic import (
     PlainValidator,
     TypeAdapter,
     ValidationError,
-    ValidationInfo,
 )
 from pydantic_core import CoreSchema, core_schema
 
@@ -70,32 +69,24 @@ class Arrays:
         """Return the array at a position, the same object each time and read-only; raises ValueError."""
         if type(position) is not int or not 0 <= position < len(self.kept):
             raise ValueError(f"there is no array {position}")
-        if position not in self.read:
-            self.read[position] = _unpack_array(self.kept[position])
-        return self.read[position]
-
-
-def _unpack_array(kept: object) -> NDArray[Any]:
-    """Return an array from its text; raises ValueError."""
-    match kept:
-        case {"type": str(kind), "shape": list(shape), "bytes": str(text)} if (
-            kind in DTYPES.values()
-        ):
-            if not all(type(size) is int and size >= 0 for size in shape):
-                raise ValueError("the shape of an array is none")
-            dtype = np.dtype(kind)
-            try:
-                weights = zlib.decompress(b64decode(text, validate=True))
-                by_weight = np.frombuffer(weights, dtype=np.uint8).reshape(dtype.itemsize, -1)
-                return np.frombuffer(by_weight.T.tobytes(), dtype=dtype).reshape(shape)
-            except (ValueError, zlib.error):
-                raise ValueError("the bytes of an array are damaged") from None
-    raise ValueError("an array has a type, a shape and bytes")
-
-
-def _array_at(position: object, info: ValidationInfo) -> NDArray[Any]:
-    """Return the array at a position of the `Arrays` in the context."""
-    return cast(Arrays, info.context).at(position)
+        if position in self.read:
+            return self.read[position]
+        match self.kept[position]:
+            case {"type": str(kind), "shape": list(shape), "bytes": str(text)} if (
+                kind in DTYPES.values()
+            ):
+                if not all(type(size) is int and size >= 0 for size in shape):
+                    raise ValueError("the shape of an array is none")
+                dtype = np.dtype(kind)
+                try:
+                    weights = zlib.decompress(b64decode(text, validate=True))
+                    by_weight = np.frombuffer(weights, dtype=np.uint8).reshape(dtype.itemsize, -1)
+                    array = np.frombuffer(by_weight.T.tobytes(), dtype=dtype).reshape(shape)
+                except (ValueError, zlib.error):
+                    raise ValueError("the bytes of an array are damaged") from None
+                self.read[position] = array
+                return array
+        raise ValueError("an array has a type, a shape and bytes")
 
 
 class NamedChoice:
@@ -116,7 +107,9 @@ class NamedChoice:
 
 
 BY_NAME = NamedChoice()
-STORED = PlainValidator(_array_at)  # of a field with an array
+STORED = PlainValidator(
+    lambda position, info: info.context.at(position)
+)  # of a field with an array
 StoredFloats = Annotated[FloatArray, STORED]
 StoredIntegers = Annotated[IntArray, STORED]
 StoredFlags = Annotated[BoolArray, STORED]
@@ -143,12 +136,10 @@ def plain(value: Any, arrays: Arrays, named: Collection[type]) -> Any:
 def _stored_fields(kind: Any) -> list[tuple[str, Any]]:
     """Return names and defaults of the fields that are written; MISSING for a field that is always written."""
     return [
-        (entry.name, _default(entry)) for entry in fields(kind) if entry.metadata.get("kept", True)
+        (entry.name, entry.default if isinstance(entry.default, PLAIN) else MISSING)
+        for entry in fields(kind)
+        if entry.metadata.get("kept", True)
     ]
-
-
-def _default(entry: Field[Any]) -> Any:
-    return entry.default if isinstance(entry.default, PLAIN) else MISSING
 
 
 @cache

@@ -40,9 +40,8 @@ def write(
     """
     today = today or report_date()
     page = document(findings, today, REPORTS[report], is_full=is_full)
-    folder = Path(
-        os.path.realpath(folder)
-    )  # below it no symbolic link is followed to remove a file
+    # Below it no symbolic link is followed to remove a file.
+    folder = Path(os.path.realpath(folder))
     folder.mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
     contents = files(page, findings, also, faults)
@@ -63,12 +62,8 @@ def write(
         if not _is_among(path, read):
             path.unlink()
     if faults:
-        raise InputError(
-            [
-                replace(fault, message=f"{fault.message}; all other files are written")
-                for fault in faults
-            ]
-        )
+        end = "; all other files are written"
+        raise InputError([replace(fault, message=fault.message + end) for fault in faults])
     return page
 
 
@@ -202,7 +197,15 @@ def write_texts(
     try:
         workshop.mkdir(mode=0o700)
         ordered = sorted(contents.items(), key=lambda item: item[0].endswith(".json"))
-        finished = [path for name, content in ordered for path in _finish(workshop / name, content)]
+        finished = list[Path]()
+        for name, content in ordered:
+            path = workshop / name
+            path.parent.mkdir(exist_ok=True)
+            if callable(content):
+                finished += content(path)
+            else:
+                path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+                finished.append(path)
         targets = [target / path.relative_to(workshop) for path in finished]
         refuse_inputs(targets, read)
         for parent in {path.parent for path in targets}:
@@ -210,12 +213,3 @@ def write_texts(
         return [Path(shutil.move(*pair)) for pair in zip(finished, targets, strict=True)]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
-
-
-def _finish(path: Path, content: Content) -> list[Path]:
-    """Write the files of a content and return them."""
-    path.parent.mkdir(exist_ok=True)
-    if callable(content):
-        return content(path)
-    path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-    return [path]

@@ -69,19 +69,14 @@ def amplitudes(
     quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()
 ) -> Axis:
     """Return an axis from zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
-    positive = np.concatenate(
-        [np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)]
-    )
+    known = np.concatenate([np.zeros(0), *map(np.ravel, values)])
+    positive = known[np.isfinite(known) & (known > 0)]
     if positive.size == 0 or positive.max() <= LOGARITHMIC * np.median(positive):
         return Axis(quantity, unit, low=0.0)
-    lowest = max(float(positive.min()), float(positive.max()) / MOST_DECADES)
-    return Axis(
-        quantity,
-        unit,
-        low=lowest / 1.5,
-        high=max([2.0 * float(positive.max()), *(1.5 * limit for limit in limits)]),
-        is_log=True,
-    )
+    largest = float(positive.max())
+    low = max(float(positive.min()), largest / MOST_DECADES) / 1.5
+    high = max([2.0 * largest, *(1.5 * limit for limit in limits)])
+    return Axis(quantity, unit, low, high, is_log=True)
 
 
 def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
@@ -94,17 +89,12 @@ def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
     sizes = [float(np.max(values, where=np.isfinite(values), initial=0.0)) for _, values in drawn]
     ranked = [k for k in sorted(range(len(sizes)), key=lambda k: -sizes[k]) if sizes[k] > 0]
     shown = ranked if len(ranked) <= MOST_ORDERS else ranked[:LARGEST]
-    drawn_lines = [
-        Line(
-            drawn[k][0],
-            x,
-            drawn[k][1],
-            pen,
-            drawn[k][0].removeprefix("order "),
-            weight=MAIN if len(sizes) > 1 and k == ranked[0] else 1.0,
-        )
-        for pen, k in enumerate(sorted(shown))
-    ]
+    drawn_lines = []
+    for pen, k in enumerate(sorted(shown)):
+        name, values = drawn[k]
+        weight = MAIN if len(sizes) > 1 and k == ranked[0] else 1.0
+        label = name.removeprefix("order ")
+        drawn_lines.append(Line(name, x, values, pen, label, weight=weight))
     if remaining := ranked[len(shown) :]:
         largest = np.fmax.reduce([drawn[k][1] for k in remaining])
         drawn_lines.append(Line(f"envelope of the other {len(remaining)}", x, largest, "pale"))
@@ -260,26 +250,17 @@ def whirling(speed: FloatArray, frequency: FloatArray, sense: FloatArray) -> Ite
 
 def met(crossings: Sequence[Crossing], right: float, top: float) -> Iterator[Marks]:
     """Yield the crossings that lie on the diagram, which goes from nothing to these two ends."""
-    for inside, words in (
-        (True, "critical speed in the range"),
-        (False, "critical speed outside the range"),
-    ):
+    for inside in (True, False):
         met = [
-            crossing
-            for crossing in crossings
-            if crossing[2] == inside and crossing[0] <= right and crossing[1] <= top
+            (rpm, hertz, words)
+            for rpm, hertz, is_inside, words in crossings
+            if is_inside == inside and rpm <= right and hertz <= top
         ]
         if met:
-            x, y = np.array([crossing[:2] for crossing in met]).T
-            words_of = tuple(crossing[3] for crossing in met)
-            yield Marks(
-                words,
-                x,
-                y,
-                "disc" if inside else "cross",
-                "plain" if inside else "outside",
-                words=words_of,
-            )
+            x, y, words = zip(*met, strict=True)
+            name = f"critical speed {'in' if inside else 'outside'} the range"
+            marks = Marks(name, np.array(x), np.array(y), words=words)
+            yield marks if inside else replace(marks, symbol="cross", pen="outside")
 
 
 def highest_shown(frequency: FloatArray, reached: float, crossings: Sequence[Crossing]) -> float:

@@ -27,8 +27,11 @@ def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "
             f"the figure '{figure.name}' has no axes, so matplotlib cannot draw it", "use its `svg`"
         )
     if axes is None:
+        try:
+            from matplotlib import pyplot
+        except ImportError:
+            raise ImportError("to_matplotlib needs matplotlib: pip install matplotlib") from None
         heights = [panel.height for panel in figure.plots]
-        pyplot = _pyplot()
         size = (WIDTH, 1.0 + sum(heights) / INCH)
         _, grid = pyplot.subplots(
             len(heights), squeeze=False, figsize=size, height_ratios=heights, layout="constrained"
@@ -44,50 +47,24 @@ def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "
     return targets
 
 
-def _pyplot() -> Any:
-    try:
-        from matplotlib import pyplot
-    except ImportError:
-        raise ImportError("to_matplotlib needs matplotlib: pip install matplotlib") from None
-    return pyplot
-
-
 def _draw(panel: Panel, axes: "Axes") -> None:
     if panel.cells is not None:
         cells = panel.cells
         mesh = axes.pcolormesh(cells.x, cells.y, cells.values, shading="nearest", cmap="cividis")
-        axes.figure.colorbar(
-            mesh,
-            ax=axes,
-            label=_text(f"{cells.quantity}, {cells.unit}" if cells.unit else cells.quantity),
-        )
+        title = f"{cells.quantity}, {cells.unit}" if cells.unit else cells.quantity
+        axes.figure.colorbar(mesh, ax=axes, label=_text(title))
     for band in panel.bands:
         span = axes.axvspan if band.axis == "x" else axes.axhspan
-        span(
-            band.low,
-            band.high,
-            color=BANDS[band.kind][0],
-            label=_text(band.name) or None,
-        )
+        span(band.low, band.high, color=BANDS[band.kind][0], label=_text(band.name) or None)
     for line in panel.lines:
-        (drawn,) = axes.plot(
-            line.x,
-            line.y,
-            linewidth=1.2 * line.weight,
-            label=_text(line.name) or None,
-            color=stroke(line.pen).colour,
-        )
+        look: dict[str, Any] = {"linewidth": 1.2 * line.weight, "color": stroke(line.pen).colour}
+        (drawn,) = axes.plot(line.x, line.y, label=_text(line.name) or None, **look)
         if line.base is not None:
             axes.fill_between(line.x, line.base, line.y, color=drawn.get_color(), alpha=0.2)
     for level in panel.levels:
         rule = axes.axvline if level.axis == "x" else axes.axhline
-        rule(
-            level.value,
-            color=stroke(level.pen).colour,
-            linestyle="--",
-            linewidth=0.9,
-            label=_text(level.name) or None,
-        )
+        look = {"linestyle": "--", "linewidth": 0.9, "color": stroke(level.pen).colour}
+        rule(level.value, label=_text(level.name) or None, **look)
     for marks in panel.marks:
         axes.plot(marks.x, marks.y, "o", markersize=4, label=_text(marks.name) or None)
     _scale(panel.x, axes, "x")

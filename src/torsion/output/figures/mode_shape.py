@@ -48,42 +48,23 @@ def mode(
     marks = list[Marks]()
     if hangs.any():
         upper.append(Line("", *_joined(x, angle, ends[hangs]), "natural"))
-        marks.append(
-            Marks(
-                "of no length here: ring, ground, side wheel, step",
-                across[hangs, 0],
-                torque[hangs],
-                "diamond",
-                "outside",
-            )
-        )
+        words = "of no length here: ring, ground, side wheel, step"
+        marks.append(Marks(words, across[hangs, 0], torque[hangs], "diamond", "outside"))
     room = ROOM * (float(np.ptp(x)) or 1.0)
-    along = Axis(
-        "",
-        "",
-        float(x.min()) - room,
-        float(x.max()) + room,
-        places=tuple(thinned(ticks, MOST_TICKS)),
-    )
+    ends_of_axis = float(x.min()) - room, float(x.max()) + room
+    along = Axis("", "", *ends_of_axis, places=tuple(thinned(ticks, MOST_TICKS)))
     shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
     dots = Marks("", x[shown], angle[shown], "dot", "plain")
-    stops = (
-        Stops(x[marked], angle[marked], tuple(stations)) if stations else None,
-        Stops(across.mean(axis=1), torque, tuple(spans)) if spans else None,
-    )
-    angles, torques = (Axis(f"{what} / largest", "", -1.1, 1.1) for what in ("angle", "torque"))
-    zero = (Level("", 0.0, "zero"),)
-    return Figure(
-        name,
-        caption,
-        (
-            Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=72.0),
-            Panel(
-                along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=58.0
-            ),
-        ),
-        Moving(x, row, angle, ends, marked),
-    )
+    points = Stops(x[marked], angle[marked], tuple(stations)) if stations else None
+    middles = Stops(across.mean(axis=1), torque, tuple(spans)) if spans else None
+    zero, panels = (Level("", 0.0, "zero"),), []
+    for what, lines, symbols, stops, height in (
+        ("angle", upper, [dots], points, 72.0),
+        ("torque", lower, marks, middles, 58.0),
+    ):
+        y, drawn = Axis(f"{what} / largest", "", -1.1, 1.1), (tuple(lines), zero)
+        panels.append(Panel(along, y, *drawn, marks=tuple(symbols), stops=stops, height=height))
+    return Figure(name, caption, tuple(panels), Moving(x, row, angle, ends, marked))
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:

@@ -38,9 +38,11 @@ def curve(grid: Grid, checks: Sequence[SweptCheck]) -> Figure:
         for first, last in runs(grid.fails)
     )
     symbol: Symbol | None = "dot" if axis.places or x.size <= MOST_BINS else None
+    known = [check for check in checks if np.isfinite(check.utilisation).any()]
+    most_used = sorted(known, key=lambda check: -(check.worst or 0.0))[:MOST_CHECKS]
     used = tuple(
         Line(f"{check.clause}: {check.where}", x, 100.0 * check.utilisation, pen, symbol=symbol)
-        for pen, check in enumerate(_most_used(checks))
+        for pen, check in enumerate(most_used)
     )
     modes = tuple(
         Line(f"mode {mode}", x, hertz, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
@@ -80,12 +82,10 @@ def maps(grid: Grid) -> Iterator[Figure]:
     for mode, values in enumerate(grid.frequency[:MOST_MODES], start=1):
         finite = values[np.isfinite(values)]
         if finite.size and np.ptp(finite) > 1e-9 * finite.max():
-            name, caption = f"sweep_map_mode_{mode}", f"Natural frequency of mode {mode}"
-            decades = float(np.log10(finite.max() / finite.min()))
+            largest, decades = float(finite.max()), float(np.log10(finite.max() / finite.min()))
             hertz, title = values.reshape(grid.shape), "natural frequency"
-            yield drawn(
-                name, caption, Cells(x, y, hertz, title, "Hz", float(finite.max()), decades)
-            )
+            cells = Cells(x, y, hertz, title, "Hz", largest, decades)
+            yield drawn(f"sweep_map_mode_{mode}", f"Natural frequency of mode {mode}", cells)
 
 
 def _coordinate(axis: GridAxis) -> tuple[FloatArray, Axis, float | None]:
@@ -98,12 +98,6 @@ def _coordinate(axis: GridAxis) -> tuple[FloatArray, Axis, float | None]:
     nominal = [] if axis.in_file is None else positions[axis.number == axis.in_file].tolist()
     ends = -0.5, len(positions) - 0.5
     return positions, Axis(axis.name, "", *ends, places=places), nominal[0] if nominal else None
-
-
-def _most_used(checks: Sequence[SweptCheck]) -> list[SweptCheck]:
-    """Return the checks with the highest utilisation of any variant."""
-    known = [check for check in checks if np.isfinite(check.utilisation).any()]
-    return sorted(known, key=lambda check: -(check.worst or 0.0))[:MOST_CHECKS]
 
 
 def frequencies(sweep: Sweep, bounds: Sequence[tuple[float, float]]) -> Figure:
@@ -119,30 +113,21 @@ def frequencies(sweep: Sweep, bounds: Sequence[tuple[float, float]]) -> Figure:
         extent = np.append(values[np.isfinite(values)], [level.value for level in levels])
         room = 0.03 * float(np.ptp(extent)) or 1e-3 * abs(float(extent[0])) or 1.0
         ends = float(extent.min()) - room, float(extent.max()) + room
-        panels.append(
-            Panel(
-                Axis(f"frequency of mode {mode + 1}", "Hz", *ends),
-                Axis("variants", "%", low=0.0),
-                (histogram(values),),
-                tuple(levels),
-                (Band("95 % of the variants", *spread, "spread"),),
-            )
-        )
+        axes = Axis(f"frequency of mode {mode + 1}", "Hz", *ends), Axis("variants", "%", low=0.0)
+        band = Band("95 % of the variants", *spread, "spread")
+        panels.append(Panel(*axes, (histogram(values),), tuple(levels), (band,)))
     return Figure("sweep_frequencies", "Natural frequencies of all variants", tuple(panels))
 
 
 def histogram(values: FloatArray) -> Line:
     """Return steps (bins,) in % of the variants."""
     finite = values[np.isfinite(values)]
+    # Between values that differ by rounding lie no bins.
     if finite.size and np.ptp(finite) <= SAME * np.abs(finite).max():
-        finite = np.full_like(
-            finite, finite[0]
-        )  # between values that differ by rounding lie no bins
+        finite = np.full_like(finite, finite[0])
     count, edges = np.histogram(finite, int(np.clip(np.sqrt(finite.size), 5, MOST_BINS)))
-    share = np.repeat(100.0 * count / max(values.size, 1), 2)
-    return Line(
-        "", np.repeat(edges, 2), np.array([0.0, *share, 0.0]), base=np.zeros(2 * edges.size)
-    )
+    share = np.pad(np.repeat(100.0 * count / max(values.size, 1), 2), 1)
+    return Line("", np.repeat(edges, 2), share, base=np.zeros(2 * edges.size))
 
 
 def shares(sweep: Sweep) -> Figure:
@@ -165,13 +150,12 @@ def failing(sweep: Sweep, fails: np.ndarray, pair: Sequence[int]) -> Figure:
     values, axes = [], []
     for parameter in pair:
         figure, factor = sweep.figures[parameter], sweep.factor[:, parameter]
-        is_relative = figure.unit is None
-        values.append(100.0 * factor if is_relative else factor)
-        axes.append(
-            Axis(f"{figure.name} / nominal", "%")
-            if is_relative
-            else Axis(figure.name, unit_words(figure.unit or ""))
-        )
+        if figure.unit is None:
+            values.append(100.0 * factor)
+            axes.append(Axis(f"{figure.name} / nominal", "%"))
+        else:
+            values.append(factor)
+            axes.append(Axis(figure.name, unit_words(figure.unit)))
     x, y = values
     marks = (
         Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
