@@ -118,9 +118,10 @@ def screen(document: Document, width: int = WIDTH) -> list[RenderableType]:
 
 def _title(document: Document) -> list[RenderableType]:
     """Return the name of the model, and number and revision of the document."""
-    title: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
-    if document.cover.numbered:
-        title.append(Text(f"{document.cover.identity}, {document.cover.origin}"))
+    cover = document.cover
+    title: list[RenderableType] = [Text(cover.subtitle, style="bold")]
+    if cover.numbered:
+        title.append(Text(f"{cover.identity}, {cover.origin}"))
     return title
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Cells, Figure, Level, Line, Marks, Panel, Symbol
 from torsion.output.numbers import counted, number
 from torsion.results import listed
@@ -32,7 +32,18 @@ def chapter(findings: Findings) -> Iterator[Block]:
         + f"Objective: {design.aim}{kept}. {counted(design.evaluations, 'candidate')}{trains}: {design.method}."
         + (f" {WHAT}" if not _is_frequency(design) else "")
     )
-    yield _choice(design)
+    chosen = None if design.chosen is None else design.best[design.chosen - 1]
+    numbered = list(enumerate(design.best, start=1))
+    words = f"Chosen: {conclusion(design)} ({design.verdict})."
+    if chosen is not None:
+        words += f" The file with these values is {FILE}."
+    if failed := [str(k) for k, candidate in numbered if candidate.proven == "disagrees"]:
+        words += (
+            f" The full method disagrees with the search on candidate {listed(failed)}. The next best "
+            "candidate was taken."
+        )
+    is_good = chosen is not None and chosen.proven == "kept" and chosen.is_allowed
+    yield Paragraph(words, "pass" if is_good else "note")
     if design.unsolved:
         why = "; ".join(design.faults)
         yield Paragraph(f"{counted(design.unsolved, 'candidate')} not solved: {why}", "note")
@@ -44,7 +55,15 @@ def chapter(findings: Findings) -> Iterator[Block]:
         )
     titles = "name: < Variable | range: < Range | before: < Nominal | chosen: < Chosen"
     yield table(titles, design.figures, "Design variables")
-    yield _candidates(design)
+    yield table(
+        "Candidate -> | < Values | margin: Minimum margin:4? -> margin | utilisation: Utilisation [%]:4? | "
+        "decides: < Governing check:? | worst_at: < At:? | frequency: Frequency [Hz]:7? -> Hz | mass: Mass [kg]:? -> kg | "
+        "cost: Cost:? | is_allowed: < Constraints met -> met | proven: < Full method:? -> | proven_margin: Its margin:4?",
+        [(candidate, k, ", ".join(candidate.values)) for k, candidate in numbered],
+        "Best candidates",
+        marks=["pass" if k == design.chosen else "" for k, _ in numbered],
+        short="Best candidates",
+    )
     yield from _figures(design)
 
 
@@ -94,39 +113,8 @@ def _over_cases(design: Design, findings: Findings) -> str:
     return f"; searched for the nominal case, solved over {names}{without}"
 
 
-def _choice(design: Design) -> Paragraph:
-    """Return what is chosen, and what the ordinary solution gives."""
-    numbered = enumerate(design.best, start=1)
-    failed = [str(k) for k, candidate in numbered if candidate.proven == "disagrees"]
-    words = f"Chosen: {conclusion(design)} ({design.verdict})."
-    if design.chosen is not None:
-        words += f" The file with these values is {FILE}."
-    if failed:
-        words += (
-            f" The full method disagrees with the search on candidate {listed(failed)}. The next best "
-            "candidate was taken."
-        )
-    chosen = None if design.chosen is None else design.best[design.chosen - 1]
-    is_good = chosen is not None and chosen.proven == "kept" and chosen.is_allowed
-    return Paragraph(words, "pass" if is_good else "note")
-
-
 def _is_frequency(design: Design) -> bool:
     return bool(design.best) and design.best[0].frequency is not None
-
-
-def _candidates(design: Design) -> Table:
-    """Return the best candidates; the chosen one is marked."""
-    numbered = list(enumerate(design.best, start=1))
-    return table(
-        "Candidate -> | < Values | margin: Minimum margin:4? -> margin | utilisation: Utilisation [%]:4? | "
-        "decides: < Governing check:? | worst_at: < At:? | frequency: Frequency [Hz]:7? -> Hz | mass: Mass [kg]:? -> kg | "
-        "cost: Cost:? | is_allowed: < Constraints met -> met | proven: < Full method:? -> | proven_margin: Its margin:4?",
-        [(candidate, k, ", ".join(candidate.values)) for k, candidate in numbered],
-        "Best candidates",
-        marks=["pass" if k == design.chosen else "" for k, _ in numbered],
-        short="Best candidates",
-    )
 
 
 def _figures(design: Design) -> Iterator[Figure]:
@@ -156,8 +144,8 @@ def _figures(design: Design) -> Iterator[Figure]:
         panel = Panel(axes[0], objective, (line,), limit, marks=marks, height=240.0)
         yield Figure("design_curve", f"{name} over {names}", (panel,))
     elif len(axes) == 2 and (cells := _cells(design, title)) is not None:
-        marks = marked(design.values[:, 0], design.values[:, 1])
-        panel = Panel(axes[0], axes[1], marks=marks, cells=cells, height=300.0)
+        x, y = design.values.T
+        panel = Panel(axes[0], axes[1], marks=marked(x, y), cells=cells, height=300.0)
         yield Figure("design_map", f"{name} over {names}", (panel,))
 
     if design.against and design.front_amount.size:

@@ -27,7 +27,7 @@ from torsion.output.numbers import (
     order,
     rpm,
 )
-from torsion.output.records import along
+from torsion.output.records import Place, along
 from torsion.output.reported_values import (
     of_torsion,
     rated_rpm,
@@ -58,11 +58,25 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _introduction(findings, periodic)
     if judged := first_order_judged(findings):
         yield Paragraph(judged, "note")
-    yield from _flagged_table(periodic)
-    if periodic.others is not None:
-        speeds = listed(
-            [f"{rpm(speed)} rpm" for speed in np.unique(periodic.others.speed).tolist()]
+    marks, flagged_rows = list[str](), list[tuple[Place, str]]()
+    flagged = np.flatnonzero((periodic.status != Found.OK) | periodic.is_unstable).tolist()
+    for k, place in zip(flagged, along(periodic, "speed", flagged), strict=True):
+        reason = "more harmonics would be needed"
+        if periodic.is_unstable[k]:
+            reason = "unstable: the train does not settle in this motion"
+        flagged_rows.append((place, periodic.why[k] or reason))
+        marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
+    if flagged:
+        yield table(
+            "speed: Speed [rpm]:7 | status_words: < Periodic motion | is_unstable: Unstable | growth: Growth rate [1/s]:3 | "
+            "truncation: Omitted harmonic:2 | < Reason",
+            flagged_rows,
+            "Speeds with unreliable amplitudes, marked in the figures",
+            marks=marks,
+            most=MOST_FLAGGED,
         )
+    if periodic.others is not None:
+        speeds = listed(f"{rpm(speed)} rpm" for speed in np.unique(periodic.others.speed).tolist())
         yield Paragraph(
             f"At some peaks the equations have several periodic motions ({speeds}). The approach to the speed decides "
             "which one occurs; an unstable motion does not persist. Curves and tables show one of them; "
@@ -92,36 +106,12 @@ def _introduction(findings: Findings, periodic: PeriodicResponse) -> Paragraph:
     if truncation.size:
         text += f"; estimated maximum omitted harmonic: {number(float(truncation.max()), 2)} of the largest"
     if np.isfinite(periodic.drive).any():
-        smallest_drive, largest_drive = (
-            number(float(np.nanmin(periodic.drive))),
-            number(float(np.nanmax(periodic.drive))),
-        )
-        text += f"; mean torque of the drive {smallest_drive} to {largest_drive} N m"
-    left_out = any(line.order is None for line in findings.need(Response).lines)
-    return Paragraph(
-        text + "." + (" Torques of fixed frequency are not included." if left_out else "")
-    )
-
-
-def _flagged_table(periodic: PeriodicResponse) -> Iterator[Table]:
-    """The speeds without a periodic motion, with a coarse or an unstable one; nothing where there is none."""
-    rows, marks = [], []
-    flagged = np.flatnonzero((periodic.status != Found.OK) | periodic.is_unstable).tolist()
-    for k, place in zip(flagged, along(periodic, "speed", flagged), strict=True):
-        reason = "more harmonics would be needed"
-        if periodic.is_unstable[k]:
-            reason = "unstable: the train does not settle in this motion"
-        rows.append((place, periodic.why[k] or reason))
-        marks.append("fail" if periodic.is_unstable[k] or periodic.why[k] else "note")
-    if rows:
-        yield table(
-            "speed: Speed [rpm]:7 | status_words: < Periodic motion | is_unstable: Unstable | growth: Growth rate [1/s]:3 | "
-            "truncation: Omitted harmonic:2 | < Reason",
-            rows,
-            "Speeds with unreliable amplitudes, marked in the figures",
-            marks=marks,
-            most=MOST_FLAGGED,
-        )
+        ends = (number(float(end(periodic.drive))) for end in (np.nanmin, np.nanmax))
+        text += f"; mean torque of the drive {' to '.join(ends)} N m"
+    text += "."
+    if any(line.order is None for line in findings.need(Response).lines):
+        text += " Torques of fixed frequency are not included."
+    return Paragraph(text)
 
 
 def _table(rows: Sequence[ComparedTorque]) -> Table:

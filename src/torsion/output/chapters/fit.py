@@ -60,8 +60,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             short="Measured natural frequencies",
         )
     for position, curve in enumerate(fit.curves, start=1):
-        yield _drawn(findings, curve, position)
-        yield _points(findings, curve)
+        yield from _curve(findings, curve, position)
 
     yield Paragraph(IDENTIFIED)
     titles = "information: Information:3 | words: < Combination | is_unidentified: < Not identified"
@@ -113,21 +112,15 @@ def _agreement(fit: Fit) -> str:
     return f"{summary} with {freedom}: {words}."
 
 
-def _scale(curve: FittedCurve) -> Scale:
-    """In which unit its amplitudes are read."""
+def _curve(findings: Findings, curve: FittedCurve, position: int) -> Iterator[Block]:
+    """Yield the figure of a measured curve, and its points, of many those with the largest residuals."""
     scales = {"angle": Scale("deg", 180.0 / np.pi), "speed": Scale("rpm", RPM)}
-    return scales.get(curve.quantity) or scale("N m", [float(curve.measured.max())])
-
-
-def _title(findings: Findings, curve: FittedCurve) -> str:
-    what = (
+    size = scales.get(curve.quantity) or scale("N m", [float(curve.measured.max())])
+    title = (
         "angular amplitude" if curve.quantity == "angle" else f"amplitude of the {curve.quantity}"
     )
-    return f"{what} at {curve.at}, order {order(curve.order)} of {reference(findings)}"
-
-
-def _drawn(findings: Findings, curve: FittedCurve, position: int) -> Figure:
-    size, x = _scale(curve), curve.curve_speed * RPM
+    title += f" at {curve.at}, order {order(curve.order)} of {reference(findings)}"
+    x = curve.curve_speed * RPM
     panel = Panel(
         Axis("speed", "rpm"),
         Axis(f"amplitude of {curve.quantity}", size.unit, low=0.0),
@@ -137,13 +130,10 @@ def _drawn(findings: Findings, curve: FittedCurve, position: int) -> Figure:
         ),
         marks=(Marks("measured", curve.speed * RPM, curve.measured * size.factor, "cross"),),
     )
-    return Figure(f"fit_{position}", f"Measured and computed {_title(findings, curve)}", (panel,))
+    yield Figure(f"fit_{position}", f"Measured and computed {title}", (panel,))
 
-
-def _points(findings: Findings, curve: FittedCurve) -> Block:
-    """Return the measured points, of many those with the largest residuals."""
     largest = np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS]
-    size, shown = _scale(curve), np.sort(largest).tolist()
+    shown = np.sort(largest).tolist()
     amplitudes = np.transpose([curve.measured, curve.before, curve.after]) * size.factor
     remark = ""
     if len(shown) < curve.speed.size:
@@ -151,10 +141,10 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
     if curve.unused:
         remark += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
     phase = "" if curve.phase_residual is None else " | phase_residual: Residual of the phase:2"
-    return table(
+    yield table(
         f"speed: Speed [rpm] | Measured [={size.unit}] | Before the fit [={size.unit}] -> before | "
         f"Fitted [={size.unit}] -> fitted | deviation: Deviation [%]:3 -> ± % | "
         f"residual: Residual, in deviations:2 -> residual{phase}",
         [(place, *amplitudes[place.index].tolist()) for place in along(curve, "point", shown)],
-        f"Measured {_title(findings, curve)}{remark}",
+        f"Measured {title}{remark}",
     )

@@ -79,7 +79,19 @@ def chapter(findings: Findings) -> Iterator[Block]:
             f"Maximum vibratory torque of every component over the speed range, {together}",
             short=f"Maximum vibratory torque, {together}",
         )
-        yield _peaks(loads)
+        if loads.peaks:  # those that are largest if referred to one speed
+            largest = sorted(loads.peaks, key=lambda peak: -peak.referred)[:MOST_PEAKS]
+            caption = "Resonance peaks of single orders in the speed range"
+            if len(loads.peaks) > MOST_PEAKS:
+                caption += f" (the {MOST_PEAKS} largest of {len(loads.peaks)})"
+            yield table(
+                "component: < Component | order: < Order | torque: Torque amplitude [~N m] | speed: Speed [rpm] | "
+                "frequency: Frequency [Hz] | mode: Mode",
+                [peak for peak in loads.peaks if peak in largest],
+                caption,
+            )
+        else:
+            yield Paragraph("No order has a resonance peak in the speed range.")
     yield from _figures(
         findings, [element for element in loaded if element.kind not in ("shaft", "gear")]
     )
@@ -158,21 +170,6 @@ def _status(findings: Findings, response: Response) -> Paragraph:
     if count := int(response.unreliable.sum()):
         return Paragraph(f"{text} At {counted(count, 'speed')} {SINGULAR}", "note")
     return Paragraph(text)
-
-
-def _peaks(loads: ComponentLoads) -> Block:
-    """Return the table of the peaks that are largest if referred to one speed."""
-    if not loads.peaks:
-        return Paragraph("No order has a resonance peak in the speed range.")
-    largest_peaks = sorted(loads.peaks, key=lambda peak: -peak.referred)[:MOST_PEAKS]
-    omitted = len(loads.peaks) > MOST_PEAKS
-    return table(
-        "component: < Component | order: < Order | torque: Torque amplitude [~N m] | speed: Speed [rpm] | "
-        "frequency: Frequency [Hz] | mode: Mode",
-        [peak for peak in loads.peaks if peak in largest_peaks],
-        "Resonance peaks of single orders in the speed range"
-        + f" (the {MOST_PEAKS} largest of {len(loads.peaks)})" * omitted,
-    )
 
 
 def curves(findings: Findings, element: Element) -> Figure:
@@ -259,9 +256,7 @@ def _curves_over_frequency(
         for frequency in (() if modes is None else modes.frequency.tolist())
         if hertz[0] <= frequency <= hertz[-1]
     )
-    x, y = (
-        span(Axis("frequency", "Hz"), hertz),
-        amplitudes(quantity, unit, [line.y for line in lines]),
-    )
+    x = span(Axis("frequency", "Hz"), hertz)
+    y = amplitudes(quantity, unit, [line.y for line in lines])
     panel = Panel(x, y, lines, levels, bands, height=150.0)
     return Figure(name, f"{quantity.capitalize()} over the frequency", (panel,))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_results import Joints, LineFound, OptimumFound
 from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
@@ -25,21 +25,6 @@ STILL = 1e-12  # rad: an amplitude or an index below it is rounding of angles of
 ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 
 
-def geometry(joints: Joints) -> Table:
-    """Return the kind, angle, plane and phase of every joint, and what it does by itself."""
-    return table(
-        "name: < Joint -> | kind: < Kind -> | angle: Angle β [deg]:g -> angle | "
-        "plane: Plane against the previous joint [deg]:g -> plane | phase: Phase of the yokes [deg]:g -> phase | "
-        "driving_yoke: Driving yoke from the plane at angle zero [deg]:gs | "
-        "reference_order: Order, reference:o? -> order | "
-        "amplitude: Transmission error [deg]:s -> error, deg | amplitude: Phase of the error [deg]:gp | "
-        "unevenness: Speed fluctuation [%]:s",
-        joints.joints,
-        "Single joints: angles, transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
-        short="Universal joints, angles in deg",
-    )
-
-
 def lines(joints: Joints) -> Table:
     """Return the joints of each shaft line as one."""
     rows = []
@@ -48,13 +33,11 @@ def lines(joints: Joints) -> Table:
         resultant, classical = (
             angle if angle**2 > STILL else 0.0 for angle in (line.resultant, line.classical)
         )
-        shown, ends = (
-            replace(line, resultant=resultant, classical=classical),
-            (line.greatest, line.least),
-        )
+        shown = replace(line, resultant=resultant, classical=classical)
+        ends = [line.greatest, line.least]
         if line.index <= STILL:
             shown = replace(shown, phase=math.nan, index=0.0)
-            ends = replace(line.greatest, at=math.nan), replace(line.least, at=math.nan)
+            ends = [replace(end, at=math.nan) for end in ends]
         rows.append((shown, *ends, names(joints, line)))
     return table(
         "< Joints -> | resultant: Resultant angle [deg] -> resultant, deg | "
@@ -65,24 +48,6 @@ def lines(joints: Joints) -> Table:
         "Joints of one shaft line as one cross joint, rigid between them; angles of the first shaft",
         short=LINES,
     )
-
-
-def at_speed(joints: Joints) -> Iterator[Table]:
-    """Yield the speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
-    rows = [
-        replace(joint, steepest=still(joint.steepest))
-        for joint in joints.joints
-        if joint.speed is not None
-    ]
-    if rows:
-        yield table(
-            "name: < Joint -> | speed: Mean speed [rpm]:6g -> rpm | fastest: Maximum downstream [rpm]:6 | "
-            "slowest: Minimum [rpm]:6 | greatest_acceleration: Maximum acceleration downstream [rad/s²] -> rad/s² | "
-            "speed_angle: Speed × angle [deg/min]",
-            rows,
-            "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
-            short="Speed and acceleration downstream of each joint",
-        )
 
 
 def couples(joints: Joints) -> Table:
@@ -142,8 +107,9 @@ def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
     best_choice, made = line.optimum, "rotates its last shaft uniformly"
     if line.index > STILL:
         made = f"rotates its last shaft with a degree of non-uniformity of {_percent(line.index)} %"
-        if line.resultant**2 > STILL:
-            made += f"; its cross joints act as one joint of {_angle(line.resultant)} deg"
+        if line.resultant**2 > STILL:  # its square is the amplitude that rounding is judged by
+            angle = number(math.degrees(line.resultant))
+            made += f"; its cross joints act as one joint of {angle} deg"
     yield f"The line of {names(joints, line)} {made}."
     if best_choice is not None:
         best = ", ".join(
@@ -162,37 +128,27 @@ def _percent(value: float) -> str:
     return number(100.0 * still(value))
 
 
-def _angle(value: float) -> str:
-    """A resultant angle; its square is the amplitude that rounding is judged by."""
-    return number(math.degrees(value)) if value * value > STILL else "0"
-
-
 def columns(findings: Findings) -> list[Series]:
     """Return the motion and couples of every joint over the angle of the first shaft, title with unit and values."""
     joints = findings.need(Joints)
-    curves = [
-        (f"{joint.name} {title}", values)
-        for joint in joints.joints
-        for title, values in _curves(joint)
-    ]
-    return [("angle of first shaft [deg]", np.degrees(joints.angle)), *curves]
-
-
-def _curves(joint: JointFound) -> Iterator[Series]:
-    """Motion, torque ratio and couples; speeds and accelerations where the speed is known, else as ratios."""
-    yield "error [deg]", np.degrees(joint.error)
-    yield "speed ratio [1]", joint.speed_ratio
-    if joint.speed is None:
-        yield "acceleration / speed² [1/rad]", joint.acceleration
-    else:
-        yield "speed [rpm]", joint.speed_ratio * joint.speed * RPM
-        yield "acceleration [rad/s²]", joint.acceleration * joint.speed**2
-    yield "torque ratio [1]", joint.torque_ratio
-    for couple in joint.couples:
-        yield f"couple on {couple.shaft} shaft about normal [N m]", couple.normal
-        yield f"couple on {couple.shaft} shaft in plane [N m]", couple.inplane
-        if couple.yoke is not None:
-            yield f"couple on {couple.shaft} shaft in turning yoke [N m]", couple.yoke
+    columns: list[Series] = [("angle of first shaft [deg]", np.degrees(joints.angle))]
+    for joint in joints.joints:
+        # Speeds and accelerations stand as ratios where the speed is not known.
+        curves = {"error [deg]": np.degrees(joint.error), "speed ratio [1]": joint.speed_ratio}
+        if joint.speed is None:
+            curves["acceleration / speed² [1/rad]"] = joint.acceleration
+        else:
+            curves["speed [rpm]"] = joint.speed_ratio * joint.speed * RPM
+            curves["acceleration [rad/s²]"] = joint.acceleration * joint.speed**2
+        curves["torque ratio [1]"] = joint.torque_ratio
+        for couple in joint.couples:
+            head = f"couple on {couple.shaft} shaft"
+            curves[f"{head} about normal [N m]"] = couple.normal
+            curves[f"{head} in plane [N m]"] = couple.inplane
+            if couple.yoke is not None:
+                curves[f"{head} in turning yoke [N m]"] = couple.yoke
+        columns += [(f"{joint.name} {title}", values) for title, values in curves.items()]
+    return columns
 
 
 RAD = 180.0 / np.pi
@@ -222,10 +178,29 @@ def alone(findings: Findings) -> Iterator[Block]:
     if joints is None or not joints.joints:
         return
     yield Heading("Universal joints")
-    yield geometry(joints)
+    yield table(
+        "name: < Joint -> | kind: < Kind -> | angle: Angle β [deg]:g -> angle | "
+        "plane: Plane against the previous joint [deg]:g -> plane | phase: Phase of the yokes [deg]:g -> phase | "
+        "driving_yoke: Driving yoke from the plane at angle zero [deg]:gs | "
+        "reference_order: Order, reference:o? -> order | "
+        "amplitude: Transmission error [deg]:s -> error, deg | amplitude: Phase of the error [deg]:gp | "
+        "unevenness: Speed fluctuation [%]:s",
+        joints.joints,
+        "Single joints: angles, transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
+        short="Universal joints, angles in deg",
+    )
     yield Heading("Joints together", 2)
     yield lines(joints)
-    yield from at_speed(joints)
+    moving = [joint for joint in joints.joints if joint.speed is not None]
+    if moving:
+        yield table(
+            "name: < Joint -> | speed: Mean speed [rpm]:6g -> rpm | fastest: Maximum downstream [rpm]:6 | "
+            "slowest: Minimum [rpm]:6 | greatest_acceleration: Maximum acceleration downstream [rad/s²] -> rad/s² | "
+            "speed_angle: Speed × angle [deg/min]",
+            [replace(joint, steepest=still(joint.steepest)) for joint in moving],
+            "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
+            short="Speed and acceleration downstream of each joint",
+        )
     yield from (_motion(joints, k, line) for k, line in enumerate(joints.lines))
     if any(joint.couples for joint in joints.joints):
         yield Heading("Secondary couples", 2)
@@ -240,7 +215,16 @@ def alone(findings: Findings) -> Iterator[Block]:
         yield Heading("Optimum angles", 2)
         for line in joints.lines:
             yield from optimum(joints, line)
-    yield from _response(findings, joints)
+    loads = findings.get(ComponentLoads)
+    if loads is not None and any(joint.order and joint.amplitude for joint in joints.joints):
+        yield Heading("Excitation of the train", 2)
+        yield table(
+            "joint: < Joint | order: Order:o | torque: Maximum torque in the joint [N m]:u | speed: Speed [rpm] | "
+            "model_error: Estimated model error [%]:2",
+            loads.joints,
+            "Response of the train to the order of each joint",
+        )
+        yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())
     if joints.remarks:
         yield Heading("Not computed for the joints", 2)
         yield Points(joints.remarks, brief=True)
@@ -249,47 +233,26 @@ def alone(findings: Findings) -> Iterator[Block]:
 def summary(findings: Findings) -> Iterator[Block]:
     """Return the joints in short, for a report of them alone: each line as one, what is gained, and the verdict."""
     joints = findings.get(Joints)
-    if joints is not None:
-        yield Heading("Summary")
-        yield Points(
-            tuple(sentence for line in joints.lines for sentence in in_short(joints, line))
-        )
-        if findings.need(Checks).lines:
-            yield from closing.conclusion(findings)
-
-
-def _response(findings: Findings, joints: Joints) -> Iterator[Block]:
-    """How the train answers to each joint's order; nothing without a response or without a joint that excites."""
-    loads = findings.get(ComponentLoads)
-    if loads is None or not any(joint.order and joint.amplitude for joint in joints.joints):
+    if joints is None:
         return
-    yield Heading("Excitation of the train", 2)
-    yield table(
-        "joint: < Joint | order: Order:o | torque: Maximum torque in the joint [N m]:u | speed: Speed [rpm] | "
-        "model_error: Estimated model error [%]:2",
-        loads.joints,
-        "Response of the train to the order of each joint",
-    )
-    yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())
+    yield Heading("Summary")
+    yield Points(tuple(sentence for line in joints.lines for sentence in in_short(joints, line)))
+    if findings.need(Checks).lines:
+        yield from closing.conclusion(findings)
 
 
 def _motion(joints: Joints, number: int, line: LineFound) -> Figure:
     """Angle error, speed, acceleration and torque ratio behind every joint of one line."""
     in_line = [joints.joints[k] for k in line.joints]
-    curves = (
+    panels = []
+    for name, title, unit, size in (
         ("error", "angle error", "deg", RAD),
         ("speed_ratio", "speed ratio", "", 1.0),
         ("acceleration", "acceleration / speed²", "1/rad", 1.0),
         ("torque_ratio", "torque downstream / upstream", "", 1.0),
-    )
-    panels = [
-        (
-            Axis(title, unit),
-            size,
-            [(f"downstream of {joint.name}", getattr(joint, name) * size) for joint in in_line],
-        )
-        for name, title, unit, size in curves
-    ]
+    ):
+        curves = [(f"downstream of {joint.name}", getattr(joint, name) * size) for joint in in_line]
+        panels.append((Axis(title, unit), size, curves))
     caption = f"Motion downstream of {names(joints, line)} over the angle of the first shaft, which rotates uniformly"
     return joint_turn(f"joint-motion-{number + 1}", caption, joints.angle, panels, in_line[0].name)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from torsion.analyses.compare.side_by_side import Compared, ModelCompared
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.numbers import counted, given, number, order, rpm
 from torsion.output.records import along
 from torsion.rules.verdict_line import WORDS
@@ -45,7 +45,20 @@ def chapter(findings: Findings) -> Iterator[Block]:
         short="Maximum errors against the exact model",
         rows_in_summary=4,
     )
-    yield _modes(comparison)
+    # Frequencies of all models, with errors for every model but the exact one.
+    titles = "mode: Mode -> | 1.frequency: exact [Hz]:9 -> exact, Hz"
+    for k, model in enumerate(comparison.models, 2):
+        titles += (
+            f" | {k}.frequency: {model.model} [Hz]:9 | {k}.frequency_error: {model.model} error [%]:3 -> "
+            f"{model.model} error, % | {k}.shape_error: 1 − MAC:2"
+        )
+    yield table(
+        titles,
+        zip(*(along(model, "mode") for model in comparison.all_models), strict=True),
+        "Natural frequencies of the models; MAC: modal assurance criterion of the shapes, weighted by inertia",
+        most=MOST_MODES,
+        short="Natural frequencies of the models",
+    )
     if comparison.speed is None:
         yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
         return
@@ -87,20 +100,3 @@ def _worst(model: ModelCompared, comparison: Compared) -> str:
     speed = rpm(float(comparison.speed[torques.worst_speed]))
     percent = number(100.0 * torques.largest, 3)
     return f"{model.model}: {percent} % at {speed} rpm, {what}, largest in {torques.component}"
-
-
-def _modes(comparison: Compared) -> Table:
-    """Return frequencies of all models, with errors for every model but the exact one."""
-    titles = "mode: Mode -> | 1.frequency: exact [Hz]:9 -> exact, Hz"
-    for k, model in enumerate(comparison.models, 2):
-        titles += (
-            f" | {k}.frequency: {model.model} [Hz]:9 | {k}.frequency_error: {model.model} error [%]:3 -> "
-            f"{model.model} error, % | {k}.shape_error: 1 − MAC:2"
-        )
-    return table(
-        titles,
-        zip(*(along(model, "mode") for model in comparison.all_models), strict=True),
-        "Natural frequencies of the models; MAC: modal assurance criterion of the shapes, weighted by inertia",
-        most=MOST_MODES,
-        short="Natural frequencies of the models",
-    )

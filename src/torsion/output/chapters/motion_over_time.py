@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from torsion.analyses.motion.curves.event_driven_curves import Switching
-from torsion.analyses.motion.derived.order_tracking import TURNS, OrderTracking, TrackedTorque
+from torsion.analyses.motion.derived.order_tracking import TURNS, OrderTracking
 from torsion.analyses.motion.events.acting_torques import ActingTorques
 from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.short_circuit import ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.curves import amplitudes, over_time, span
 from torsion.output.figures.curves import orders as ordered_lines
 from torsion.output.figures.figure import Axis, Cells, Figure, Panel
@@ -61,37 +61,34 @@ def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
         )
         text = "Orders: maximum amplitude and phase against the angle of the reference"
         yield table(titles, rows, text)
-    for torque in tracking.each:
-        yield from _order_figures(tracking, torque, name)
-
-
-def _order_figures(tracking: OrderTracking, tracked: TrackedTorque, name: str) -> Iterator[Block]:
-    """Amplitudes over the speed, or over the time where the speed does not go one way, as curves and as a waterfall."""
     if len(tracking.time) < 2:
         return
-    x, over = tracking.speed * RPM, Axis(f"speed of {tracking.reference}", "rpm")
+
+    # Amplitudes over the speed, or over the time where the speed does not go one way, as curves and as a waterfall.
+    x, axis = tracking.speed * RPM, Axis(f"speed of {reference}", "rpm")
     steps = np.diff(x)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
-        x, over = tracking.time, Axis("time", "s")
+        x, axis = tracking.time, Axis("time", "s")
     sort = np.argsort(x)
-    x, amplitude = x[sort], tracked.waterfall[sort, MEAN:]
-    unit, over = scale("N m", amplitude.max(axis=1)), span(over, x)
-    mark = f"{name} {tracked.element}".lstrip()
-    words = tracked.element + (f", {name}" if name else "")
-    sizes = np.abs(tracked.torque[sort]) * unit.factor
-    lines = [
-        (f"order {given(order)}", sizes[:, k]) for k, order in enumerate(tracking.order.tolist())
-    ]
-    if lines:
-        drawn = ordered_lines(x, lines, np.zeros(len(x), dtype=bool))
-        panel = Panel(over, amplitudes(TORQUE, unit.unit, [sizes]), drawn)
-        yield Figure(f"orders {mark}", f"Orders of the torque in {words}", (panel,))
-    order = np.arange(float(MEAN), tracked.waterfall.shape[1]) * tracking.resolution
-    size = amplitude * unit.factor
-    cells = Cells(order, x, size, TORQUE, unit.unit, float(size.max()) or 1.0, DECADES)
-    across = Axis(f"order of {tracking.reference}", "", 0.0, float(order[-1]))
-    caption = f"Waterfall of the torque in {words}, without its mean: the darker the larger"
-    yield Figure(f"waterfall {mark}", caption, (Panel(across, over, cells=cells, height=210.0),))
+    x = x[sort]
+    over, names = span(axis, x), [f"order {given(order)}" for order in tracking.order.tolist()]
+    for tracked in tracking.each:
+        amplitude = tracked.waterfall[sort, MEAN:]
+        unit = scale("N m", amplitude.max(axis=1))
+        size, sizes = amplitude * unit.factor, np.abs(tracked.torque[sort]) * unit.factor
+        mark = f"{name} {tracked.element}".lstrip()
+        words = tracked.element + (f", {name}" if name else "")
+        if names:
+            lines = list(zip(names, sizes.T, strict=True))
+            drawn = ordered_lines(x, lines, np.zeros(len(x), dtype=bool))
+            panel = Panel(over, amplitudes(TORQUE, unit.unit, [sizes]), drawn)
+            yield Figure(f"orders {mark}", f"Orders of the torque in {words}", (panel,))
+        order = np.arange(float(MEAN), tracked.waterfall.shape[1]) * tracking.resolution
+        cells = Cells(order, x, size, TORQUE, unit.unit, float(size.max()) or 1.0, DECADES)
+        across = Axis(f"order of {reference}", "", 0.0, float(order[-1]))
+        caption = f"Waterfall of the torque in {words}, without its mean: the darker the larger"
+        waterfall = Panel(across, over, cells=cells, height=210.0)
+        yield Figure(f"waterfall {mark}", caption, (waterfall,))
 
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
@@ -141,7 +138,16 @@ def _section(
         titles = "< Component | < Event | Start [s] | < Settings"
         yield table(titles, events, "Events; torques at the speed of the component")
     yield from _ice(motion, settings)
-    yield _peak_table(motion)
+    yield table(
+        "component: < Component -> | maximum: Maximum torque [~N m] -> maximum, ~ | maximum_at: Time [s] -> at, s | "
+        "minimum: Minimum torque [~N m] -> minimum, ~ | minimum_at: Time [s] | before: Initial [~N m] | "
+        "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
+        "unresolved: Not sampled [~N m]:s",
+        motion.elements,
+        "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
+        short=f"Transient: {motion.name}" if motion.name else "Transient response",
+        rows_in_summary=3,
+    )
     if motion.switching is not None:
         yield from _switching(motion.switching)
     yield from _following(motion)
@@ -273,21 +279,6 @@ def _following(motion: TransientMotion) -> Iterator[Block]:
         yield table("what: < Torque | time: At", motion.changes, title, most=MOST_PASSAGES)
 
 
-def _peak_table(motion: TransientMotion) -> Table:
-    """Return the greatest and least torque of every element, each with its time, against the torques before and rated."""
-    title = f"Transient: {motion.name}" if motion.name else "Transient response"
-    return table(
-        "component: < Component -> | maximum: Maximum torque [~N m] -> maximum, ~ | maximum_at: Time [s] -> at, s | "
-        "minimum: Minimum torque [~N m] -> minimum, ~ | minimum_at: Time [s] | before: Initial [~N m] | "
-        "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
-        "unresolved: Not sampled [~N m]:s",
-        motion.elements,
-        "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
-        short=title,
-        rows_in_summary=3,
-    )
-
-
 def _switching(switching: Switching) -> Iterator[Block]:
     """What the nonlinear couplings did, and how far single values can be relied upon."""
     titles = (
@@ -354,7 +345,16 @@ def _figures(
         ranked, stations = ranked[:MOST_CURVES], stations[:: max(len(stations) - 1, 1)]
     unit = scale("N m", [highest(motion.peak)])
     for element in ranked:
-        time, torque = _with_peaks(motion, max(element.spans, key=motion.peak.__getitem__))
+        span_drawn = max(element.spans, key=motion.peak.__getitem__)
+        time, torque = motion.time, motion.torque[span_drawn]
+        # Between the samples its maximum and minimum, if they are of the motion that is drawn.
+        if motion.faults_computed <= 1 and motion.phases_computed <= 1:
+            ends = (motion.greatest_at, motion.greatest), (motion.least_at, motion.least)
+            at, size = np.array(
+                sorted((times[span_drawn], sizes[span_drawn]) for times, sizes in ends)
+            ).T
+            places = np.searchsorted(time, at, side="right")
+            time, torque = np.insert(time, places, at), np.insert(torque, places, size)
         limits = [(words, limit * unit.factor) for words, limit in _limits(findings, element)]
         lines = [(element.name, torque * unit.factor)]
         axis, caption = Axis("torque", unit.unit), f"Torque in {element.name}{of_motion}"
@@ -379,14 +379,3 @@ def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
     if not limits and ratings is not None and ratings.max_torque:
         limits = {"T_{Kmax} (manufacturer)": ratings.max_torque}
     return list(limits.items())
-
-
-def _with_peaks(motion: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
-    """The samples of a torque, and between them its maximum and minimum, if they are of the motion that is drawn."""
-    if motion.faults_computed > 1 or motion.phases_computed > 1:
-        return motion.time, motion.torque[span]
-    ends = ((motion.greatest_at, motion.greatest), (motion.least_at, motion.least))
-    pairs = sorted((float(time[span]), float(torque[span])) for time, torque in ends)
-    time, torque = np.array(pairs).T
-    places = np.searchsorted(motion.time, time, side="right")
-    return np.insert(motion.time, places, time), np.insert(motion.torque[span], places, torque)

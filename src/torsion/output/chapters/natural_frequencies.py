@@ -149,7 +149,19 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield frequencies(modes)
     yield from steps_and_hubs(findings)
     if damped is not None:
-        yield from _damped(damped)
+        title = "Damped natural frequencies"
+        title += f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""
+        yield table(
+            "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | "
+            "damping_ratio: Damping ratio [%]:4 -> damping ratio, %",
+            along(damped, "mode"),
+            title,
+            short=title,
+        )
+        if len(damped.overdamped):
+            roots = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
+            ellipsis = ", …" if len(damped.overdamped) > OVERDAMPED else ""
+            yield Paragraph(f"Overdamped modes (decay without oscillation): {roots}{ellipsis} 1/s.")
     count = excited_modes(findings, modes)
     yield from plots(findings, modes, range(count))
     if count < len(modes.frequency):
@@ -161,15 +173,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def excited_modes(findings: Findings, modes: Modes) -> int:
     """Return the number of modes up to the highest excited frequency, at least 1 and at most MOST_MODES."""
-    responses = findings.get(Response), findings.get(FrequencyResponse)
-    highest = max(
-        (
-            float(response.frequency.max(initial=0.0))
-            for response in responses
-            if response is not None
-        ),
-        default=0.0,
-    )
+    highest = 0.0
+    for response in (findings.get(Response), findings.get(FrequencyResponse)):
+        if response is not None:
+            highest = max(highest, float(response.frequency.max(initial=0.0)))
     count = int((modes.frequency <= highest).sum()) if highest else MODES_WITHOUT_ORDERS
     return min(max(count, 1), len(modes.frequency), MOST_MODES)
 
@@ -183,7 +190,17 @@ def appendix(findings: Findings) -> Iterator[Block]:
     yield Paragraph(HOW_TO_READ)
     for mode in range(_table_count(findings, modes)):
         yield next(holzer_tables(findings, modes, mode))
-    yield _shares(modes)
+
+    # Of named stations, of all inner stations of a shaft together, and of elements.
+    shown = range(1, min(len(modes.frequency), MOST_MODES) + 1)
+    titles = "component: < Component" + "".join(f" | share@{k}: Mode {k} [%]:3" for k in shown)
+    shares = [
+        replace(share, share=np.where(share.share >= SMALLEST_SHARE, share.share, np.nan))
+        for share in modes.energy_shares
+        if share.share.max() >= SMALLEST_SHARE
+    ]
+    caption = f"Shares of the kinetic and elastic energy, from {100 * SMALLEST_SHARE:g} % on"
+    yield table(titles, shares, caption)
     yield from matrix(findings)
 
 
@@ -226,35 +243,6 @@ def frequencies(modes: Modes, most: int | None = None) -> Table:
     )
 
 
-def _damped(damped: DampedModes) -> Iterator[Block]:
-    title = "Damped natural frequencies"
-    title += f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""
-    yield table(
-        "mode: Mode -> | frequency: Frequency [Hz]:7 -> Hz | "
-        "damping_ratio: Damping ratio [%]:4 -> damping ratio, %",
-        along(damped, "mode"),
-        title,
-        short=title,
-    )
-    if len(damped.overdamped):
-        roots = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
-        ellipsis = ", …" if len(damped.overdamped) > OVERDAMPED else ""
-        yield Paragraph(f"Overdamped modes (decay without oscillation): {roots}{ellipsis} 1/s.")
-
-
-def _shares(modes: Modes) -> Table:
-    """Return the energy shares of named stations, of all inner stations of a shaft together, and of elements."""
-    shown = range(1, min(len(modes.frequency), MOST_MODES) + 1)
-    titles = "component: < Component" + "".join(f" | share@{k}: Mode {k} [%]:3" for k in shown)
-    shares = [
-        replace(share, share=np.where(share.share >= SMALLEST_SHARE, share.share, np.nan))
-        for share in modes.energy_shares
-        if share.share.max() >= SMALLEST_SHARE
-    ]
-    caption = f"Shares of the kinetic and elastic energy, from {100 * SMALLEST_SHARE:g} % on"
-    return table(titles, shares, caption)
-
-
 def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table]:
     """Yield the table of a mode (from 0), and the constants of shafts with inertia between their ends, if any."""
     result = holzer(findings.system, modes, mode)
@@ -277,11 +265,8 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
 def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[Figure]:
     """Yield angle and torque of modes, counted from 0, over the train."""
     system, positions = findings.system, layout(findings.system)
-    main_line = [
-        part
-        for part in system.train.parts
-        if part.stations and positions.row[part.stations[-1]] == 0
-    ]
+    drawn = (part for part in system.train.parts if part.stations)
+    main_line = [part for part in drawn if positions.row[part.stations[-1]] == 0]
     ticks = [
         (float(positions.x[list(part.stations)].mean()), part.name)
         for part in main_line

@@ -1,7 +1,7 @@
 """Chapter: the plant, as a sketch and as a list of its components."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +10,11 @@ import numpy as np
 from torsion.analyses.system_data import SystemData, system_data
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.model.parts import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
 from torsion.output.numbers import degrees
 from torsion.output.reported_values import reference
 from torsion.output.station_layout import Layout, label, layout
-from torsion.primitives import Bar, Constraint
 
 MOST_LINKS = 60  # of a train that a page draws
 
@@ -47,9 +45,8 @@ def _points(findings: Findings) -> list[Disc]:
     system, positions = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
-    rings = {
-        (s.part, s.driving): s.driven for s in carried
-    }  # by the damper and the station of its housing
+    # By the damper and the station of its housing.
+    rings = {(s.part, s.driving): s.driven for s in carried}
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     discs = []
     for position, part in enumerate(system.train.parts):
@@ -95,60 +92,42 @@ def _links(findings: Findings) -> list[Link]:
     ]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
-            sections = system.train.sectioned.get(part.whole, ())
-            kind, options = _drawing(part, bars.get(position), meshes.get(position), sections)
-            looks = kind, {**options, "parts": (position,)}
-            links.extend(_link(part, label(system.train.parts, position), positions, looks))
+            # It is drawn by what it was made into, the sections of a shaft to one scale.
+            bar, mesh = bars.get(position), meshes.get(position)
+            name, kind, options = label(system.train.parts, position), "coupling", dict[str, Any]()
+            if bar is not None:
+                sections = (bar, *system.train.sectioned.get(part.whole, ()))
+                widest = max(end for section in sections for end in section.outer)
+                kind, options["bore"] = "shaft", bar.bore[0] / bar.outer[0]
+                options["taper"] = tuple(end / widest for end in bar.outer)
+            elif part.joint is not None:
+                kind, name = "joint", f"{name} ({degrees(part.joint.angle, 3)}°)"
+            elif part.kind == "crank":
+                kind = "crank"
+            elif mesh is not None:
+                kind, options["ratio"] = "gear", float(mesh.ratio)
+            drawn = _between(
+                positions, *part.stations, kind, label=name, parts=(position,), **options
+            )
+            links.extend(_with_ties(drawn, is_loop=part.path[0] == "links"))
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and span.driven != meshes[span.part].driven:
-            links.append(
-                _between(
-                    positions,
-                    span.driving,
-                    span.driven,
-                    "gear",
-                    ratio=float(span.ratio),
-                    parts=(span.part,),
-                )
-            )
+            more = {"ratio": float(span.ratio), "parts": (span.part,)}
+            links.append(_between(positions, span.driving, span.driven, "gear", **more))
     return links
 
 
-def _link(
-    part: Part, name: str, positions: Layout, looks: tuple[str, dict[str, Any]]
-) -> list[Link]:
-    """A link, with the lines down to its row where it begins a branch or closes a loop."""
-    kind, options = looks
-    if part.joint is not None:
-        name += f" ({degrees(part.joint.angle, 3)}°)"
-    driving, driven = part.stations
-    drawn = _between(positions, driving, driven, kind, label=name, **options)
+def _with_ties(drawn: Link, *, is_loop: bool) -> list[Link]:
+    """Return a link with the lines down to its row where it begins a branch or closes a loop."""
     (x0, row0), (x1, row1) = drawn.start, drawn.end
-    if part.path[0] == "links":
+    if is_loop:
         level = max(row0, row1) + 0.5
         ties = [Link("tie", (x, row), (x, level)) for x, row in ((x0, row0), (x1, row1))]
         return [*ties, replace(drawn, start=(x0, level), end=(x1, level))]
-    if row0 != row1 and kind != "gear":
+    if row0 != row1 and drawn.kind != "gear":
         return [Link("tie", (x0, row0), (x0, row1)), replace(drawn, start=(x0, row1))]
     return [drawn]
-
-
-def _drawing(
-    part: Part, bar: Bar | None, mesh: Constraint | None, sections: Iterable[Bar]
-) -> tuple[str, dict[str, Any]]:
-    """How a link is drawn: by what it was made into, the sections of a shaft to one scale."""
-    if bar is not None:
-        widest = max(end for section in (bar, *sections) for end in section.outer)
-        return "shaft", {
-            "bore": bar.bore[0] / bar.outer[0],
-            "taper": tuple(end / widest for end in bar.outer),
-        }
-    if part.joint is not None:
-        return "joint", {}
-    if part.kind == "crank":
-        return "crank", {}
-    return ("coupling", {}) if mesh is None else ("gear", {"ratio": float(mesh.ratio)})
 
 
 def _between(positions: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:

@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.analyses.lateral.couple_response import extent
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
-from torsion.analyses.lateral.whirl import Critical, Whirl, WhirlMode, is_unstable
+from torsion.analyses.lateral.whirl import Critical, Whirl, is_unstable
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
@@ -51,7 +51,17 @@ def chapter(findings: Findings) -> Iterator[Block]:
     speeds = None if requested is None else (requested.first, requested.last)
     yield Heading("Bending of the shafts")
     yield Paragraph(f"Speeds are speeds of {reference(findings)}. {AXES}")
-    yield _supports(bending.shafts)
+    # Length, what supports it, and the lowest frequency of both planes without rotation.
+    rows = []
+    for shaft in bending.shafts:
+        supports = ", ".join(f"{held.name} at {number(held.at, 4)} m" for held in shaft.point)
+        rows.append((shaft, shaft.at_rest, supports))
+    yield table(
+        "name: < Shaft | length: Length [m] | ratio: Speed / reference | < Supports | "
+        "y@1: Lowest frequency at rest, y [Hz]:6 | z@1: z [Hz]:6",
+        rows,
+        "Shafts and their supports",
+    )
     yield _criticals(bending.shafts, speeds)
     yield from _whirl(findings, bending.shafts, speeds)
     if any(shaft.answers for shaft in bending.shafts):
@@ -67,23 +77,6 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if bending.remarks:
         yield Heading("Not computed for the bending", 2)
         yield Points(bending.remarks)
-
-
-def _supports(shafts: Shafts) -> Table:
-    """Length, what supports it, and the lowest frequency of both planes without rotation."""
-    return table(
-        "name: < Shaft | length: Length [m] | ratio: Speed / reference | < Supports | "
-        "y@1: Lowest frequency at rest, y [Hz]:6 | z@1: z [Hz]:6",
-        [
-            (
-                shaft,
-                shaft.at_rest,
-                ", ".join(f"{held.name} at {number(held.at, 4)} m" for held in shaft.point),
-            )
-            for shaft in shafts
-        ],
-        "Shafts and their supports",
-    )
 
 
 def _criticals(shafts: Shafts, speeds: Range) -> Table:
@@ -127,15 +120,16 @@ def _inside(critical: Critical, speeds: Range) -> bool:
 
 def _whirl(findings: Findings, shafts: Shafts, speeds: Range) -> Iterator[Block]:
     """Frequencies at both ends of the range, whether the motion dies out; nothing where no speeds are given."""
-    rows = [
-        (shaft, mode, _stability_words(mode))
-        for shaft in shafts
-        if shaft.whirl is not None
-        for mode in shaft.whirl.modes
-    ]
+    rows, marks = [], []
+    whirled = [(shaft, shaft.whirl) for shaft in shafts if shaft.whirl is not None]
+    for shaft, mode in ((shaft, mode) for shaft, whirl in whirled for mode in whirl.modes):
+        words = "stable" if mode.decrement > 0 else "undamped"
+        if mode.grows_from is not None:
+            words = f"UNSTABLE from {rpm(mode.grows_from)} rpm"
+        rows.append((shaft, mode, words))
+        marks.append("" if mode.grows_from is None else "fail")
     if not rows:
         return
-    marks = ["" if mode.grows_from is None else "fail" for _, mode, *_ in rows]
     yield Heading("Whirl over the speed", 2)
     if grown := marks.count("fail"):
         yield Paragraph(f"{grown} of the modes below are unstable in the speed range.", "fail")
@@ -163,18 +157,14 @@ def _whirl_figure(
         order: order * last / 60.0 * float(shaft.ratio)
         for order in sorted({1, *(critical.order for critical in shaft.critical)})
     }
-    crossings = [
-        (
-            critical.speed * RPM,
-            critical.frequency,
-            _inside(critical, speeds),
-            (
-                f"critical speed of bending {rpm(critical.speed)} rpm: order {critical.order} excites "
-                f"{number(critical.frequency)} Hz"
-            ),
+    crossings = []
+    for critical in _near(shaft, speeds):
+        words = (
+            f"critical speed of bending {rpm(critical.speed)} rpm: order {critical.order} excites "
         )
-        for critical in _near(shaft, speeds)
-    ]
+        words += f"{number(critical.frequency)} Hz"
+        place = critical.speed * RPM, critical.frequency
+        crossings.append((*place, _inside(critical, speeds), words))
     right, top = 1.08 * last, highest_shown(whirl.frequency, max(orders.values()), crossings)
     lines = [
         piece
@@ -197,12 +187,6 @@ def _whirl_figure(
         height=200.0,
     )
     return Figure(name, f"Whirl of {shaft.name}: frequency over speed", (panel,))
-
-
-def _stability_words(mode: WhirlMode) -> str:
-    if mode.grows_from is not None:
-        return f"UNSTABLE from {rpm(mode.grows_from)} rpm"
-    return "stable" if mode.decrement > 0 else "undamped"
 
 
 def _answers(shafts: Shafts) -> Iterator[Table]:
@@ -233,11 +217,9 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
         if critical.order in [answer.order for answer in answers] and _inside(critical, speeds)
     ]
     singular = [answer.status == Status.SINGULAR for answer in answers]
-    bands = tuple(
-        band
-        for answer, is_singular in zip(answers, singular, strict=True)
-        for band in unanswered(answer.speed * RPM, is_singular, NO_ANSWER)[1]
-    )
+    bands = tuple[Band, ...]()
+    for answer, is_singular in zip(answers, singular, strict=True):
+        bands += unanswered(answer.speed * RPM, is_singular, NO_ANSWER)[1]
     x, panels = span(SPEED, np.concatenate([answer.speed * RPM for answer in answers])), []
     for quantity, unit, curves in (
         ("displacement", "µm", [answer.orbit for answer in answers]),
@@ -254,10 +236,8 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
             words = f"order {answer.order}" + ("" if answer.order else ", static")
             lines.append(Line(words, speed, sound, pen, str(answer.order)))
             marks.append(Marks(STANDING, speed[near], size[near], "cross", "unstable"))
-        levels, y = (
-            (*critical, *rated_level(rated_rpm(findings))),
-            amplitudes(quantity, shown.unit, sizes),
-        )
+        y, levels = amplitudes(quantity, shown.unit, sizes), rated_level(rated_rpm(findings))
+        levels = (*critical, *levels)
         panels.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=90.0))
     caption = f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples"
     return of_bending(shaft, Figure(name, caption, tuple(panels)))

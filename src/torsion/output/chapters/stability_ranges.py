@@ -54,14 +54,26 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Stability")
     if growth_map is not None:
         yield _introduction(findings, growth_map)
-        yield _verdict(findings)
+        check = next(line for line in findings.need(Checks).lines if line.clause == "stability")
+        has_range = findings.study.operation.speeds is not None
+        speeds = "the operation" if has_range else "the speeds requested"
+        if check.verdict == "pass":
+            text = f"No deviation grows at any speed in {speeds}."
+        elif not np.isfinite(check.value):
+            text = f"Stability is not known at every speed in {speeds}: {check.note}."
+        elif check.value <= 0:
+            text = f"No unstable range was found, but {speeds} is not covered completely: {check.note}."
+        else:
+            fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
+            text = f"The train is unstable in {speeds}: maximum growth {fastest}."
+        yield Paragraph(text, "pass" if check.verdict == "pass" else "fail")
         if drift := mean_speed_words(growth_map, findings.study):
             yield Paragraph(_sentence(drift), "note")
         if growth_map.ranges:
             rows = [("", band) for band in growth_map.ranges]
             yield _range_table(findings, rows, caption := "Unstable ranges of speed", caption)
-        if number := growth_map.unsolved.size:
-            text = f"No periodic motion was found at {counted(number, 'speed')}; stability is not known there."
+        if unsolved := growth_map.unsolved.size:
+            text = f"No periodic motion was found at {counted(unsolved, 'speed')}; stability is not known there."
             yield Paragraph(text, "fail")
         name, caption = "stability-growth", "Growth rate over the speed"
         curve = growth_map.speed, growth_map.growth
@@ -99,41 +111,18 @@ def _introduction(findings: Findings, stability: Stability) -> Paragraph:
     )
 
 
-def _verdict(findings: Findings) -> Paragraph:
-    check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
-    speeds = (
-        "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
-    )
-    if check.verdict == "pass":
-        return Paragraph(f"No deviation grows at any speed in {speeds}.", "pass")
-    if not np.isfinite(check.value):
-        text = f"Stability is not known at every speed in {speeds}: {check.note}."
-    elif check.value <= 0:
-        text = f"No unstable range was found, but {speeds} is not covered completely: {check.note}."
-    else:
-        fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
-        text = f"The train is unstable in {speeds}: maximum growth {fastest}."
-    return Paragraph(text, "fail")
-
-
 def _range_table(
     findings: Findings, ranges: "Sequence[tuple[str, Unstable]]", caption: str, short: str = ""
 ) -> Table:
     """Return unstable ranges of the train, or of the tilt of shafts, by whose name they stand."""
-    speeds = findings.study.operation.speeds
+    speeds, words_of_place = findings.study.operation.speeds, {True: "UNSTABLE", False: "outside"}
     inside = [speeds is None or band.meets(speeds.first, speeds.last) for _, band in ranges]
     return table(
         "< Shaft:? | first: From [rpm]:9 -> from rpm | last: To [rpm]:9 -> to rpm | < Type -> | "
         "growth: Maximum growth [1/s] -> growth, 1/s | at: Speed [rpm]:7 -> at rpm | "
         "< In the operating range -> operation | < Beyond the range:? ->",
         [
-            (
-                band,
-                name,
-                band.name,
-                "UNSTABLE" if is_inside else "outside",
-                "; ".join(_beyond(band)) or None,
-            )
+            (band, name, band.name, words_of_place[is_inside], "; ".join(_beyond(band)) or None)
             for (name, band), is_inside in zip(ranges, inside, strict=True)
         ],
         caption,

@@ -7,7 +7,7 @@ import numpy as np
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.records import along
 from torsion.output.reported_values import reference, speed_range
 
@@ -47,11 +47,33 @@ def chapter(findings: Findings) -> Iterator[Block]:
         )
         if tolerances.figures:
             yield Paragraph(MATTERS)
-            yield _dominant_parameters(tolerances)
+            rows, count = [], len(tolerances.figures)
+            for mode in range(tolerances.frequency.size):  # the largest change first
+                changes = [-float(figure.change[mode]) for figure in tolerances.figures]
+                for k in np.argsort(changes, kind="stable")[:MOST_FIGURES].tolist():
+                    rows += along(tolerances.figures[k], "mode", [mode])
+            extent = f" (the first {MOST_FIGURES} of {count} of each mode)"
+            yield table(
+                "mode: Mode -> | figure: < Parameter -> | tolerance: Tolerance [%]:3 | sensitivity: Sensitivity:3 | "
+                "change: Change of the mode, ± [%]:3 -> ± %",
+                rows[:MOST_ROWS],
+                "Dominant parameters" + extent * (count > MOST_FIGURES),
+                short="Dominant parameters",
+            )
         yield from _critical_speeds(findings, tolerances)
     if tolerances.couplings:
         yield Paragraph(ALONE)
-        yield _single_couplings(tolerances)
+        rows = []
+        for mode in range(tolerances.frequency.size):  # the largest effect first
+            places = [along(coupling, "mode", [mode])[0] for coupling in tolerances.couplings]
+            places.sort(key=lambda k: (k.lower - k.upper, k.softest - k.stiffest))
+            rows += places
+        yield table(
+            "mode: Mode | coupling: < Coupling | tolerance: Tolerance [%]:3 | lower: Soft:7 | upper: Stiff:7 | "
+            "change: Change [%]:3 | softest: Without it:7 | stiffest: Rigid:7",
+            rows[:MOST_ROWS],
+            "Effect of each coupling on each mode",
+        )
     if tolerances.aims:
         yield table(
             "mode: Mode -> | frequency: Target frequency:7 -> target, Hz | coupling: < Coupling -> | "
@@ -61,24 +83,6 @@ def chapter(findings: Findings) -> Iterator[Block]:
             "Stiffness for a target frequency; none (–) if no stiffness reaches it",
             short="Stiffness for a target frequency",
         )
-
-
-def _dominant_parameters(tolerances: Tolerances) -> Table:
-    """Return the parameters that move each mode most, the largest change first."""
-    rows = []
-    for mode in range(tolerances.frequency.size):
-        changes = [-float(figure.change[mode]) for figure in tolerances.figures]
-        for k in np.argsort(changes, kind="stable")[:MOST_FIGURES].tolist():
-            rows += along(tolerances.figures[k], "mode", [mode])
-    count = len(tolerances.figures)
-    extent = f" (the first {MOST_FIGURES} of {count} of each mode)" * (count > MOST_FIGURES)
-    return table(
-        "mode: Mode -> | figure: < Parameter -> | tolerance: Tolerance [%]:3 | sensitivity: Sensitivity:3 | "
-        "change: Change of the mode, ± [%]:3 -> ± %",
-        rows[:MOST_ROWS],
-        f"Dominant parameters{extent}",
-        short="Dominant parameters",
-    )
 
 
 def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Block]:
@@ -104,19 +108,4 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
         rows,
         f"Critical speeds that can lie in the speed range {within} within the tolerances",
         most=MOST_ROWS,
-    )
-
-
-def _single_couplings(tolerances: Tolerances) -> Table:
-    """Return what each coupling alone does, mode by mode, the largest effect first."""
-    rows = []
-    for mode in range(tolerances.frequency.size):
-        places = [along(coupling, "mode", [mode])[0] for coupling in tolerances.couplings]
-        places.sort(key=lambda place: (place.lower - place.upper, place.softest - place.stiffest))
-        rows += places
-    return table(
-        "mode: Mode | coupling: < Coupling | tolerance: Tolerance [%]:3 | lower: Soft:7 | upper: Stiff:7 | "
-        "change: Change [%]:3 | softest: Without it:7 | stiffest: Rigid:7",
-        rows[:MOST_ROWS],
-        "Effect of each coupling on each mode",
     )

@@ -141,11 +141,11 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     drawn += ["ranges without a reliable response"] if unreliable_bands else []
     drawn += [largest] if critical else []
     caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
-    levels, ends = list(rated_level(rated_rpm(findings))), [speeds.first * RPM, speeds.last * RPM]
+    levels, ends = list[Level](), [speeds.first * RPM, speeds.last * RPM]
     operation = Band("speeds of the operation", ends[0], ends[1], "range")
-    for level in levels:
+    for level in rated_level(rated_rpm(findings)):
         ends.append(level.value)
-        levels[0] = replace(level, label=f"rated {number(level.value, 4)}")
+        levels.append(replace(level, label=f"rated {number(level.value, 4)}"))
     for speed, words in critical:
         label = f"{number(speed, 4)}: {fitted(words, LONGEST / len(critical))}"
         levels.append(Level("critical speed", speed, "second limit", "x", label))
@@ -162,13 +162,8 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
 
 def strongest(findings: Findings) -> list[CriticalSpeed]:
     """Return the critical speeds in the range at which their order has the largest torque, by speed."""
-    critical = findings.get(CriticalSpeeds)
-    inside = (
-        []
-        if critical is None
-        else [crossing for crossing in critical.crossings if crossing.is_inside]
-    )
-    loads = findings.get(ComponentLoads)
+    critical, loads = findings.get(CriticalSpeeds), findings.get(ComponentLoads)
+    inside = [crossing for crossing in critical.crossings if crossing.is_inside] if critical else []
     peaks = () if loads is None else loads.peaks
 
     def strength(critical: CriticalSpeed) -> float:
@@ -191,21 +186,14 @@ def _shares(findings: Findings) -> Iterator[Figure]:
     ]
     if not rows:
         return
-    shares = tuple(
-        Share(
-            check.where,
-            symbols(check.clause) + case,
-            np.inf if check.utilisation is None else check.utilisation,
-            check_words.use(check),
-        )
-        for check, case in rows[:MOST_SHARES]
-    )
-    few = (
-        f"the {MOST_SHARES} worst of {len(rows)} checks"
-        if len(rows) > MOST_SHARES
-        else "worst first"
-    )
-    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(shares),))
+    shares = []
+    for check, case in rows[:MOST_SHARES]:
+        used = np.inf if check.utilisation is None else check.utilisation
+        clause = symbols(check.clause) + case
+        shares.append(Share(check.where, clause, used, check_words.use(check)))
+    few = f"the {MOST_SHARES} worst of {len(rows)} checks"
+    few = few if len(rows) > MOST_SHARES else "worst first"
+    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(tuple(shares)),))
 
 
 MOST_NAMED = 12  # components without a source that are named
@@ -225,8 +213,32 @@ def chapter(findings: Findings) -> Iterator[Block]:
     name = case_name(findings)
     heading = f"Checks of the case {name}" if name else "Checks"
     yield from _details(findings, Heading(heading, at_end=True))
-    yield from _unjudged(findings)
-    yield from _sources(findings)
+
+    # The shafts whose stress no rule judges, and why.
+    checked = {check.where for check in findings.need(Checks).lines if check.unit == STRESS}
+    reasons = {
+        what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what
+    }
+    about, train = dict[str, list[str]](), findings.study.train
+    for bar in train.bars if findings.study.rules else ():
+        if bar.name not in checked:
+            reason = reasons.get(bar.name, "no rule of the file applies")
+            about.setdefault(reason, []).append(quoted(bar.name))
+    if about:
+        words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
+        yield Paragraph(f"Shaft stress not checked: {words}.", "note")
+
+    # How many components and excitations have no `source` for their data.
+    parts = [part for part in train.parts if part.kind != "branch"]
+    torques = [torque for torque in train.torques if torque.path[:1] == ("excitations",)]
+    bare = [quoted(part.name) for part in parts if part.source is None]
+    lacking = [f"{len(bare):,} of {counted(len(parts), 'component')}"] if bare else []
+    if 0 < len(bare) <= MOST_NAMED:
+        lacking[0] += f" ({', '.join(bare)})"
+    if count := sum(torque.source is None for torque in torques):
+        lacking.append(f"{count} of {counted(len(torques), 'excitation')}")
+    if lacking:
+        yield Paragraph(f"No source for the data of {' and '.join(lacking)}.", "note")
 
 
 def judged(findings: Findings) -> Iterator[Block]:
@@ -292,37 +304,6 @@ def _remarks(title: str, level: Literal[1, 2], checks: Iterable[Check]) -> Itera
         yield Points(
             tuple(f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
         )
-
-
-def _unjudged(findings: Findings) -> Iterator[Paragraph]:
-    """Yield the shafts whose stress no rule judges, and why; nothing where the file names no rule."""
-    checked = {check.where for check in findings.need(Checks).lines if check.unit == STRESS}
-    reasons = {
-        what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what
-    }
-    about: dict[str, list[str]] = {}
-    for bar in findings.study.train.bars if findings.study.rules else ():
-        if bar.name not in checked:
-            reason = reasons.get(bar.name, "no rule of the file applies")
-            about.setdefault(reason, []).append(quoted(bar.name))
-    if about:
-        words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
-        yield Paragraph(f"Shaft stress not checked: {words}.", "note")
-
-
-def _sources(findings: Findings) -> Iterator[Paragraph]:
-    """Yield how many components and excitations have no `source` for their data; nothing if all have one."""
-    train = findings.study.train
-    parts = [part for part in train.parts if part.kind != "branch"]
-    torques = [torque for torque in train.torques if torque.path[:1] == ("excitations",)]
-    bare = [quoted(part.name) for part in parts if part.source is None]
-    lacking = [f"{len(bare):,} of {counted(len(parts), 'component')}"] if bare else []
-    if 0 < len(bare) <= MOST_NAMED:
-        lacking[0] += f" ({', '.join(bare)})"
-    if count := sum(torque.source is None for torque in torques):
-        lacking.append(f"{count} of {counted(len(torques), 'excitation')}")
-    if lacking:
-        yield Paragraph(f"No source for the data of {' and '.join(lacking)}.", "note")
 
 
 OVER_TOLERANCES = (
