@@ -3,7 +3,7 @@
 import math
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -99,22 +99,12 @@ def _modes(findings: Findings) -> Fragment:
             "there are none",
         )
         return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
-    blocks = [
-        *_criticals(findings),
-        Heading("Natural frequencies"),
-        natural_frequencies.frequencies(modes),
-    ]
+    # The Campbell diagram, where an order excites.
+    of_critical_speeds = "critical_speeds" in findings.results
+    chapter = critical_speeds.chapter(findings) if of_critical_speeds else ()
+    blocks: list[Block] = [block for block in chapter if isinstance(block, Heading | Figure)]
+    blocks += [Heading("Natural frequencies"), natural_frequencies.frequencies(modes)]
     return fragment([*numbered(blocks)])
-
-
-def _criticals(findings: Findings) -> Iterator[Block]:
-    """Yield the Campbell diagram; nothing where no order excites."""
-    if "critical_speeds" in findings.results:
-        yield from (
-            block
-            for block in critical_speeds.chapter(findings)
-            if isinstance(block, Heading | Figure)
-        )
 
 
 STEPS = 100  # of a slider without steps of its own, about
@@ -156,36 +146,22 @@ def sliders_of(variation: Variation) -> dict[str, Slider]:
     columns: dict[int, list[VariedFigure]] = {}
     for figure in variation.figures:
         columns.setdefault(figure.column, []).append(figure)
-    return {slider.name: slider for slider in map(_slider, columns.values())}
-
-
-def _slider(figures: list[VariedFigure]) -> Slider:
-    name, first = ", ".join(figure.name for figure in figures), figures[0]
-    if first.places:
-        return Slider(name, tuple(figures), 0.0, first.places - 1.0, 1.0)
-    low, high = np.sort(first.ends).tolist()
-    digits = 1 - math.floor(math.log10((high - low) / STEPS))
-    step = 10.0 ** (1 - digits)
-    ends = math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step
-    return Slider(
-        name, tuple(figures), round(ends[0], max(digits, 0)), round(ends[1], max(digits, 0)), step
-    )
+    sliders = {}
+    for figures in columns.values():
+        name, first = ", ".join(figure.name for figure in figures), figures[0]
+        ends, step = [0.0, first.places - 1.0], 1.0
+        if not first.places:
+            low, high = np.sort(first.ends).tolist()
+            digits = 1 - math.floor(math.log10((high - low) / STEPS))
+            step = 10.0 ** (1 - digits)
+            ends = [math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step]
+            ends = [round(end, max(digits, 0)) for end in ends]
+        sliders[name] = Slider(name, tuple(figures), ends[0], ends[1], step)
+    return sliders
 
 
 def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
     """Return the study with its sliders at these positions; the others are as in the file. Raises InputError."""
-    figures, values = at_positions(variation, positions)
-    return (
-        replace(replace(variation, figures=figures).study(values), case=study.case)
-        if figures
-        else study
-    )
-
-
-def at_positions(
-    variation: Variation, positions: Mapping[str, float]
-) -> tuple[tuple[VariedFigure, ...], tuple[float, ...]]:
-    """Return the figures whose sliders are moved, and their values."""
     sliders, pairs = sliders_of(variation), list[tuple[VariedFigure, float]]()
     for name, position in positions.items():
         if name not in sliders:
@@ -193,7 +169,10 @@ def at_positions(
             raise InputError([Fault((), message)], message)
         value = sliders[name].value(position)
         pairs += [(figure, value) for figure in sliders[name].figures]
-    return tuple(figure for figure, _ in pairs), tuple(value for _, value in pairs)
+    if not pairs:
+        return study
+    figures, values = zip(*pairs, strict=True)
+    return replace(replace(variation, figures=figures).study(values), case=study.case)
 
 
 def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:

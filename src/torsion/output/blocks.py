@@ -212,32 +212,33 @@ def table(
         _plain(held, column)
         for held, column in zip(zip(*records, strict=True), columns, strict=False)
     ]
+    cells = cells or [[] for _ in columns]
     kept = [
-        k
-        for k, column in enumerate(columns)
-        if "?" not in column.form or not set(cells[k] if cells else ()) <= EMPTY
+        (column, held)
+        for column, held in zip(columns, cells, strict=True)
+        if "?" not in column.form or not set(held) <= EMPTY
     ]
-    columns = tuple(columns[k] for k in kept)
-    values = list(zip(*(cells[k] for k in kept), strict=True)) if cells else []
-    for unit in {column.unit for column in columns if column.unit.startswith("~")}:
-        sizes = (
-            [abs(row[k]) for row in values if isinstance(row[k], float)]
-            for k, column in enumerate(columns)
+
+    # A prefix leaves the top of every column in its unit at 1 or more.
+    prefixes = dict[str, Scale]()
+    for unit in {column.unit for column, _ in kept if column.unit.startswith("~")}:
+        tops = (
+            max((abs(value) for value in held if isinstance(value, float)), default=0.0)
+            for column, held in kept
             if column.unit == unit
         )
-        tops = filter(None, (max(held, default=0.0) for held in sizes))
-        chosen = scale(unit[1:], [min(tops, default=0.0)])
-        columns = tuple(
-            _with_prefix(column, chosen) if column.unit == unit else column for column in columns
-        )
+        prefixes[unit] = chosen = scale(unit[1:], [min(filter(None, tops), default=0.0)])
         short = short.replace("~", chosen.unit)
+    shown = []
+    for column, _ in kept:
+        if (in_unit := prefixes.get(column.unit)) is None:
+            shown.append(column)
+        else:
+            words, factor = column.short.replace("~", in_unit.unit), in_unit.factor
+            shown.append(replace(column, unit=in_unit.unit, factor=factor, short=words))
+    values = tuple(zip(*(held for _, held in kept), strict=True))
     summarised = short, rows_in_summary, summary
-    return Table(columns, tuple(values), caption, tuple(marks)[:most], *summarised)
-
-
-def _with_prefix(column: Column, chosen: Scale) -> Column:
-    short = column.short.replace("~", chosen.unit)
-    return replace(column, unit=chosen.unit, factor=chosen.factor, short=short)
+    return Table(tuple(shown), values, caption, tuple(marks)[:most], *summarised)
 
 
 def _column(words: str) -> Column:

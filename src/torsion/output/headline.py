@@ -165,6 +165,12 @@ def box(findings: Findings) -> Box:
     """
     cases = findings.each if findings.cases else {"": findings}
     solved = {name: case for name, case in judged(cases).items() if case.is_answered}
+
+    def failed(case: Findings) -> str:
+        """Return the analyses that failed, with the reason."""
+        steps = (f"{step.what}: {step.words}" for step in case.plan.unanswered)
+        return listed(steps, "; ", most=MOST_RANGES)
+
     lines = [*worst_line(solved), *_joined("Sweep", solved, _sweep_words)]
     if "design" in findings.results:
         from torsion.output.chapters.design import design_line
@@ -178,7 +184,7 @@ def box(findings: Findings) -> Box:
     lines += [
         *_joined("Barred ranges", solved, _barred_words),
         *_joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case))),
-        *_joined("Not computed", cases, _uncomputed_words),
+        *_joined("Not computed", cases, failed),
         *(("Note", note.text) for note in notes(findings)),
     ]
     if unjudged := [name for name, case in cases.items() if not case.is_judged]:
@@ -277,12 +283,6 @@ def _barred_words(findings: Findings) -> str:
             words += [f"order {order}", f"mode {mode_of(findings, band)}"]
         ranges.append(", ".join(words))
     return listed(ranges, "; ", most=MOST_RANGES)
-
-
-def _uncomputed_words(findings: Findings) -> str:
-    """Return the analyses that failed, with the reason."""
-    failed = [f"{step.what}: {step.words}" for step in findings.plan.unanswered]
-    return listed(failed, "; ", most=MOST_RANGES)
 
 
 def notes(findings: Findings) -> Iterator[Paragraph]:

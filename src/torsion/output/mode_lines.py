@@ -26,7 +26,13 @@ def vtu(_document: Document, findings: Findings) -> bytes:
     """Return the content of the file; raise InputError if there is no mode."""
     import meshio
 
-    modes, system = requested_modes(findings), findings.system
+    modes, system = findings.get(Modes), findings.system
+    if modes is None or not modes.frequency.size:
+        lacking = "the train has no elastic mode"
+        why = dict(findings.plan.left_out).get("natural frequencies", lacking)
+        section = "analyses" if findings.study.analyses else "train"
+        hint = "name `modes` in `analyses`" if modes is None and findings.study.analyses else ""
+        raise InputError([Fault((section,), f"no mode shape to write: {why}", hint)])
     ends = np.column_stack([system.driving, system.driven])
     radius = radii(system)
     cells = [("line", np.arange(ends.size).reshape(-1, 2))]
@@ -34,37 +40,18 @@ def vtu(_document: Document, findings: Findings) -> bytes:
     at_points: dict[str, FloatArray] = {"radius": radius.ravel()}
     at_cells: dict[str, list[FloatArray]] = {"component": [system.span_part.astype(float)]}
     digits = max(2, len(str(modes.frequency.size)))
-    for mode in range(modes.frequency.size):
-        name, angle, torque = (
-            f"mode_{mode + 1:0{digits}}",
-            modes.shape[:, mode],
-            modes.torque[:, mode],
-        )
+    for mode, (angle, torque) in enumerate(zip(modes.shape.T, modes.torque.T, strict=True), 1):
+        name = f"mode_{mode:0{digits}}"
         at_points[f"{name}_angle"] = angle[ends].ravel()
         at_points[f"{name}_angle_relative"] = (angle / np.abs(angle).max())[ends].ravel()
         at_cells[f"{name}_torque"] = [torque]
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
-        mesh = meshio.Mesh(
-            coordinates(system)[ends].reshape(-1, 3),
-            cells,
-            point_data=at_points,
-            cell_data=at_cells,
-        )
+        points = coordinates(system)[ends].reshape(-1, 3)
+        mesh = meshio.Mesh(points, cells, point_data=at_points, cell_data=at_cells)
         mesh.write(path, file_format="vtu")
         return path.read_bytes()
-
-
-def requested_modes(findings: Findings) -> Modes:
-    """Return the modes to be written; raise InputError if there is none."""
-    modes = findings.get(Modes)
-    if modes is not None and modes.frequency.size:
-        return modes
-    why = dict(findings.plan.left_out).get("natural frequencies", "the train has no elastic mode")
-    path = ("analyses",) if findings.study.analyses else ("train",)
-    hint = "name `modes` in `analyses`" if modes is None and findings.study.analyses else ""
-    raise InputError([Fault(path, f"no mode shape to write: {why}", hint)])
 
 
 def coordinates(system: System) -> FloatArray:

@@ -82,12 +82,6 @@ def barred_rpm(findings: Findings) -> tuple[Band, ...]:
     return tuple(bands)
 
 
-def tolerated_rpm(findings: Findings) -> tuple[Band, ...]:
-    """Return the ranges that cover the barred ranges' critical speeds at every tolerance, rpm, where the file has any."""
-    tolerated = (band for band in barred(findings) if math.isfinite(band.tolerance_lower))
-    return tuple((band.tolerance_lower * RPM, band.tolerance_upper * RPM) for band in tolerated)
-
-
 def band_words(band: Band) -> str:
     """Return a range in rpm, widened to tenths so that nothing of it is lost."""
     return "{} to {} rpm".format(*widened(band))

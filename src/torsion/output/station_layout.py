@@ -67,7 +67,17 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
                 x[last], row[last] = x[first] + widths.get(number, part.symbol.width), line
             rows.end[line] = max(rows.end.get(line, -math.inf), float(x[last]))
             of_path.setdefault(part.path, last)
-    _along_shafts(system, x, row)
+    # Inner stations of a shaft stand evenly between its ends; the end whose torque is reported at the driven end.
+    missing_stations = np.flatnonzero(np.isnan(x))
+    inside = by_part(system.station_part[missing_stations])
+    for bar in train.bars:
+        inner = missing_stations[inside.get(bar.part, np.zeros(0, dtype=np.int64))]
+        if system.bars is not None and bar.density > 0:
+            end, inner = inner[-1], inner[:-1]
+            x[end], row[end] = x[bar.driven], row[bar.driven]
+        share = np.arange(1, len(inner) + 1) / (len(inner) + 1)
+        x[inner] = x[bar.driving] + share * (x[bar.driven] - x[bar.driving])
+        row[inner] = row[bar.driven]
 
     # Rings, grounds, planets and wheels without a train stand beside the station that they are joined to.
     missing = -1
@@ -121,17 +131,3 @@ def _behind(
     )
     gap = part.symbol.width if part.kind == "gear" else 0.0 if is_step else RIGID
     return float(x[standing[0]]) + gap, float(row[standing[0]])
-
-
-def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Place inner stations of a shaft evenly between its ends; the end whose torque is reported stands at the driven end."""
-    missing = np.flatnonzero(np.isnan(x))
-    inside = by_part(system.station_part[missing])
-    for bar in system.train.bars:
-        inner = missing[inside.get(bar.part, np.zeros(0, dtype=np.int64))]
-        if system.bars is not None and bar.density > 0:
-            end, inner = inner[-1], inner[:-1]
-            x[end], row[end] = x[bar.driven], row[bar.driven]
-        share = np.arange(1, len(inner) + 1) / (len(inner) + 1)
-        x[inner] = x[bar.driving] + share * (x[bar.driven] - x[bar.driving])
-        row[inner] = row[bar.driven]

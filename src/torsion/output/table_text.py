@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from torsion.output.blocks import Column, Table
+from torsion.output.blocks import Table
 from torsion.output.numbers import NONE, cell
 
 _NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
@@ -42,7 +42,10 @@ def packed(texts: Mapping[str, str]) -> bytes:
 
 def table_text(number: str, table: Table) -> str:
     """Return the rows of a table under their titles, after its number and caption as a comment."""
-    titles = [column_title(column) for column in table.columns]
+    titles = []
+    for column in table.columns:  # without the marks of subscripts
+        title = column.title.replace("_{", "_").replace("}", "")
+        titles.append(f"{title} [{column.unit}]" if column.unit else title)
     return f"# {number}: {inert(one_line(table.caption))}\n{csv_rows([titles, *figures(table)])}"
 
 
@@ -76,12 +79,6 @@ def parseable(text: str) -> str:
 def file_name(number: str) -> str:
     """Return the file of the table with that number: table-4.1.csv."""
     return number.lower().replace(" ", "-") + ".csv"
-
-
-def column_title(column: Column) -> str:
-    """Return title and unit of a column without the marks of subscripts."""
-    title = column.title.replace("_{", "_").replace("}", "")
-    return f"{title} [{column.unit}]" if column.unit else title
 
 
 def inert(text: str) -> str:

@@ -38,18 +38,12 @@ def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:
         else:
             rest = []
             yield _function(name)
-        for key in rest:
-            yield from _of_analysis(findings, key)
-
-
-def _of_analysis(findings: Findings, key: str) -> Iterator[Chapter]:
-    """Yield the chapters that an analysis declares, else its results as they are declared; nothing where it has none."""
-    analysis = ANALYSES[key]
-    if any(findings.results.get(name) is not None for name in analysis.results):
-        if analysis.chapters:
-            yield from map(_function, analysis.chapters)
-        else:
-            yield partial(import_module(f"{__name__}.declared_results").chapter, analysis)
+        # The chapters that an analysis declares, else its results as they are declared.
+        for analysis in (ANALYSES[key] for key in rest):
+            if any(findings.results.get(result) is not None for result in analysis.results):
+                yield from map(_function, analysis.chapters)
+                if not analysis.chapters:
+                    yield partial(import_module(f"{__name__}.declared_results").chapter, analysis)
 
 
 def _function(name: str) -> Chapter:

@@ -22,12 +22,12 @@ from torsion.output.figures.curves import (
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Panel
 from torsion.output.numbers import RPM, counted, number, order, rpm
 from torsion.output.reported_values import (
+    barred,
     barred_rpm,
     of_torsion,
     rated_rpm,
     reference,
     speed_range,
-    tolerated_rpm,
 )
 
 MOST_IN_SUMMARY = 3  # on the terminal without `-v`
@@ -92,8 +92,10 @@ def _campbell(findings: Findings, speeds: tuple[float, float], orders: list[Frac
     top = AROUND * max(min(wanted, 1.15 * reached), inside, 0.25 * reached, 1e-9)
 
     lines, modes, bands = list[Line](), list[Level](), [Band("speed range", *speeds, "range")]
-    moved = "barred range over the tolerances"
-    bands += [Band(moved, *ends, "spread") for ends in tolerated_rpm(findings)]
+    for band in barred(findings):
+        if math.isfinite(band.tolerance_lower):  # it covers the critical speed at every tolerance
+            ends = band.tolerance_lower * RPM, band.tolerance_upper * RPM
+            bands.append(Band("barred range over the tolerances", *ends, "spread"))
     if by_torque is None:
         shown = frequencies[frequencies <= top][:MOST_LINES].tolist()
         for k, hertz in enumerate(shown, 1):

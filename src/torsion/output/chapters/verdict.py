@@ -24,9 +24,7 @@ from torsion.output.figures.figure import (
     Band,
     Figure,
     Level,
-    Link,
     Panel,
-    Place,
     Share,
     Shares,
     Use,
@@ -100,22 +98,20 @@ def _train(findings: Findings) -> Iterator[Figure]:
 
     first, pointed = worst(findings), None
     if first is not None and (first.utilisation is not None or first.fails) and about(first):
-        point = _position(findings, links, about(first)[0])
+        # Where the component stands in the sketch, if it is drawn.
+        part, point = about(first)[0], None
+        stations, places = parts[part].stations, layout(findings.system)
+        if drawn_links := [link for link in links if part in link.parts]:
+            start, end = drawn_links[0].start, drawn_links[0].end
+            point = (start[0] + end[0]) / 2, end[1]
+        elif stations:
+            point = float(places.x[stations[0]]), float(places.row[stations[0]])
         title, use = "worst" if first.fails else "largest", check_words.use(first)
         words = f"{title}: {use.words.partition(' ')[2]}, {symbols(first.clause)}"
         pointed = None if point is None else (point, replace(use, words=words))
     case = f" (case {name})" if (name := case_name(findings)) else ""
     drawn = replace(sketch, discs=discs, links=tuple(links), worst=pointed, height=HEIGHT)
     yield Figure("utilisation", KEY + case, (drawn,))
-
-
-def _position(findings: Findings, links: list[Link], part: int) -> Place | None:
-    """Return x and row of a component in the sketch; None if it is not drawn."""
-    for link in links:
-        if part in link.parts:
-            return (link.start[0] + link.end[0]) / 2, link.end[1]
-    stations, places = findings.study.train.parts[part].stations, layout(findings.system)
-    return (float(places.x[stations[0]]), float(places.row[stations[0]])) if stations else None
 
 
 def _speeds(findings: Findings) -> Iterator[Figure]:
