@@ -140,9 +140,15 @@ def figures(found: Sequence[Block]) -> dict[str, Figure]:
     return {block.name: block for block in found if isinstance(block, Figure)}
 
 
-def test_geometry_and_each_joint_alone() -> None:
+def table_called(bare: Findings, joints: Joints, caption: str) -> list[Table]:
+    tables = (block for block in blocks(bare, joints) if isinstance(block, Table))
+    return [made for made in tables if made.caption.startswith(caption)]
+
+
+def test_geometry_and_each_joint_alone(bare: Findings) -> None:
     degrees, small = 0.03 / DEG, 1e-3 / DEG
-    assert rows(joint_motion.geometry(JOINTS)) == [
+    (made,) = table_called(bare, JOINTS, "Single joints")
+    assert rows(made) == [
         ("inner", "cross", "20", "7", "30", "40", "5", f"{degrees:.4f}", "50", "12.460"),
         ("straight", "cross", "0", "7", "30", "40", "5", "0", NONE, "12.460"),
         ("pot", "tripod", "10", "11", "−50", "160", "3", f"{small:.6f}", "0", "0"),
@@ -169,8 +175,8 @@ def test_lines_of_joints_as_one() -> None:
     assert rows(joint_motion.lines(one))[0][1:4] == ("0", "5.7296·10⁻⁵", NONE)
 
 
-def test_motion_at_speed() -> None:
-    (made,) = joint_motion.at_speed(JOINTS)
+def test_motion_at_speed(bare: Findings) -> None:
+    (made,) = table_called(bare, JOINTS, "Speed and acceleration")
     assert rows(made) == [
         (
             "inner",
@@ -190,9 +196,11 @@ def test_motion_at_speed() -> None:
             f"{30 * RPM * 20:.1f}",
         ),
     ]
-    assert list(joint_motion.at_speed(together((TRIPOD,)))) == []
-    limit = joint("a", steepest=ROUNDING)
-    assert rows(next(joint_motion.at_speed(together((limit,)))))[0][4] == "0"
+    assert table_called(bare, together((TRIPOD,)), "Speed and acceleration") == []
+    (made,) = table_called(
+        bare, together((joint("a", steepest=ROUNDING),)), "Speed and acceleration"
+    )
+    assert rows(made)[0][4] == "0"
 
 
 def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
