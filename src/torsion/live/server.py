@@ -112,12 +112,8 @@ class Handler(BaseHTTPRequestHandler):
             return
         nonce = secrets.token_urlsafe(16)
         body = self.server.page.replace("@NONCE@", nonce).encode()
-        self._answer(
-            200,
-            body,
-            "text/html; charset=utf-8",
-            {"Content-Security-Policy": POLICY.format(nonce=nonce)},
-        )
+        policy = {"Content-Security-Policy": POLICY.format(nonce=nonce)}
+        self._answer(200, body, "text/html; charset=utf-8", policy)
 
     def do_POST(self) -> None:
         """Answer a request of the page: `/next`, news when there are any, or `/set`, sliders at other positions."""
@@ -134,34 +130,6 @@ class Handler(BaseHTTPRequestHandler):
             self.headers.get(TOKEN, "").encode(), self.server.token.encode()
         ):
             raise Refusal(403)
-        body, session = self._body(), self.server.session
-        match self.path, body:
-            case "/next", {"seen": int(seen), **rest} if not rest:
-                return session.news(seen)
-            case "/set", {"values": dict(values), **rest} if not rest:
-                return {"turn": session.move(_positions(values))}
-            case "/next" | "/set", _:
-                raise Refusal(400)
-        raise Refusal(404)
-
-    def _is_own(self) -> None:
-        """Raise Refusal of a request that was not made by the page itself, or by whoever typed its address."""
-        port = self.server.server_port
-        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        origin, site = (
-            self.headers.get_all("Origin", []),
-            self.headers.get("Sec-Fetch-Site", "none"),
-        )
-        if self.headers.get_all("Host", []) not in [[host] for host in hosts] or site not in (
-            "none",
-            "same-origin",
-        ):
-            raise Refusal(403)
-        if origin not in [[], *([f"http://{host}"] for host in hosts)]:
-            raise Refusal(403)
-
-    def _body(self) -> Any:
-        """Return the JSON value that a request bears."""
         if self.headers.get("Content-Type") != "application/json":
             raise Refusal(415)
         size = self.headers.get("Content-Length", "")
@@ -170,9 +138,32 @@ class Handler(BaseHTTPRequestHandler):
         if len(size) > len(str(MOST)) or int(size) > MOST:
             raise Refusal(413)
         try:
-            return json.loads(self.rfile.read(int(size)))
+            body = json.loads(self.rfile.read(int(size)))
         except (ValueError, RecursionError):
             raise Refusal(400) from None
+        session = self.server.session
+        match self.path, body:
+            case "/next", {"seen": int(seen), **rest} if not rest:
+                return session.news(seen)
+            case "/set", {"values": dict(values), **rest} if not rest:
+                for position in values.values():
+                    if not isinstance(position, int | float) or not abs(position) < MOST:  # nor NaN
+                        raise Refusal(400)
+                return {"turn": session.move({name: float(to) for name, to in values.items()})}
+            case "/next" | "/set", _:
+                raise Refusal(400)
+        raise Refusal(404)
+
+    def _is_own(self) -> None:
+        """Raise Refusal of a request that was not made by the page itself, or by whoever typed its address."""
+        port = self.server.server_port
+        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        of_host = self.headers.get_all("Host", []) in [[host] for host in hosts]
+        origins = [[], *([f"http://{host}"] for host in hosts)]
+        of_origin = self.headers.get_all("Origin", []) in origins
+        site = self.headers.get("Sec-Fetch-Site", "none")
+        if not of_host or not of_origin or site not in ("none", "same-origin"):
+            raise Refusal(403)
 
     def _answer(
         self,
@@ -184,12 +175,8 @@ class Handler(BaseHTTPRequestHandler):
         self.close_connection |= status != 200  # what is left of its body is not read
         try:
             self.send_response(status)
-            for key, value in {
-                **HEADERS,
-                "Content-Type": kind,
-                "Content-Length": str(len(body)),
-                **(more or {}),
-            }.items():
+            content = {"Content-Type": kind, "Content-Length": str(len(body))}
+            for key, value in {**HEADERS, **content, **(more or {})}.items():
                 self.send_header(key, value)
             if self.close_connection:
                 self.send_header("Connection", "close")
@@ -200,12 +187,3 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Print nothing about a request that was answered."""
-
-
-def _positions(values: dict[str, Any]) -> dict[str, float]:
-    """Return the positions of sliders; raise Refusal of anything else."""
-    if not all(
-        isinstance(position, int | float) and abs(position) < MOST for position in values.values()
-    ):  # nor NaN
-        raise Refusal(400)
-    return {name: float(position) for name, position in values.items()}
