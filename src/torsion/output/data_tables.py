@@ -60,14 +60,7 @@ def result_tables(name: str, result: Any, selection: Selection) -> Iterator[Data
     if isinstance(values, list):
         yield from _of_records(name, values)
         return
-    yield from _of_arrays(name, result, selection)
-    for key, records in values.items():
-        if isinstance(records, list) and all(isinstance(row, dict) for row in records):
-            yield from _of_records(name if len(values) == 1 else f"{name}_{key}", records)
-
-
-def _of_arrays(name: str, result: Any, selection: Selection) -> Iterator[DataTable]:
-    """Yield the one-dimensional arrays of a result, one table for each axis; that of the first axis has its name."""
+    # Arrays of one dimension stand in one table for each axis; that of the first axis has the name of the result.
     by_axis: dict[tuple[str, int], dict[str, list[Any]]] = {}
     for quantity in quantities(type(result)):
         if len(quantity.printed) != 1 or quantity.record is not None:
@@ -82,6 +75,9 @@ def _of_arrays(name: str, result: Any, selection: Selection) -> Iterator[DataTab
     for position, ((axis, count), columns) in enumerate(by_axis.items()):
         table_name = name if position == 0 else f"{name}_by_{axis.replace(' ', '_')}"
         yield from _table(table_name, {axis: list(range(1, count + 1)), **columns})
+    for key, records in values.items():
+        if isinstance(records, list) and all(isinstance(row, dict) for row in records):
+            yield from _of_records(name if len(values) == 1 else f"{name}_{key}", records)
 
 
 def _of_records(name: str, records: list[Any]) -> Iterator[DataTable]:

@@ -37,6 +37,7 @@ MISFIRE = (
     "Each cylinder is motored in turn: it compresses without combustion, and its masses keep moving. The other "
     "cylinders keep their gas torque. Damping that depends on the mean torque is unchanged."
 )
+OTHER_LOAD = " The harmonics follow the pressures, the mean torques follow the operation. One of them is for another load."
 NO_TORQUE = "The operation has no mean torque. The gas torque of the file applies at every speed."
 HARMONICS = ("gas", "Gas"), ("masses", "Masses"), ("total", "Sum")
 POLAR = "{0}: {1}, amplitude [N m]:s | {0}: phase [deg]:gsp"
@@ -279,7 +280,17 @@ def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> I
             ends,
             f"Ends of the cylinders of {compressor.name}; absolute pressures; positive imep: the gas absorbs work",
         )
-        yield _operation_note(compressor)
+        # How the torque of the operation differs from the torque that the pressures need.
+        if compressor.mean_torque is None:
+            text = "The operation has no mean torque to compare with the pressures."
+            yield Paragraph(text, "note")
+        else:
+            needed = compressor.needed
+            excess = compressor.mean_torque / needed - 1.0 if needed else math.inf
+            text = f"The torque of the operation is {abs(100 * excess):.3g} % "
+            text += f"{'more' if excess > 0 else 'less'} than the pressures need."
+            is_same = abs(excess) <= SAME_LOAD
+            yield Paragraph(text if is_same else text + OTHER_LOAD, "plain" if is_same else "note")
         lines = []
         for pen, (throw, end) in enumerate(ends):
             angle, words = np.degrees(end.angle), f"throw {throw.number}, {end.end}"
@@ -315,19 +326,6 @@ def _effort(compressor: CompressorFound, number_of_machine: int) -> Figure:
     name, words = f"compressor-{number_of_machine}-effort", _at_speed(compressor)
     caption = f"Torque of {compressor.name} on the crankshaft{words}, gas and moving masses"
     return Figure(name, caption, (panel,))
-
-
-def _operation_note(compressor: CompressorFound) -> Paragraph:
-    """Return how the torque of the operation differs from the torque that the pressures need."""
-    if compressor.mean_torque is None:
-        return Paragraph("The operation has no mean torque to compare with the pressures.", "note")
-    excess = compressor.mean_torque / compressor.needed - 1.0 if compressor.needed else math.inf
-    text = f"The torque of the operation is {abs(100 * excess):.3g} % {'more' if excess > 0 else 'less'} than the "
-    text += "pressures need."
-    if abs(excess) <= SAME_LOAD:
-        return Paragraph(text)
-    text += " The harmonics follow the pressures, the mean torques follow the operation. One of them is for another load."
-    return Paragraph(text, "note")
 
 
 def _machines(

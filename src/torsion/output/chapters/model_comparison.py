@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.compare.side_by_side import Compared, ModelCompared
+from torsion.analyses.compare.side_by_side import Compared
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.numbers import counted, given, number, order, rpm
@@ -63,10 +63,22 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(f"No torques are compared: {comparison.no_torques}.", "note", brief=True)
         return
     yield Paragraph(TORQUES)
-    if places := tuple(text for model in comparison.models if (text := _worst(model, comparison))):
-        yield Points(places, brief=True)
-    torques = (model.torques for model in comparison.models)
-    if omitted := max(0 if compared is None else compared.left_out for compared in torques):
+    # Where the torques of each model are farthest from the exact ones.
+    places, omitted = list[str](), 0
+    for model in comparison.models:
+        if (torques := model.torques) is None:
+            continue
+        omitted = max(omitted, torques.left_out)
+        if torques.worst_speed is not None:
+            what = f"{number(torques.worst_frequency)} Hz"
+            if torques.worst_order is not None:
+                what = f"order {order(torques.worst_order)}"
+            where = f"at {rpm(float(comparison.speed[torques.worst_speed]))} rpm, {what}"
+            percent = number(100.0 * torques.largest, 3)
+            places.append(f"{model.model}: {percent} % {where}, largest in {torques.component}")
+    if places:
+        yield Points(tuple(places), brief=True)
+    if omitted:
         words = f"{counted(omitted, 'solution')} at undamped resonances."
         yield Paragraph(f"Omitted: {words}", "note")
 
@@ -88,15 +100,3 @@ def conclusion(comparison: Compared) -> Paragraph:
     verb = ("model", "is") if len(good) == 1 else ("models", "are")
     models = f"the {verb[0]} {' and '.join(good)} {verb[1]} within {limit}"
     return Paragraph(f"{WORDS['pass']}: {models}.", "pass")
-
-
-def _worst(model: ModelCompared, comparison: Compared) -> str:
-    """Return where the torques of a model are farthest from the exact ones; empty if none were compared."""
-    torques = model.torques
-    if torques is None or torques.worst_speed is None or comparison.speed is None:
-        return ""
-    fixed = f"{number(torques.worst_frequency)} Hz"
-    what = fixed if torques.worst_order is None else f"order {order(torques.worst_order)}"
-    speed = rpm(float(comparison.speed[torques.worst_speed]))
-    percent = number(100.0 * torques.largest, 3)
-    return f"{model.model}: {percent} % at {speed} rpm, {what}, largest in {torques.component}"

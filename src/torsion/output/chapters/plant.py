@@ -109,25 +109,22 @@ def _links(findings: Findings) -> list[Link]:
             drawn = _between(
                 positions, *part.stations, kind, label=name, parts=(position,), **options
             )
-            links.extend(_with_ties(drawn, is_loop=part.path[0] == "links"))
+            # Lines lead down to its row where it begins a branch or closes a loop.
+            (x0, row0), (x1, row1) = drawn.start, drawn.end
+            if part.path[0] == "links":
+                level = max(row0, row1) + 0.5
+                links += [Link("tie", (x, row), (x, level)) for x, row in (drawn.start, drawn.end)]
+                drawn = replace(drawn, start=(x0, level), end=(x1, level))
+            elif row0 != row1 and kind != "gear":
+                links.append(Link("tie", (x0, row0), (x0, row1)))
+                drawn = replace(drawn, start=(x0, row1))
+            links.append(drawn)
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and span.driven != meshes[span.part].driven:
             more = {"ratio": float(span.ratio), "parts": (span.part,)}
             links.append(_between(positions, span.driving, span.driven, "gear", **more))
     return links
-
-
-def _with_ties(drawn: Link, *, is_loop: bool) -> list[Link]:
-    """Return a link with the lines down to its row where it begins a branch or closes a loop."""
-    (x0, row0), (x1, row1) = drawn.start, drawn.end
-    if is_loop:
-        level = max(row0, row1) + 0.5
-        ties = [Link("tie", (x, row), (x, level)) for x, row in ((x0, row0), (x1, row1))]
-        return [*ties, replace(drawn, start=(x0, level), end=(x1, level))]
-    if row0 != row1 and drawn.kind != "gear":
-        return [Link("tie", (x0, row0), (x0, row1)), replace(drawn, start=(x0, row1))]
-    return [drawn]
 
 
 def _between(positions: Layout, driving: int, driven: int, kind: str, **more: Any) -> Link:
