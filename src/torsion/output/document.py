@@ -13,7 +13,8 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph, Table, Verbatim
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
-from torsion.output.reported_values import operation_words
+from torsion.output.numbers import given_rpm
+from torsion.output.reported_values import speed_range
 from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
 from torsion.output.stored_data import BY_NAME, NOT_KEPT
@@ -174,12 +175,17 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
     stated = {} if front is None else front.model_dump(exclude_none=True)
     label = [words + stated[key] for key, words in LABEL.items() if key in stated]
     case = [f"case {study.case.name}"] if label and study.case is not None else []
+    point, operation = study.operation.rated, [speed_range(findings)]
+    if point is not None:
+        rating = f" with {point.power / 1e3:.5g} kW" if point.power is not None else ""
+        operation.append(f"rated {given_rpm(point.speed)} rpm{rating}")
+    stated_speeds = ", ".join(filter(None, operation))
     facts = [
         ("Document", ", ".join(label)),
         *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
         ("Input file", study.shown_file),
         ("Input SHA-256", sha),
-        ("Operation", operation_words(findings)),
+        ("Operation", stated_speeds and f"{stated_speeds} (speed of {study.reference})"),
         ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),
         ("Computed by", f"torsion {torsion.__version__}"),
         ("Date", today.isoformat() if today else ""),

@@ -48,16 +48,6 @@ def speed_range(findings: Findings) -> str:
     return "" if speeds is None else f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
 
 
-def operation_words(findings: Findings) -> str:
-    """Return the range of speeds and the rated point; empty where neither is given."""
-    point, words = findings.study.operation.rated, [speed_range(findings)]
-    if point is not None:
-        rating = f" with {point.power / 1e3:.5g} kW" if point.power is not None else ""
-        words.append(f"rated {given_rpm(point.speed)} rpm{rating}")
-    stated = ", ".join(filter(None, words))
-    return f"{stated} (speed of {reference(findings)})" if stated else ""
-
-
 def rated_rpm(findings: Findings) -> float | None:
     """Return the rated speed in rpm; None without one."""
     speed = rated(findings)

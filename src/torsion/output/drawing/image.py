@@ -86,7 +86,15 @@ def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:
     values = grid.values
     for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
         if not even or edges.size > n + 1:
-            values = _by_px(values, axis, edges, n)
+            # One value for each px: the largest of the cells that begin in it, else that of its cell. No peak is lost.
+            px = np.linspace(edges[0], edges[-1], n + 1)
+            first = np.clip(np.searchsorted(edges, (px[1:] + px[:-1]) / 2) - 1, 0, edges.size - 2)
+            begin, end = (np.searchsorted(edges[:-1], ends) for ends in (px[:-1], px[1:]))
+            columns = values.take(first, axis=axis)
+            for pixel in np.flatnonzero(end > begin + 1).tolist():
+                inside = values.take(range(begin[pixel], end[pixel]), axis=axis)
+                columns[(slice(None), pixel) if axis else pixel] = np.fmax.reduce(inside, axis=axis)
+            values = columns
     # Each value between the first colour, 0, and the last, 1; a place without a value is clear.
     relative = np.nan_to_num(values / grid.largest, nan=0.0)
     share = (np.clip(relative, -1.0, 1.0) + 1.0) / 2.0
@@ -100,21 +108,6 @@ def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:
     line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
     if line:
         yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
-
-
-def _by_px(values: FloatArray, axis: int, edges: FloatArray, count: int) -> FloatArray:
-    """Return one value along an axis for each px: the largest of the cells that begin in it, else that of its cell.
-
-    A peak between two px is not lost so.
-    """
-    px = np.linspace(edges[0], edges[-1], count + 1)
-    first = np.clip(np.searchsorted(edges, (px[1:] + px[:-1]) / 2) - 1, 0, edges.size - 2)
-    begin, end = np.searchsorted(edges[:-1], px[:-1]), np.searchsorted(edges[:-1], px[1:])
-    columns = values.take(first, axis=axis)
-    for pixel in np.flatnonzero(end > begin + 1).tolist():
-        largest = np.fmax.reduce(values.take(range(begin[pixel], end[pixel]), axis=axis), axis=axis)
-        columns[(slice(None), pixel) if axis else pixel] = largest
-    return columns
 
 
 def _edges(places: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from torsion.output.drawing.frame import MIDDLE, WIDTH
 from torsion.output.drawing.grades import BOLD, hatched, key
 from torsion.output.drawing.pens import BAD, COLOURS, GRADES, INK, MARKED, Stroke
 from torsion.output.drawing.words import GROWTH, HALO, SIZE, Box, Room, shown, width, words
-from torsion.output.figures.figure import Disc, Link, Place, Sketch, Use
+from torsion.output.figures.figure import Link, Place, Sketch, Use
 from torsion.output.numbers import counted
 
 Points = Sequence[tuple[float, float]]
@@ -233,7 +233,17 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
     for link in sketch.links:
         (_gear if link.kind == "gear" else _link)(sheet, link)
     for disc in sketch.discs:
-        _disc(sheet, disc)
+        y, half, thick = height(disc.row), 0.25 + 0.55 * disc.size, 0.17
+        if disc.is_held:
+            _ground(sheet, disc.x, y, 0.5, vertical=True)
+            continue
+        if disc.ring:
+            tall = half + 0.13 + 0.12 * disc.ring
+            _box(sheet, (disc.x, y), thick + 0.14, tall, "#ffffff", dash="4 2", near=2.9)
+        _box(sheet, (disc.x, y), thick, half, FILLS[disc.role])
+        if disc.is_grounded:
+            _zigzag(sheet, (disc.x, y - half), (disc.x, y - half - 0.45), 0.07)
+            _ground(sheet, disc.x, y - half - 0.45, 0.2, vertical=False)
     elements = [  # from the farthest to the nearest
         f'<path d="{"".join(paths)}" fill="{fill}" {look.attributes(10.0)}/>'
         for (_, fill, look), paths in sorted(sheet.drawn.items(), key=lambda item: item[0][0])
@@ -247,20 +257,6 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
     scale = f'data-left="{sheet.left:.6g}" data-across="{sheet.across:.6g}" data-row="{ROW * sheet.down:g}"'  # of modes
     placed = f'<g class="sketch" {scale} transform="translate(0 {shown(top - upper)})">{body}</g>{legend}'
     return lower - upper + below, placed
-
-
-def _disc(sheet: Sheet, disc: Disc) -> None:
-    x, y, half, thick = disc.x, height(disc.row), 0.25 + 0.55 * disc.size, 0.17
-    if disc.is_held:
-        _ground(sheet, x, y, 0.5, vertical=True)
-        return
-    if disc.ring:
-        tall = half + 0.13 + 0.12 * disc.ring
-        _box(sheet, (x, y), thick + 0.14, tall, "#ffffff", dash="4 2", near=2.9)
-    _box(sheet, (x, y), thick, half, FILLS[disc.role])
-    if disc.is_grounded:
-        _zigzag(sheet, (x, y - half), (x, y - half - 0.45), 0.07)
-        _ground(sheet, x, y - half - 0.45, 0.2, vertical=False)
 
 
 def _box(
