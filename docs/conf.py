@@ -20,7 +20,15 @@ include_patterns = [
     "shafting_specs/README.md",
 ]
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
-extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants", "python_reference", "navigation"]
+extensions = [
+    "myst_parser",
+    "equations",
+    "gallery",
+    "entrance",
+    "assistants",
+    "python_reference",
+    "navigation",
+]
 moved_pages = {  # addresses before 0.1.0
     "tutorial": "tutorials/first-report",
     "pump_train": "tutorials/pump-train-api",
