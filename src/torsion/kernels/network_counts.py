@@ -27,6 +27,8 @@ _OF_STIFFNESS = 5.0
 _FARTHEST = 0.5  # relative change of a square beyond which a step has left its mode
 _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
 
+Step = tuple[int, int, int]  # a station, the next one toward the root, the span between
+
 
 @dataclass(frozen=True)
 class Network:
@@ -38,46 +40,44 @@ class Network:
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
         """Return the network of some trains, by position or mask."""
-        some = replace(
-            self.tree,
-            flexibility=self.tree.flexibility[:, trains],
-            inertia=self.tree.inertia[:, trains],
-        )
-        return replace(self, tree=some, chord=self.chord[:, trains])
+        return replace(self, tree=self.tree.columns(trains), chord=self.chord[:, trains])
 
 
 @dataclass(frozen=True)
 class Way:
-    """How to eliminate toward a root, with angles q of the tree for each chord; the last axis: 1 or trains."""
+    """How to eliminate toward a root, with angles q of the tree for each chord; the last axis: 1 or trains.
 
-    steps: list[
-        tuple[int, int, int]
-    ]  # station, the one toward the root, the span between; the leaves first
-    root: int
-    sign: FloatArray  # (chords, stations, .) torque of each pair through the span toward the root
-    torque: FloatArray  # (chords, stations, .) of q in the same spans
-    load: FloatArray  # (chords, stations, .) of the pairs, less those torques
+    Branches carry nothing of the chords; they come first, into the dynamic stiffness of the stations of the `core`.
+    """
+
+    branches: list[Step]  # the leaves first
+    steps: list[Step]  # the same by position in the core
+    core: IntArray  # stations between the ends of chords, and between these and the root, which is the last
+    sign: FloatArray  # (chords, core, .) torque of each pair through the span toward the root
+    torque: FloatArray  # (chords, core, .) of q in the same spans
+    load: FloatArray  # (chords, core, .) of the pairs, less those torques
     lift: FloatArray  # (chords, .) angle of the root in q
-    basis: FloatArray | None = None  # (chords, chords, trains) chord torques in place of unit ones
-    # (chords, stations, trains) like `load`: sum of its terms without signs.
-    terms: FloatArray | None = None
+    basis: FloatArray  # (chords, chords, .) chord torques in place of unit ones
+    terms: FloatArray | None = (
+        None  # (chords, core, trains) like `load`: sum of its terms without signs; of modes
+    )
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
         """Return the way of some trains, by position or mask."""
-        if self.basis is None or self.terms is None:
+        if self.terms is None:
             return self
         rows = {
             name: getattr(self, name)[..., trains]
-            for name in ("torque", "load", "lift", "basis", "terms", "sign")
+            for name in ("sign", "torque", "load", "lift", "basis", "terms")
         }
         return replace(self, **rows)
 
     def modal(
-        self, held: BoolArray, chord_torque: FloatArray, torque: FloatArray, lift: FloatArray
+        self, fixed: list[bool], chord_torque: FloatArray, torque: FloatArray, lift: FloatArray
     ) -> "Way":
         """With the shape of a mode as q of its `chord_torque` (chords, trains), in place of the largest of them.
 
-        torque: (stations, trains) in the spans toward the root; lift: (trains,) angle of the root.
+        torque: (core, trains) in the spans toward the root; lift: (trains,) angle of the root.
         """
         number, trains = chord_torque.shape
         largest, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(trains)
@@ -85,21 +85,17 @@ class Way:
         basis = np.repeat(np.eye(number)[:, :, None], trains, axis=2)
         basis[largest, :, column] = (chord_torque / scale).T
         sign, bound = (
-            np.einsum(
-                "klt,lst->kst",
-                weight,
-                np.broadcast_to(torque_signs, (*torque_signs.shape[:2], trains)),
-            )
+            np.einsum("klt,lst->kst", weight, np.repeat(torque_signs, trains, axis=2))
             for weight, torque_signs in ((basis, self.sign), (np.abs(basis), np.abs(self.sign)))
         )
         q, lifts = np.broadcast_to(self.torque, sign.shape).copy(), np.zeros((number, trains))
         q[largest, :, column], lifts[largest, column] = (torque / scale).T, lift / scale
         load, terms = sign - q, bound + np.abs(q)
         for station, near, _ in self.steps:
-            if not held[near]:
+            if not fixed[near]:
                 load[:, near] -= sign[:, station] - q[:, station]
                 terms[:, near] += bound[:, station] + np.abs(q[:, station])
-        return Way(self.steps, self.root, sign, q, load, lifts, basis, terms)
+        return replace(self, sign=sign, torque=q, load=load, lift=lifts, basis=basis, terms=terms)
 
 
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
@@ -110,48 +106,47 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 class Elimination:
     """All but the root at s = `square` (trains,); with `lean` +1 or -1 every rounding is outweighed, as in `sturm`.
 
-    `stiffness` (stations, trains) N m/rad: each as it was eliminated, that of the root last; `load` (chords, stations,
-    trains) of g; `matrix` (chords, chords, trains) rad/(N m): M without what the root adds; `negative` (trains,):
-    pivots of all stations but the root. With `lean`, `size` is the sum of the terms of `matrix` without signs, and
-    `error`, `load_error` are of roundings.
+    `stiffness` (core, trains) N m/rad: each as it was eliminated, that of the root last; `own`: before that, less that
+    of branches, 0 where fixed; `load` (chords, core, trains) of g; `matrix` (chords, chords, trains) rad/(N m): M
+    without what the root adds; `negative` (trains,): pivots of all stations but the root. With `lean`, `size` is the
+    sum of the terms of `matrix` without signs, and `error`, `load_error` are of roundings.
     """
 
     def __init__(self, trains: Network, square: FloatArray, way: Way, lean: float = 0.0) -> None:
         tree = trains.tree
-        self.way, self.lean, self.fixed = way, lean, tree.held.tolist()
+        self.way, self.lean, self.fixed = way, lean, tree.held[way.core].tolist()
+        self.margin = 0.0
         if lean:
             of_square, _, of_stiffness = margins(tree, square)
-            of_square, self.margin = (
-                of_square + 2.0 * _UNIT_ROUNDOFF,
-                of_stiffness + 2.0 * _UNIT_ROUNDOFF,
-            )  # other root
-            square = square * (1.0 + lean * of_square)
-        self.inertia, self.flexibility = tree.moving_inertia * square, tree.flexibility
-        self.stiffness = np.where(tree.held[:, None], np.inf, -self.inertia)
-        self.negative, self.number = np.zeros(len(square), dtype=np.int64), len(trains.chord)
+            # The root is another one, which may have one child more.
+            self.margin = of_stiffness + 2.0 * _UNIT_ROUNDOFF
+            square = square * (1.0 + lean * (of_square + 2.0 * _UNIT_ROUNDOFF))
+        self.flexibility, self.number = tree.flexibility, len(trains.chord)
+        station = np.where(tree.held[:, None], np.inf, 0.0 - tree.moving_inertia * square)
+        self.negative = np.zeros(len(square), dtype=np.int64)
+        for branch, near, span in way.branches:
+            through = 1.0 / (tree.flexibility[span] + 1.0 / station[branch])
+            self.negative += (station[branch] < 0.0) & (through >= 0.0)
+            station[near] += through - lean * self.margin * np.abs(through)
+        self.stations, self.stiffness = station, station[way.core]
+        self.inertia = np.where(tree.held[way.core, None], 0.0, -self.stiffness)
         self._begin(trains)
-        for station, near, span in way.steps:
-            (self._past_fixed if self.fixed[station] else self._past_free)(
-                station, near, tree.flexibility[span]
+        for core_station, near, span in way.steps:
+            (self._past_fixed if self.fixed[core_station] else self._past_free)(
+                core_station, near, tree.flexibility[span]
             )
         if lean:
-            self.error += 3.0 * tree.size * _UNIT_ROUNDOFF * self.size
+            self.error += 3.0 * len(way.core) * _UNIT_ROUNDOFF * self.size
 
     def _begin(self, trains: Network) -> None:
         """M of q alone, and the loads that q leaves."""
-        way, a, h, tree = self.way, self.inertia, self.flexibility, trains.tree
-        spans = (
-            tree.size
-            if way.basis is not None
-            else np.count_nonzero(way.torque, axis=1).max(initial=0)
-        )
-        self.term = (
-            2 * tree.most_children + _ROUNDINGS
-        ) * _UNIT_ROUNDOFF  # of a product of loads, or one passed on
-        self.unit = self.term + spans * _UNIT_ROUNDOFF  # with those of q
-        basis = np.eye(self.number)[:, :, None] if way.basis is None else way.basis
+        way, a, h, basis = self.way, self.inertia, self.flexibility, self.way.basis
+        spans = np.count_nonzero(way.torque.any(axis=2), axis=1).max(initial=0)
+        # Of a product of loads, or one passed on; and with the roundings of q.
+        self.term = (2 * trains.tree.most_children + _ROUNDINGS) * _UNIT_ROUNDOFF
+        self.unit = self.term + spans * _UNIT_ROUNDOFF
         self.q = np.zeros((self.number, *a.shape))
-        self.q[:, way.root] = way.lift
+        self.q[:, -1] = way.lift
         self.matrix = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis)
         for station, near, span in reversed(way.steps):
             s, t = way.sign[:, station], way.torque[:, station]
@@ -165,15 +160,15 @@ class Elimination:
 
         # Sums of the terms of q without signs, and the roundings that follow from them.
         self.reach = np.zeros_like(self.q)
-        self.reach[:, way.root] = np.abs(way.lift)
-        basis = np.abs(basis)
+        self.reach[:, -1] = np.abs(way.lift)
+        a, basis = np.abs(a), np.abs(basis)
         self.size = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis)
         for station, near, span in reversed(way.steps):
             s, t = np.abs(way.sign[:, station]), np.abs(way.torque[:, station])
             self.reach[:, station] = t * h[span]
             if not self.fixed[near]:
                 self.reach[:, station] += self.reach[:, near]
-            self.size += h[span] * (product(s, t) if way.basis is None else product(s + t, s + t))
+            self.size += h[span] * (product(s, t) if way.terms is None else product(s + t, s + t))
         inertia_load = a * self.reach
         self.size += np.einsum("kit,lit->klt", inertia_load, self.reach)
         self.error, self.load_error = self.unit * self.size, self.unit * inertia_load
@@ -227,7 +222,7 @@ class Elimination:
     @property
     def at_root(self) -> tuple[FloatArray, FloatArray]:
         """Stiffness (trains,) and loads (chords, trains) that are left there."""
-        return self.stiffness[self.way.root], self.load[:, self.way.root]
+        return self.stiffness[-1], self.load[:, -1]
 
 
 def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntArray:
@@ -236,7 +231,7 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
     with np.errstate(all="ignore"):
         seen = Elimination(trains, w * w, way, lean)
         stiffness, load = seen.at_root
-        size, room, root = np.abs(load), seen.load_error[:, way.root], np.abs(1.0 / stiffness)
+        size, room, root = np.abs(load), seen.load_error[:, -1], np.abs(1.0 / stiffness)
         last = product(load, load) / stiffness
         error = seen.error + root * (
             product(size + room, size + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(size, size)
@@ -263,13 +258,12 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         seen = Elimination(trains, square, way)
         stiffness, load = seen.at_root
         chord_torque = _least_chord_torques(seen.matrix + product(load, load) / stiffness)
-        f = np.einsum("kt,kst->st", chord_torque, seen.load)
-        q = np.einsum("kt,kst->st", chord_torque, seen.q)
-        torque = np.einsum(
-            "kt,kst->st", chord_torque, np.broadcast_to(way.torque, seen.load.shape)
-        ).copy()
+        f, q, torque = (
+            np.einsum("kt,kst->st", chord_torque, np.broadcast_to(values, seen.load.shape))
+            for values in (seen.load, seen.q, way.torque)
+        )
         angle = np.zeros_like(f)
-        angle[way.root] = f[way.root] / stiffness
+        angle[-1] = f[-1] / stiffness
         for i, near, span in reversed(way.steps):
             h, near_angle = seen.flexibility[span], 0.0 if seen.fixed[near] else angle[near]
             if seen.fixed[i]:
@@ -279,37 +273,35 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
                 transfer = 1.0 / (1.0 + h * seen.stiffness[i])
                 angle[i] = transfer * (near_angle + h * f[i])
                 torque[i] += transfer * (f[i] - seen.stiffness[i] * near_angle)
-        lift = angle[way.root]
-        lost = ~(
-            np.isfinite(torque).all(axis=0)
-            & np.isfinite(lift)
-            & np.isfinite(chord_torque).all(axis=0)
-        )
+        lift = angle[-1]
+        lost = ~np.isfinite(np.vstack([torque, lift, chord_torque])).all(axis=0)
         torque[:, lost], lift, chord_torque[:, lost] = 0.0, np.where(lost, 0.0, lift), 1.0
-        modal = way.modal(trains.tree.held, chord_torque, torque, lift)
+        modal = way.modal(seen.fixed, chord_torque, torque, lift)
         seen_with_mode = Elimination(trains, square, modal)
         row, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(len(square))
         stiffness, load = seen_with_mode.at_root
         matrix = (seen_with_mode.matrix + product(load, load) / stiffness)[row, row, column]
-        change = -matrix / (seen_with_mode.inertia * seen_with_mode.q[row, :, column].T ** 2).sum(
-            axis=0
-        )
-    return modal, np.where(
-        np.isfinite(change) & (np.abs(change) < _FARTHEST), square * (1.0 + change), square
-    )
+
+        # The inertia of a branch as its station in the core turns it.
+        inertia = trains.tree.moving_inertia * square
+        for station, near, span in way.branches:
+            inertia[near] += (
+                inertia[station] / (1.0 + seen.flexibility[span] * seen.stations[station]) ** 2
+            )
+        turned = seen_with_mode.q[row, :, column].T
+        change = -matrix / (
+            np.where(trains.tree.held[:, None], 0.0, inertia)[way.core] * turned**2
+        ).sum(axis=0)
+    is_near = np.isfinite(change) & (np.abs(change) < _FARTHEST)
+    return modal, np.where(is_near, square * (1.0 + change), square)
 
 
 def _least_chord_torques(matrix: FloatArray) -> FloatArray:
     """Chord torques (chords, trains) for which M (chords, chords, trains) is least beside its diagonal."""
-    number = len(matrix)
-    if number == 1:
-        return np.ones(matrix.shape[1:])
     scale = 1.0 / np.sqrt(np.abs(np.einsum("kkt->kt", matrix)))
     scaled = (matrix * product(scale, scale)).transpose(2, 0, 1)
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
-    scaled[lost] = np.eye(number)
+    scaled[lost], scale[:, lost] = np.eye(len(matrix)), 1.0
     values, vectors = np.linalg.eigh(scaled)
     smallest = np.argmin(np.abs(values), axis=1)
-    return np.asarray(
-        np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0].T * scale
-    )
+    return np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0].T * scale

@@ -118,6 +118,12 @@ class Tree:
             self.add_ends(inertia, inner, outer)
         return flexibility, inertia
 
+    def columns(self, trains: IntArray | BoolArray | slice) -> "Tree":
+        """Some of the trains side by side, by position or mask."""
+        return replace(
+            self, flexibility=self.flexibility[:, trains], inertia=self.inertia[:, trains]
+        )
+
     def cut(self, spans: BoolArray) -> "Tree":
         """The tree without the spans (stations,) named; itself where none is."""
         if not spans.any():

@@ -80,7 +80,9 @@ def network_modes(
     for part in parts(tree.size * (1 + len(chord)) * count, trains):
         # All modes of the middle train, with which a start is exact, are for those that fewer do not prove.
         left = np.arange(part.start, part.stop)
-        for further in sorted({min(count + FURTHER, elastic), elastic}) if is_counted else ():
+        for further in sorted({min(count + FURTHER, elastic), elastic}):
+            if not (is_counted and left.size):
+                break
             some = many.chosen(left)
             chords = some.chord, middle_of(chord)
             start = ritz_values(some.tree, mean, middle_modes, further, chords)[:count]
@@ -170,7 +172,10 @@ def _way(trains: Network, root: int, square: float) -> Way:
     """Elimination near s = `square`: q follows the spans that are stiff beside the inertia at either end."""
     steps, sign = toward(trains.tree, root), trains.pair.copy()
     load, inertia, soft = np.zeros_like(sign), middle_of(trains.tree.moving_inertia), list[int]()
+    carries = trains.pair.any(axis=0)
+    carries[root] = True
     for station, near, span in steps:
+        carries[near] |= carries[station]
         sign[:, near] += sign[:, station]
         stiffest = max(inertia[station], inertia[near]) * square
         if len(sign) and middle_of(trains.tree.flexibility[[span]])[0] * stiffest > _SOFT:
@@ -179,8 +184,15 @@ def _way(trains: Network, root: int, square: float) -> Way:
             soft.append(station)
     twisted = sign.copy()
     twisted[:, soft] = 0.0
+    core = np.array([*(station for station, _, _ in steps if carries[station]), root])
+    position = dict(zip(core.tolist(), range(len(core)), strict=True))
     return Way(
-        steps, root, sign[..., None], twisted[..., None], load[..., None], np.zeros((len(sign), 1))
+        [step for step in steps if not carries[step[0]]],
+        [(position[i], position[near], span) for i, near, span in steps if carries[i]],
+        core,
+        *(values[:, core, None] for values in (sign, twisted, load)),
+        np.zeros((len(sign), 1)),
+        np.eye(len(sign))[:, :, None],
     )
 
 
@@ -193,8 +205,11 @@ def enclosed_each(
     sure.
     """
     bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
-    near = frequency.copy()
-    for station in _roots(trains.tree, root):
+    near, ends = frequency.copy(), np.flatnonzero(trains.pair.any(axis=0) & ~trains.tree.held)
+    for station in [
+        int(ends[np.argmax(trains.tree.moving_inertia[ends].sum(axis=1))]),
+        *_roots(trains.tree, root),
+    ]:
         proven_before = proven.sum()
         for attempt in ("about the mode", "with static angles", "with static angles as given"):
             left = np.flatnonzero(~proven)
@@ -242,7 +257,7 @@ def _enclosed(
     trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: Way
 ) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
-    widened: tuple[float, ...] = _OF_CHORDS if way.basis is None else _OF_MODES
+    widened: tuple[float, ...] = _OF_CHORDS if way.terms is None else _OF_MODES
     width = np.minimum(
         expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1]
     )
