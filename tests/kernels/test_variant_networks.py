@@ -202,7 +202,7 @@ def test_counts_of_either_way_err_only_on_their_side(kind: str) -> None:
             np.repeat(one[:, None], count, axis=1) for one in (tree.flexibility, tree.inertia, c)
         )
         many = Network(replace(tree, flexibility=h, inertia=j), pairs(tree.size, *ends), chord)
-        torn, _ = variant_networks._torn(many, tree, ends)
+        torn, _, _ = variant_networks._torn(many, tree, ends, modes, count)
         if not len(torn.chord) or not count:
             continue
         square = float(modes.frequency.max()) ** 2
@@ -234,9 +234,8 @@ def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> 
     tree, h, j, ends, c = _chains(10, 1, 2000)
     frequency, below = network_modes(tree, h, j, 1, ends, c).frequency[0], 0
     many = Network(replace(tree, flexibility=h, inertia=j), pairs(10, *ends), c)
-    torn, _ = variant_networks._torn(
-        many, replace(tree, flexibility=h[:, 0], inertia=j[:, 0]), ends
-    )
+    first = replace(tree, flexibility=h[:, 0], inertia=j[:, 0])
+    torn, _, _ = variant_networks._torn(many, first, ends, graph_modes(first, *ends, c[:, 0]), 1)
     static = variant_networks._way(torn, 9, float(frequency.mean()) ** 2)
     with np.errstate(all="ignore"):
         grown = np.abs(Elimination(torn, frequency**2, static).load[0]).max(axis=0)

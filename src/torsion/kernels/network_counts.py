@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.sturm import margins
-from torsion.kernels.tree import Tree
+from torsion.kernels.sturm import margins, pass_on
+from torsion.kernels.tree import Step, Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
 _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
@@ -26,8 +26,6 @@ _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its pro
 _OF_STIFFNESS = 5.0
 _FARTHEST = 0.5  # relative change of a square beyond which a step has left its mode
 _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
-
-Step = tuple[int, int, int]  # a station, the next one toward the root, the span between
 
 
 @dataclass(frozen=True)
@@ -106,10 +104,10 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 class Elimination:
     """All but the root at s = `square` (trains,); with `lean` +1 or -1 every rounding is outweighed, as in `sturm`.
 
-    `stiffness` (core, trains) N m/rad: each as it was eliminated, that of the root last; `own`: before that, less that
-    of branches, 0 where fixed; `load` (chords, core, trains) of g; `matrix` (chords, chords, trains) rad/(N m): M
-    without what the root adds; `negative` (trains,): pivots of all stations but the root. With `lean`, `size` is the
-    sum of the terms of `matrix` without signs, and `error`, `load_error` are of roundings.
+    `stiffness` (core, trains) N m/rad: each as it was eliminated, that of the root last; `inertia`: less what it was
+    before, branches included, 0 where fixed; `load` (chords, core, trains) of g; `matrix` (chords, chords, trains)
+    rad/(N m): M without what the root adds; `negative` (trains,): pivots of all stations but the root. With `lean`,
+    `size` is the sum of the terms of `matrix` without signs, and `error`, `load_error` are of roundings.
     """
 
     def __init__(self, trains: Network, square: FloatArray, way: Way, lean: float = 0.0) -> None:
@@ -123,11 +121,11 @@ class Elimination:
             square = square * (1.0 + lean * (of_square + 2.0 * _UNIT_ROUNDOFF))
         self.flexibility, self.number = tree.flexibility, len(trains.chord)
         station = np.where(tree.held[:, None], np.inf, 0.0 - tree.moving_inertia * square)
-        self.negative = np.zeros(len(square), dtype=np.int64)
-        for branch, near, span in way.branches:
-            through = 1.0 / (tree.flexibility[span] + 1.0 / station[branch])
-            self.negative += (station[branch] < 0.0) & (through >= 0.0)
-            station[near] += through - lean * self.margin * np.abs(through)
+        branch, _, spans = np.array(way.branches, dtype=np.int64).reshape(-1, 3).T
+        through = tree.flexibility[spans]
+        rows = dict(zip(spans.tolist(), through, strict=True))
+        pass_on(way.branches, list(station), rows, lean * self.margin if lean else None)
+        self.negative = ((station[branch] < 0.0) & ~np.signbit(through)).sum(axis=0)
         self.stations, self.stiffness = station, station[way.core]
         self.inertia = np.where(tree.held[way.core, None], 0.0, -self.stiffness)
         self._begin(trains)
@@ -304,4 +302,5 @@ def _least_chord_torques(matrix: FloatArray) -> FloatArray:
     scaled[lost], scale[:, lost] = np.eye(len(matrix)), 1.0
     values, vectors = np.linalg.eigh(scaled)
     smallest = np.argmin(np.abs(values), axis=1)
-    return np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0].T * scale
+    vector = np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0]
+    return np.asarray(vector.T * scale)

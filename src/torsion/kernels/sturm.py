@@ -10,12 +10,14 @@ A distributed shaft is a flexibility between two inertias, all three functions o
 frequency of any shaft with both ends fixed (`Shafts.limit`) the count needs no correction (Wittrick and Williams 1971).
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Step, Tree
 
 SHARE_OF_LIMIT = (
     0.95  # of the frequency from which counts of distributed shafts would need a correction
@@ -24,7 +26,7 @@ _OCTAVES = 332  # searched below the limit; with squares, end inertias and stiff
 _GRID = 2.0 ** np.arange(
     -166.0, 167.0
 )  # rad/s, without limit; squares, times or over sensible inertias, stay in range
-_POINTS = 15  # inside the bracket of one mode in one sweep of the multisection
+_POINTS = 15  # inside the bracket of one mode in one sweep of the multisection, at most
 _COLUMNS = 512  # frequencies in one sweep above which points cost more than sweeps (measured)
 _POINTS_A_MODE = 3  # at least
 _NEAR = 1e-2  # relative width of a bracket from which a mode alone in it, divided once more, is polished
@@ -88,46 +90,51 @@ def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, 
 
 
 def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
-    """Negative pivots z less negative pivots h + 1/z at each `w` (m,), in blocks, so that memory stays bounded.
+    """Negative pivots z less negative pivots h + 1/z at each `w` (m,); the latter are those that pass on less.
 
     `lean` (m,) is the direction in which every rounding is outweighed.
     """
-    block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
-    parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
-    with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        return np.concatenate(
-            [_negative(tree, w[part], None if lean is None else lean[part]) for part in parts]
-        )
+    # In blocks, so that memory stays bounded.
+    block, counts = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1)), list[IntArray]()
+    for begin in range(0, max(len(w), 1), block):
+        square, margin = np.square(w[begin : begin + block]), None
+        of_laws = square
+        if lean is not None:
+            side = lean[begin : begin + block]
+            of_square, of_argument, of_stiffness = margins(tree, square)
+            of_laws, margin = square * (1.0 + side * of_argument), side * of_stiffness
+            square = square * (1.0 + side * of_square)
+        station = 0.0 - tree.inertia_columns * square  # a difference, so that a zero is positive
+        station[tree.held] = np.inf
+        passed = np.empty_like(station)
+        passed[:] = tree.flexibility_columns
+        with np.errstate(divide="ignore", over="ignore", under="ignore"):
+            if tree.shafts is not None:
+                passed[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
+                tree.add_ends(station, inner * -square, outer * -square)
+            passed[tree.roots] = 0.0
+            pass_on(tree.steps, list(station), list(passed), margin)
+        counts.append(((station < 0.0) & ~np.signbit(passed)).sum(axis=0))
+    return np.concatenate(counts)
 
 
-def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
-    """Negative z less negative h + 1/z at each `w` (m,); the latter are those that pass on less."""
-    square, margin = w * w, None
-    of_laws = square
-    if lean is not None:
-        of_square, of_argument, of_stiffness = margins(tree, square)
-        of_laws, margin = square * (1.0 + lean * of_argument), lean * of_stiffness
-        square = square * (1.0 + lean * of_square)
-    station = 0.0 - tree.inertia_columns * square  # a difference, so that a zero is positive
-    station[tree.held] = np.inf
-    passed = np.empty_like(station)
-    passed[:] = tree.flexibility_columns
-    if tree.shafts is not None:
-        passed[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
-        tree.add_ends(station, inner * -square, outer * -square)
+def pass_on(
+    steps: list[Step],
+    stiffness: Sequence[FloatArray],
+    through: Mapping[int, FloatArray] | Sequence[FloatArray],
+    margin: FloatArray | float | None,
+) -> None:
+    """Add to stations (m,) N m/rad what spans pass on of those behind, 1/(h + 1/z), in place of h in `through` (m,).
 
-    # A span of flexibility h passes on 1/(h + 1/z) of what the station shows, a little less to outweigh roundings.
-    stiffness, through = list(station), list(passed)
-    for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
-        if parent < 0:
-            through[i].fill(0.0)
-            continue
-        through[i] += np.reciprocal(stiffness[i])
-        np.reciprocal(through[i], through[i])
+    A little less, by `margin` (m,) of it, to outweigh roundings.
+    """
+    for station, near, span in steps:
+        row = through[span]
+        row += np.reciprocal(stiffness[station])
+        np.reciprocal(row, row)
         if margin is not None:
-            through[i] *= 1.0 - np.sign(through[i]) * margin
-        stiffness[parent] += through[i]
-    return np.asarray(((station < 0.0) & ~np.signbit(passed)).sum(axis=0))
+            row *= 1.0 - np.sign(row) * margin
+        stiffness[near] += row
 
 
 def enclose(
@@ -205,9 +212,19 @@ def brackets(
     bracket = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
     left = np.arange(len(mode))
     while len(left):
+        # Every bracket is divided once, however many modes share it; they share its counts at the points inside.
         before = bracket[:, left]
-        bracket[:, left] = _refined(tree, mode[left], before)
-        low, high, *_ = bracket[:, left]
+        shared, which = np.unique(before, axis=1, return_inverse=True)
+        many, (begin, end, below, up_to) = shared.shape[1], shared
+        number = max(_POINTS_A_MODE, min(_COLUMNS // many, _POINTS * max(len(left) // many, 1)))
+        inside = begin + (end - begin) * np.linspace(0.0, 1.0, number + 2)[1:-1, None]
+        counts = count_below(tree, inside.ravel()).reshape(inside.shape)
+        counts = np.clip(np.maximum.accumulate(counts, axis=0), below, up_to)
+        ladder, counted = np.vstack([begin, inside, end]), np.vstack([below, counts, up_to])
+        which = which.reshape(-1)
+        above = (counted[:, which] <= mode[left]).sum(axis=0)
+        low, high = ladder[above - 1, which], ladder[above, which]
+        bracket[:, left] = low, high, counted[above - 1, which], counted[above, which]
         width = (high - low) / high
         if tolerance is None:
             done = ((before[3] - before[2] == 1) & (width <= _NEAR)) | (width <= _COINCIDENT)
@@ -215,33 +232,3 @@ def brackets(
             done = (width <= tolerance) | (high - low >= before[1] - before[0])
         left = left[~done]
     return bracket[0], bracket[1]
-
-
-def _refined(tree: Tree, mode: IntArray, bracket: FloatArray) -> FloatArray:
-    """Narrower brackets of `mode` (m,): each divided by points in proportion to the modes that share it.
-
-    `found` (4, m): bounds rad/s, and the counts at them.
-    """
-    _, first, which, sharing = np.unique(
-        bracket[0], return_index=True, return_inverse=True, return_counts=True
-    )
-    number = np.maximum(
-        min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing
-    )
-    inside = [
-        a + (b - a) * (np.arange(1, n + 1) / (n + 1))
-        for a, b, n in zip(*bracket[:2, first], number, strict=True)
-    ]
-    counts = np.split(count_below(tree, np.concatenate(inside)), np.cumsum(number)[:-1])
-    members = np.split(np.argsort(which.reshape(-1), kind="stable"), np.cumsum(sharing)[:-1])
-    narrower = bracket.copy()
-    for (low, high, below, up_to), places, count, rows in zip(
-        bracket[:, first].T, inside, counts, members, strict=True
-    ):
-        ladder = np.concatenate(([low], places, [high]))
-        counted = np.concatenate(
-            ([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to])
-        )
-        above = np.searchsorted(counted, mode[rows], side="right")
-        narrower[:, rows] = ladder[above - 1], ladder[above], counted[above - 1], counted[above]
-    return narrower

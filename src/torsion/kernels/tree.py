@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Shafts
 
+Step = tuple[int, int, int]  # a station, the next one toward the root, the span between
+
 
 @dataclass(frozen=True)
 class Tree:
@@ -37,6 +39,11 @@ class Tree:
     def parents(self) -> list[int]:
         """`parent` as a list, which plain loops read faster."""
         return list(self.parent.tolist())
+
+    @cached_property
+    def steps(self) -> list[Step]:
+        """Every span toward its root, the leaves first."""
+        return [(i, parent, i) for i, parent in enumerate(self.parents) if parent >= 0][::-1]
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
@@ -82,17 +89,9 @@ class Tree:
         return self.parents == list(range(-1, self.size - 1))
 
     @cached_property
-    def shaft_of(self) -> list[int]:
-        """Distributed shaft that each station's span is; -1 for a spring or a root."""
-        shaft = [-1] * self.size
-        for number, node in enumerate([] if self.shafts is None else self.shafts.node.tolist()):
-            shaft[node] = number
-        return shaft
-
-    @cached_property
     def springs(self) -> IntArray:
         """Stations whose span is no distributed shaft, roots among them."""
-        return np.flatnonzero(np.array(self.shaft_of) < 0)
+        return np.setdiff1d(np.arange(self.size), [] if self.shafts is None else self.shafts.node)
 
     @cached_property
     def shaft_parent(self) -> IntArray:

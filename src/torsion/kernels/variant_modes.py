@@ -8,6 +8,7 @@ itself.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from torsion.kernels.tree import Tree
 
 Selection = IntArray | BoolArray | slice
 
-FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin
+_FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin
 _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)
 _LARGEST = 2**19  # stations times trains at once
 _STEPS = 6  # of Rayleigh; 2 are usual
@@ -57,7 +58,7 @@ def variant_modes(
             f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
         )
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
-    middle_modes = tree_modes(middle, count + FURTHER)
+    middle_modes = tree_modes(middle, count + _FURTHER)
     if len(middle_modes.frequency) < count:
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
@@ -65,9 +66,20 @@ def variant_modes(
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
         trains = replace(tree, flexibility=flexibility[:, part], inertia=inertia[:, part])
-        start = ritz_values(trains, middle, middle_modes, count + FURTHER)[:count]
-        settled = [_settled(trains, mode_start) for mode_start in start]
-        bounds[:, :, part], proven = _proven(trains, settled, middle_modes.rigid)
+        start = ritz_values(trains, middle, middle_modes, count + _FURTHER)[:count]
+        frequency, passed = np.array([_settled(trains, begin) for begin in start]).swapaxes(0, 1)
+        order = np.argsort(frequency, axis=0)
+        frequency, passed = (np.take_along_axis(v, order, axis=0) for v in (frequency, passed))
+        bounds[:, :, part], proven = frequency, np.ones(frequency.shape[1], dtype=np.bool_)
+        for mode, hertz in enumerate(frequency):
+            bounds[1:, mode, part], is_proven = enclosed(
+                partial(_counted, trains),
+                hertz,
+                expected_width(trains, hertz, passed[mode]),
+                mode + middle_modes.rigid,
+                _WIDENED,
+            )
+            proven &= is_proven
         for column in (part.start + np.flatnonzero(~proven)).tolist():
             train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
             modes = tree_modes(train, count)
@@ -128,14 +140,6 @@ def parts(size: int, trains: int) -> Iterator[slice]:
     return (slice(begin, min(begin + width, trains)) for begin in range(0, trains, width))
 
 
-def _columns(trains: Tree, chosen: Selection) -> Tree:
-    if isinstance(chosen, slice):
-        return trains
-    return replace(
-        trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen]
-    )
-
-
 def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     """Every station but the root, the next one toward it and the span between, the farthest first."""
     steps, reached = [], [(root, -1)]
@@ -149,25 +153,8 @@ def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     return steps[::-1]
 
 
-def _proven(
-    trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: int
-) -> tuple[FloatArray, BoolArray]:
-    """Frequencies and bounds (3, modes, trains) rad/s of `settled` modes, and which trains are proven."""
-    frequency = np.stack([hertz for hertz, _ in settled])
-    order = np.argsort(frequency, axis=0)
-    frequency = np.take_along_axis(frequency, order, axis=0)
-    passed = np.take_along_axis(np.stack([hertz for _, hertz in settled]), order, axis=0)
-    bounds, proven = np.stack([frequency] * 3), np.ones(frequency.shape[1], dtype=np.bool_)
-    for mode, hertz in enumerate(frequency):
-        bounds[1:, mode], is_proven = enclosed(
-            lambda some, w, lean: count_below(_columns(trains, some), w, bound=lean),
-            hertz,
-            expected_width(trains, hertz, passed[mode]),
-            mode + rigid,
-            _WIDENED,
-        )
-        proven &= is_proven
-    return bounds, proven
+def _counted(trains: Tree, some: Selection, w: FloatArray, lean: float) -> IntArray:
+    return count_below(trains.columns(some), w, bound=lean)
 
 
 def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -189,7 +176,7 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
         if not going.any():
             break
         left = left[going]
-        some = _columns(trains, left)
+        some = trains.columns(left)
     return frequency, np.where(np.isfinite(passed), passed, 0.0)
 
 

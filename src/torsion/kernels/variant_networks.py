@@ -6,6 +6,7 @@ the mode enclose them, toward one root or another. A train that is not proven th
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import pairs
 from torsion.kernels.variant_modes import (
-    FURTHER,
     Selection,
     VariantModes,
     enclosed,
@@ -27,6 +27,7 @@ from torsion.kernels.variant_modes import (
     toward,
 )
 
+_FURTHER = 12  # modes of the middle train beside those wanted, by which all others begin at first
 _STEPS = 6  # of Rayleigh; 3 are usual
 _SETTLED = 1e-13  # relative step of the square, after which a train is at rest
 # Times the width that counts without chords need: a running error is a bound.
@@ -70,17 +71,13 @@ def network_modes(
     elastic, rigid = len(middle_modes.frequency), middle_modes.rigid
     if elastic < count:
         raise ValueError(f"the trains have {elastic} elastic modes, not {count}")
-    torn, rows = _torn(many, mean, ends)
-    energy = (mean.moving_inertia[:, None] * middle_modes.angle[:, :count] ** 2).sum(axis=1)
-    root = int(rows[np.argmax(energy)])
-    passed = np.abs(middle_modes.torque * middle_modes.angle[mean.parent]).sum(axis=0)
-    passed = passed / middle_modes.frequency**2
+    torn, root, passed = _torn(many, mean, ends, middle_modes, count)
     is_counted = torn.tree.parents.count(-1) == 1 and len(chord) <= _MOST_CHORDS
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)) * count, trains):
-        # All modes of the middle train, with which a start is exact, are for those that fewer do not prove.
+        # All modes of the middle train, which lose nothing, are for those that fewer do not prove.
         left = np.arange(part.start, part.stop)
-        for further in sorted({min(count + FURTHER, elastic), elastic}):
+        for further in sorted({min(count + _FURTHER, elastic), elastic}):
             if not (is_counted and left.size):
                 break
             some = many.chosen(left)
@@ -125,20 +122,15 @@ def counted_modes(
         pairs(tree.size, first, second),
         flexibility[:, None],
     )
-    torn, rows = _torn(single, tree, (first, second))
+    torn, root, passed = _torn(single, tree, (first, second), modes_found, modes)
     if torn.tree.parents.count(-1) != 1:
         return modes_found
-    energy = (tree.moving_inertia[:, None] * modes_found.angle**2).sum(axis=1)
-    passed = (
-        np.abs(modes_found.torque * modes_found.angle[tree.parent]).sum(axis=0)
-        / modes_found.frequency**2
-    )
     bounds, proven = enclosed_each(
         torn.chosen(np.zeros(modes, dtype=np.int64)),
         modes_found.frequency,
         passed,
         np.arange(modes) + modes_found.rigid,
-        int(rows[np.argmax(energy)]),
+        root,
     )
     if not proven.all():
         return modes_found
@@ -152,8 +144,10 @@ def counted_modes(
     )
 
 
-def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[Network, IntArray]:
-    """The trains as trees of the stiffest spans, and the new number (stations,) of each given station."""
+def _torn(
+    many: Network, mean: Tree, ends: tuple[IntArray, IntArray], modes: TreeModes, count: int
+) -> tuple[Network, int, FloatArray]:
+    """The trains as trees of the stiffest spans; the station of most energy, and `passed` over s, of `modes` of `mean`."""
     tree = many.tree
     torn = stiffest_tree(mean, *ends, middle_of(many.chord))
     is_used = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=np.bool_))
@@ -163,16 +157,21 @@ def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[N
     moved = np.empty_like(tree.inertia)
     moved[torn.station] = tree.inertia
     new = replace(torn.tree, flexibility=flexibility[: mean.size], inertia=moved)
-    return Network(
-        new, pairs(mean.size, torn.first, torn.second), flexibility[mean.size :]
-    ), torn.station
+    energy = (mean.moving_inertia[:, None] * modes.angle[:, :count] ** 2).sum(axis=1)
+    passed = np.abs(modes.torque * modes.angle[mean.parent]).sum(axis=0) / modes.frequency**2
+    pair = pairs(mean.size, torn.first, torn.second)
+    return (
+        Network(new, pair, flexibility[mean.size :]),
+        int(torn.station[np.argmax(energy)]),
+        passed,
+    )
 
 
 def _way(trains: Network, root: int, square: float) -> Way:
     """Elimination near s = `square`: q follows the spans that are stiff beside the inertia at either end."""
     steps, sign = toward(trains.tree, root), trains.pair.copy()
     load, inertia, soft = np.zeros_like(sign), middle_of(trains.tree.moving_inertia), list[int]()
-    carries = trains.pair.any(axis=0)
+    carries = np.asarray(trains.pair.any(axis=0))
     carries[root] = True
     for station, near, span in steps:
         carries[near] |= carries[station]
@@ -186,13 +185,16 @@ def _way(trains: Network, root: int, square: float) -> Way:
     twisted[:, soft] = 0.0
     core = np.array([*(station for station, _, _ in steps if carries[station]), root])
     position = dict(zip(core.tolist(), range(len(core)), strict=True))
+    sign, twisted, load = (values[:, core, None] for values in (sign, twisted, load))
     return Way(
         [step for step in steps if not carries[step[0]]],
         [(position[i], position[near], span) for i, near, span in steps if carries[i]],
         core,
-        *(values[:, core, None] for values in (sign, twisted, load)),
-        np.zeros((len(sign), 1)),
-        np.eye(len(sign))[:, :, None],
+        sign,
+        twisted,
+        load,
+        lift=np.zeros((len(sign), 1)),
+        basis=np.eye(len(sign))[:, :, None],
     )
 
 
@@ -206,10 +208,8 @@ def enclosed_each(
     """
     bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
     near, ends = frequency.copy(), np.flatnonzero(trains.pair.any(axis=0) & ~trains.tree.held)
-    for station in [
-        int(ends[np.argmax(trains.tree.moving_inertia[ends].sum(axis=1))]),
-        *_roots(trains.tree, root),
-    ]:
+    heaviest = ends[np.argsort(-trains.tree.moving_inertia[ends].sum(axis=1), kind="stable")]
+    for station in dict.fromkeys([*heaviest[:_ROOTS].tolist(), root]):
         proven_before = proven.sum()
         for attempt in ("about the mode", "with static angles", "with static angles as given"):
             left = np.flatnonzero(~proven)
@@ -232,37 +232,19 @@ def enclosed_each(
                 if at_rest.all():
                     break
             bounds[0, left] = near[left]
-            bounds[1:, left], proven[left] = _enclosed(
-                some, near[left], passed[left], mode[left], way
+            widened = _OF_CHORDS if way.terms is None else _OF_MODES
+            width = expected_width(some.tree, near[left], passed[left] * near[left] ** 2)
+            bounds[1:, left], proven[left] = enclosed(
+                partial(_counted, some, way),
+                near[left],
+                np.minimum(width, _WIDEST / widened[-1]),
+                mode[left],
+                widened,
             )
         if len(trains.chord) > _FEW_CHORDS and proven.sum() == proven_before:
             break
     return bounds, proven
 
 
-def _roots(tree: Tree, root: int) -> list[int]:
-    """Some stations, as far from each other as can be, from `root`."""
-    far, chosen = np.full(tree.size, np.inf), [root]
-    while len(chosen) < min(_ROOTS, tree.size):
-        away = {chosen[-1]: 0.0}
-        for station, near, _ in reversed(toward(tree, chosen[-1])):
-            away[station] = away[near] + 1.0
-        far = np.minimum(far, [away.get(station, 0.0) for station in range(tree.size)])
-        far[tree.held] = 0.0
-        chosen.append(int(np.argmax(far)))
-    return chosen
-
-
-def _enclosed(
-    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: Way
-) -> tuple[FloatArray, BoolArray]:
-    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
-    widened: tuple[float, ...] = _OF_CHORDS if way.terms is None else _OF_MODES
-    width = np.minimum(
-        expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1]
-    )
-
-    def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
-        return network_count(trains.chosen(left), w, lean, way.chosen(left))
-
-    return enclosed(counted, frequency, width, mode, widened)
+def _counted(trains: Network, way: Way, left: Selection, w: FloatArray, lean: float) -> IntArray:
+    return network_count(trains.chosen(left), w, lean, way.chosen(left))
