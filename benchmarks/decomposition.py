@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.kernels.loops import incidence_factor, jacobi_svd
-from torsion.kernels.reduction import reduce_tree, rigidity
+from torsion.kernels.loops import jacobi_svd
 from torsion.kernels.tree import Tree
 
 
@@ -35,9 +34,12 @@ def plain_modes(tree: Tree) -> PlainModes:
 
     With G = J^-1/2 B' k^1/2 = U s V': frequencies s, angles J^-1/2 U, torques k^1/2 s V, no difference of angles.
     """
-    train = reduce_tree(tree, rigidity(tree))
-    left, values, right = jacobi_svd(incidence_factor(train), "UV")
+    stiffness, station = 1.0 / tree.flexibility[1:], np.arange(1, tree.size)
+    factor = np.zeros((tree.size, tree.size - 1))
+    factor[tree.parent[1:], station - 1] = np.sqrt(stiffness)
+    factor[station, station - 1] = -np.sqrt(stiffness)
+    left, values, right = jacobi_svd(factor / np.sqrt(tree.inertia)[:, None], "UV")
     angle = left[:, ::-1] / np.sqrt(tree.inertia)[:, None]
     torque = np.zeros((tree.size, len(values)))
-    torque[1:] = np.sqrt(train.stiffness)[:, None] * right[:, ::-1] * values[::-1]
+    torque[1:] = np.sqrt(stiffness)[:, None] * right[:, ::-1] * values[::-1]
     return PlainModes(values[::-1], angle, torque)

@@ -1,6 +1,5 @@
 """Natural modes of a train with closed loops (power splits): a tree, and chords that close it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,10 +17,8 @@ from torsion.kernels.mode_shapes import (
 )
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import (
-    ReducedTrain,
     Rigidity,
     cut,
-    reduce_tree,
     rigid_shapes,
     rigidity,
     with_reactions,
@@ -33,32 +30,54 @@ from torsion.sources import source
 _DGEJSV_FULL_ACCURACY = 2  # joba='F': columns are scaled, rows may be badly scaled too
 
 
-def star_mesh_factor(train: ReducedTrain) -> FloatArray:
-    """Return G (bodies, rank) of any graph of springs; parallel springs add.
+def star_mesh_factor(
+    tree: Tree, bodies: Rigidity, chords: tuple[IntArray, IntArray, FloatArray] | None = None
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """First station and inertia (bodies,) kg m2 of what moves, and G (bodies, rank) of the springs; parallel ones add.
 
-    Cholesky's factorisation with the largest s/J as pivot, s being the row's sum, by the star-mesh rule; it ends at
-    s = 0, so that the rank is exact.
+    chords: stations at both ends and the positive flexibility (loops,) rad/(N m) of spans that close loops. Adding
+    inertias merges a rigid span. Cholesky's factorisation with the largest s/J as pivot, s being the row's sum, by the
+    star-mesh rule k_ij += k_i k_j / s, by which massless bodies are eliminated before; it ends at s = 0, so that the
+    rank is exact. All numbers are positive and none is subtracted: every frequency keeps its relative accuracy.
     """
-    inertia, tie, root = train.inertia, train.ground.copy(), 1.0 / np.sqrt(train.inertia)
-    mesh = np.zeros((len(inertia), len(inertia)))
-    np.add.at(mesh, (train.inner, train.outer), train.stiffness)
-    mesh += mesh.T
-    np.fill_diagonal(mesh, 0.0)
+    stations = np.arange(tree.size)
+    head = np.flatnonzero((bodies.body == stations) & ~bodies.fixed)
+    number = np.full(tree.size, len(head))
+    number[head] = np.arange(len(head))
+    number = number[bodies.body]  # of the moving body of each station; one more where it is fixed
+    spans = tree.parent, stations, tree.flexibility
+    near, far, flexibility = (
+        spans if chords is None else (np.append(*pair) for pair in zip(spans, chords, strict=True))
+    )
+    is_spring = (near >= 0) & (flexibility > 0.0) & (number[near] != number[far])
+    springs = np.zeros((len(head) + 1, len(head) + 1))
+    ends = number[near[is_spring]], number[far[is_spring]]
+    np.add.at(springs, ends, 1.0 / flexibility[is_spring])
+    springs += springs.T
+    mesh, tie = springs[:-1, :-1].copy(), springs[:-1, -1].copy()
+    inertia: FloatArray = np.zeros(len(head) + 1)
+    np.add.at(inertia, number, tree.moving_inertia)
+    inertia = inertia[:-1]
+    heavy = inertia > 0.0
+    mass = np.where(heavy, inertia, 1.0)
     left, columns = np.ones(len(inertia), dtype=bool), []
     for _ in range(len(inertia)):
         total = mesh.sum(axis=1) + tie
-        pivot = int(np.argmax(np.where(left, total / inertia, -1.0)))
+        ease = np.where(heavy | (total == 0.0), total / mass, np.inf)
+        pivot = int(np.argmax(np.where(left, ease, -1.0)))
         if not total[pivot] > 0.0:
             break
         share = mesh[pivot] / total[pivot]
-        column = -share
-        column[pivot] = 1.0
-        columns.append(np.sqrt(total[pivot]) * column * root)
+        if heavy[pivot]:
+            column = -share
+            column[pivot] = 1.0
+            columns.append(np.sqrt(total[pivot]) * column / np.sqrt(mass))
         mesh += np.outer(share, mesh[pivot])
         tie += share * tie[pivot]
         mesh[pivot], mesh[:, pivot], tie[pivot], left[pivot] = 0.0, 0.0, 0.0, False
         np.fill_diagonal(mesh, 0.0)
-    return np.array(columns).reshape(-1, len(inertia)).T.copy(order="F")
+    factor = np.array(columns).reshape(-1, len(inertia))[:, heavy].T.copy(order="F")
+    return head[heavy], inertia[heavy], factor
 
 
 def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -83,8 +102,6 @@ def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, Float
         )
     return left[:, :columns], values * (work[0] / work[1]), right
 
-
-Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 _ROUNDING = 2.0**-52
 _ROUNDING_PER_BODY = (
@@ -142,11 +159,19 @@ def graph_modes(
     wanted = bodies.elastic if count is None else min(count, bodies.elastic)
     if wanted == 0:
         return replace(tree_modes(tree, 0), loop_torque=np.empty((len(first), 0)))
-    frequency, start = _jacobi_modes(train, bodies)
-    angle, torque = _shapes(solved, train, frequency, start)
+
+    # All frequencies and rough shapes by Jacobi's rotations; the shapes of repeated ones need all of them.
+    chords = train.first, train.second, train.flexibility
+    head, inertia, factor = star_mesh_factor(train.tree, bodies, chords)
+    left, values, _ = jacobi_svd(factor[:, : bodies.elastic], "U")
+    frequency, angle = values[::-1], np.zeros((train.tree.size, len(values)))
+    angle[head] = left[:, ::-1] / np.sqrt(inertia)[:, None]
+    angle, torque = _shapes(solved, train, frequency, angle[bodies.body])
     sign = shape_sign(angle)
     angle, torque = (angle * sign)[:, :wanted], (torque * sign)[:, :wanted]
-    torque = _with_all_reactions(train, solved, bodies, torque)
+    of_tree, of_chords = np.split(torque, [train.tree.size])
+    load = pairs(train.tree.size, train.first, train.second).T @ of_chords
+    torque = np.vstack([with_reactions(train.tree, bodies, of_tree, load), of_chords])
     frequency = frequency[:wanted]
     margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(bodies.elastic, 1))
     return train.given(
@@ -163,84 +188,45 @@ def graph_modes(
     )
 
 
-def _jacobi_modes(train: LoopedTrain, bodies: Rigidity) -> tuple[FloatArray, FloatArray]:
-    """All elastic frequencies, ascending, and the angles (stations, modes) of the stations with inertia."""
-    reduced = reduce_tree(train.tree, bodies, (train.first, train.second, train.flexibility))
-    factor = star_mesh_factor(reduced)[:, : bodies.elastic]
-    left, values, _ = jacobi_svd(factor, "U")
-    angle = np.zeros((train.tree.size, len(values)))
-    angle[reduced.head] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
-    return values[::-1], angle[bodies.body]
-
-
 def _shapes(
     tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Angles (stations, m), torques (stations + chords, m), mass-normalised, by inverse iteration from `start`."""
+    """Angles (stations, m), torques (stations + chords, m), mass-normalised, by inverse iteration from `start`.
+
+    The response is that of the tree, and of torque pairs where the loops are torn. The twist of a torn span is the sum
+    of those along its path in the tree, never a difference of angles.
+    """
     inertia = tree.moving_inertia[:, None]
     root = np.sqrt(inertia)
     groups = repeated_groups(frequency, np.ones(len(frequency), dtype=bool))
-    respond = _torn_response(tree, train, _shift_frequencies(frequency))
-    angle, torque = start, np.empty(0)
-    for _ in range(_STEPS):
-        angle, torque = respond(inertia * angle)
-        for group in groups:
-            matrix = orthonormal(root * angle[:, group])
-            angle[:, group], torque[:, group] = angle[:, group] @ matrix, torque[:, group] @ matrix
-    orthogonalise(tree, frequency, Shapes.of_springs(angle, torque))
-    return angle, torque
 
-
-def _shift_frequencies(frequency: FloatArray) -> FloatArray:
-    """Return for each of ascending frequencies (m,) a frequency as far from it as can be.
-
-    But no nearer to another natural frequency than half as far.
-    """
+    # Beside each frequency, as far from it as can be, but no nearer to another one than half as far.
     candidates = frequency * np.concatenate([1.0 - _SHIFTS, 1.0 + _SHIFTS])[:, None]
-    distance = np.abs(candidates - frequency)
-    above = np.searchsorted(frequency, candidates)
-    last = len(frequency) - 1
-    nearest = np.minimum(
-        np.abs(candidates - frequency[np.maximum(above - 1, 0)]),
-        np.abs(candidates - frequency[np.minimum(above, last)]),
-    )
-    allowed = np.where(nearest >= 0.5 * distance, distance, -1.0)
-    shifted: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
-    return shifted
-
-
-def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
-    """Response at `w` (m,) of the train with loops: that of the tree, and of torque pairs where the loops are torn.
-
-    The twist of a torn span is the sum of those along its path in the tree, never a difference of angles.
-    """
-    sides, ends = eliminate_undamped(tree, w), (train.first, train.second)
+    distance, above = np.abs(candidates - frequency), np.searchsorted(frequency, candidates)
+    neighbours = np.maximum(above - 1, 0), np.minimum(above, len(frequency) - 1)
+    nearest = np.min([np.abs(candidates - frequency[number]) for number in neighbours], axis=0)
+    farthest = np.argmax(np.where(nearest >= 0.5 * distance, distance, -1.0), axis=0)
+    sides = eliminate_undamped(tree, candidates[farthest, np.arange(len(frequency))])
+    ends = train.first, train.second
     acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
     units = [forced(sides, row[:, None]) for row in acting]
     twist = around(tree, *ends) * tree.flexibility
-    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(
-        train.flexibility
-    )
-
-    def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        angle, torque = forced(sides, load)
+    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2)
+    system += np.diag(train.flexibility)
+    angle, torque = start, np.empty(0)
+    for _ in range(_STEPS):
+        angle, torque = forced(sides, inertia * angle)
         torn = np.linalg.solve(system, (twist @ torque).T[:, :, None])[:, :, 0].T
         for row, unit in zip(torn, units, strict=True):
             angle, torque = angle + row * unit[0], torque + row * unit[1]
-        return angle, np.vstack([torque, torn])
-
-    return respond
-
-
-def _with_all_reactions(
-    train: LoopedTrain, solved: Tree, bodies: Rigidity, torque: FloatArray
-) -> FloatArray:
-    """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
-    if solved is train.tree:
-        return torque
-    size = train.tree.size
-    load = pairs(size, train.first, train.second).T @ torque[size:]
-    return np.vstack([with_reactions(train.tree, bodies, torque[:size], load), torque[size:]])
+        torque = np.vstack([torque, torn])
+        for group in groups:
+            matrix = orthonormal(root * angle[:, group])
+            angle[:, group], torque[:, group] = angle[:, group] @ matrix, torque[:, group] @ matrix
+    none = np.zeros((0, len(frequency)))
+    shapes = Shapes(angle, torque, none, none, *np.zeros((2, len(frequency))))
+    orthogonalise(tree, frequency, shapes)
+    return angle, torque
 
 
 @source("Kruskal1956")
