@@ -77,7 +77,18 @@ def solutions(
         np.concatenate(part)
         for part in ([column, dip_column, dip_column], [low, *first], [high, *second])
     )
-    return column, _roots(ratio, column, low, high)
+    if not len(low):
+        return column, low
+
+    # In the logarithm of the amplitude over the lower bound; at its end exactly the upper one, where the sign is known.
+    end = np.log(high / low)
+    growth = find_root(
+        lambda growth: np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column)),
+        np.zeros(len(low)),
+        end,
+        tolerance=TOLERANCE,
+    )
+    return column, np.asarray(low * np.exp(growth))
 
 
 def _dips(
@@ -103,17 +114,3 @@ def _dips(
     middle = np.exp(np.where(values[0] < values[1], left, right))
     deep = np.minimum(*values) < 1.0
     return (begin[deep], middle[deep]), (middle[deep], end[deep]), column[deep]
-
-
-def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(brackets,) rad, in the logarithm of the amplitude over the lower bound."""
-    if not len(low):
-        return low
-    end = np.log(high / low)
-
-    def height(growth: FloatArray) -> FloatArray:
-        # At its end exactly the upper bound, where the sign is known.
-        return np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column))
-
-    growth = find_root(height, np.zeros(len(low)), end, tolerance=TOLERANCE)
-    return np.asarray(low * np.exp(growth))

@@ -147,8 +147,22 @@ def polish_together(
     for _ in range(SWEEPS):
         moving = np.flatnonzero(active)
         kept_away = np.append(root, root.conj()) if mirrored else root
-        step[moving] = _steps(train, root[moving], kept_away, zeros, lossy)
-        root[moving] += step[moving]
+
+        # To where p is 0 but at none of those kept away from.
+        with np.errstate(all="ignore"):
+            start_root = root[moving]
+            slope = log_derivative(train, start_root, lossy)
+            lost = ~np.isfinite(slope)
+            if lost.any():  # exactly on a pole of the elimination: a few eps aside there is none
+                slope[lost] = log_derivative(train, start_root[lost] * (1 + 8 * EPS), lossy)
+            gap = start_root[:, None] - kept_away
+            gap[gap == 0] = np.inf
+            change = -1 / (slope - ((1 / gap).sum(axis=1) + zeros / start_root))
+        change[np.isinf(slope)] = 0
+        is_lost = ~np.isfinite(change)
+        change[is_lost] = 0.01 * np.abs(start_root[is_lost])
+        step[moving] = change
+        root[moving] += change
         active[moving] = ~(np.abs(step[moving]) <= CONVERGED * np.abs(root[moving]))
         if not active.any():
             return root
@@ -164,26 +178,6 @@ def polish_together(
             )
     return root
 
-
-def _steps(
-    train: DampedTree, roots: ComplexArray, kept_away: ComplexArray, zeros: int, lossy: float
-) -> ComplexArray:
-    """Step of each root (moving,) to where p is 0 but none of `others` (roots,) is."""
-    with np.errstate(all="ignore"):
-        slope = log_derivative(train, roots, lossy)
-        lost = ~np.isfinite(slope)
-        if lost.any():  # exactly on a pole of the elimination: a few eps aside there is none
-            slope[lost] = log_derivative(train, roots[lost] * (1 + 8 * EPS), lossy)
-        gap = roots[:, None] - kept_away
-        gap[gap == 0] = np.inf
-        step: ComplexArray = -1 / (slope - ((1 / gap).sum(axis=1) + zeros / roots))
-    step[np.isinf(slope)] = 0
-    step[~np.isfinite(step)] = 0.01 * np.abs(roots[~np.isfinite(step)])
-    return step
-
-
-if TYPE_CHECKING:
-    from torsion.kernels.stiffness_laws import SpringLaw
 
 OVERDAMPED = 1e-7  # |Im|/|root| of a critically damped pair in double precision: below it, roots count as real
 REPEATED = 1e-11  # relative distance below which roots share a space of shapes

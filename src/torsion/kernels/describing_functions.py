@@ -159,10 +159,21 @@ class PiecewiseCoupling:
         # No spring carries more than without its begin, nor less than while it is in contact all the time.
         lost = sum(begin * stiffness for begin, stiffness in self.springs)
         loaded = np.flatnonzero(mean > 0.0)
-        torque = mean[loaded]
+        torque, swing = mean[loaded], amplitude[loaded]
+
+        def excess(mean_twist: FloatArray) -> FloatArray:
+            carried = -torque
+            for begin, stiffness in self.springs:
+                turned = mean_twist
+                if begin:
+                    above, below = ramp(_sides(mean_twist, begin), swing)[0]
+                    turned = above - below
+                carried = carried + stiffness * turned
+            return carried
+
         twist = np.zeros(len(mean))
         twist[loaded] = find_root(
-            lambda trial: self._carried(trial, amplitude[loaded]) - torque,
+            excess,
             torque / total / BEYOND_ROUNDING,
             (torque + lost) / total * BEYOND_ROUNDING,
         )
@@ -182,17 +193,6 @@ class PiecewiseCoupling:
         for dry in self.sliders:
             extra += slider(amplitude, dry.torque, dry.stiffness, dry.half)
         return Secant(share, extra)
-
-    def _carried(self, mean_twist: FloatArray, amplitude: FloatArray) -> FloatArray:
-        """Mean torque (columns,) N m about a mean twist (columns,) rad."""
-        carried = np.zeros(len(mean_twist))
-        for begin, stiffness in self.springs:
-            if begin:
-                above, below = ramp(_sides(mean_twist, begin), amplitude)[0]
-                carried += stiffness * (above - below)
-            else:
-                carried += stiffness * mean_twist
-        return carried
 
 
 def _both(mean_twist: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:

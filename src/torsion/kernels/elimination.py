@@ -38,10 +38,6 @@ class Layout:
     def size(self) -> int:
         return len(self.parent)
 
-    @property
-    def roots(self) -> list[int]:
-        return [station for station, parent in enumerate(self.parent) if parent < 0]
-
 
 def layout(tree: Tree, compliance: Values) -> Layout:
     """Return the lists for the sweeps; `compliance` is (stations,) or (stations, columns), rad/(N m).

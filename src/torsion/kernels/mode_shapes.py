@@ -12,18 +12,22 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Slopes
-from torsion.kernels.elimination import SpanSides, eliminate_undamped, forced, spread
+from torsion.kernels.elimination import eliminate_undamped, forced, spread
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
-_NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
+_NUDGES = (
+    0.0,
+    2.0**-51,
+    -(2.0**-51),
+    2.0**-50,
+)  # relative changes of a frequency that do not matter
 # Relative; components that near count as equal when the sign of a shape is chosen.
 _EQUAL_SIZE = 1e-6
 # Of the torque in a shaft; a smaller one at its end is a difference of equal terms.
 _ROUNDING_OF_ENDS = 8e-15
-_OF_STATIONS, _OF_MODES = ("angle", "torque", "inner", "outer"), ("correction", "passed")
 
 
 @dataclass(frozen=True)
@@ -37,43 +41,24 @@ class Shapes:
     correction: FloatArray  # (m,) of w^2 by Rayleigh's quotient
     passed: FloatArray  # (m,) sum over the spans of |torque| |angle at the parent|, N m
 
-    @classmethod
-    def empty(cls, tree: Tree, columns: int) -> "Shapes":
-        """Shapes yet to be put in."""
-        angle, torque = np.empty((2, tree.size, columns))
-        return cls(
-            angle, torque, *np.empty((2, len(tree.shaft_parent), columns)), *np.empty((2, columns))
-        )
-
-    @classmethod
-    def of_springs(cls, angle: FloatArray, torque: FloatArray) -> "Shapes":
-        """Given shapes (stations, m) of a tree without distributed shafts."""
-        columns = angle.shape[1]
-        return cls(angle, torque, *np.empty((2, 0, columns)), *np.zeros((2, columns)))
-
     @property
-    def finite(self) -> BoolArray:
-        """Whether each shape (m,) is finite throughout; the sum over its spans shows it."""
-        return np.isfinite(self.passed)
+    def of_stations(self) -> tuple[FloatArray, ...]:
+        """What is of stations and shafts, in proportion to the shape."""
+        return self.angle, self.torque, self.inner, self.outer
 
     def put(self, columns: IntArray | slice, shapes: "Shapes") -> None:
         """Write `shapes` over those in `columns`."""
-        for name in (*_OF_STATIONS, *_OF_MODES):
-            getattr(self, name)[..., columns] = getattr(shapes, name)
-
-    def take(self, columns: IntArray) -> "Shapes":
-        return Shapes(*(getattr(self, name)[..., columns] for name in (*_OF_STATIONS, *_OF_MODES)))
+        for values, new in zip(vars(self).values(), vars(shapes).values(), strict=True):
+            values[..., columns] = new
 
     def scale(self, factor: FloatArray) -> None:
         """Multiply each shape by its `factor` (m,), in place."""
-        for values in (self.angle, self.torque, self.inner, self.outer):
-            if len(values):
-                np.multiply(values, factor, out=values)
+        for values in self.of_stations:
+            np.multiply(values, factor, out=values)
 
     def correct(self, columns: slice, share: FloatArray) -> None:
         """Take `share` (columns, columns) of the shapes in `columns` from one another, in place."""
-        for name in _OF_STATIONS:
-            values = getattr(self, name)
+        for values in self.of_stations:
             values[:, columns] -= values[:, columns] @ share
 
 
@@ -112,25 +97,18 @@ def shapes_at(tree: Tree, frequency: FloatArray) -> Shapes:
     A column comes out not finite where the frequency is a repeated one to the last digit: its shape is not determined
     by one station.
     """
-    shapes = _in_blocks(tree, frequency)
+    angle, torque = np.empty((2, tree.size, len(frequency)))
+    ends = np.empty((2, len(tree.shaft_parent), len(frequency)))
+    shapes = Shapes(angle, torque, *ends, *np.empty((2, len(frequency))))
+    left, block = np.arange(len(frequency)), max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
     for nudge in _NUDGES:
-        finite = shapes.finite
-        if finite.all():
+        # In blocks of columns, so that memory stays bounded.
+        for begin in range(0, len(left), block):
+            part = left[begin : begin + block]
+            shapes.put(part, free_shapes(tree, frequency[part] * (1.0 + nudge)))
+        left = np.flatnonzero(~np.isfinite(shapes.passed))
+        if not left.size:
             break
-        left = np.flatnonzero(~finite)
-        shapes.put(left, _in_blocks(tree, frequency[left] * (1.0 + nudge)))
-    return shapes
-
-
-def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
-    """`free_shapes`, in blocks of columns, so that memory stays bounded."""
-    block = max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
-    if len(frequency) <= block:
-        return free_shapes(tree, frequency)
-    shapes = Shapes.empty(tree, len(frequency))
-    for begin in range(0, len(frequency), block):
-        part = slice(begin, begin + block)
-        shapes.put(part, free_shapes(tree, frequency[part]))
     return shapes
 
 
@@ -147,7 +125,8 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
         mass = (tree.inertia_columns * (angle * angle)).sum(axis=0)
         inner, outer = end_torques(tree, w * w, angle, torque)
         if tree.shafts is not None:
-            mass = mass + shaft_inertia(tree, tree.shafts.slopes(w * w), angle, torque).sum(axis=0)
+            of_shafts, _ = shaft_energies(tree, tree.shafts.slopes(w * w), angle, torque)
+            mass = mass + of_shafts.sum(axis=0)
         correction = sides.whole[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)
         shapes = Shapes(angle, torque, inner, outer, correction, passed)
@@ -173,28 +152,17 @@ def end_torques(
     return ends[0], ends[1]
 
 
-def shaft_inertia(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray) -> FloatArray:
-    """Share (shafts, m) of each shaft in the generalised inertia; kg m2 rad2, twice its kinetic energy over s."""
-    a, b, t = _of_shafts(tree, angle, torque)
-    inner = (slopes.inner + slopes.square * slopes.inner_slope) * (a * a)
-    outer = (slopes.outer + slopes.square * slopes.outer_slope) * (b * b)
-    return slopes.flexibility_slope * (t * t) + inner + outer
-
-
-def shaft_elastic(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray) -> FloatArray:
-    """Twice the elastic energy (shafts, m) of each shaft in shapes, N m."""
-    square, (a, b, t) = slopes.square, _of_shafts(tree, angle, torque)
-    ends = slopes.inner_slope * (a * a) + slopes.outer_slope * (b * b)
+def shaft_energies(
+    tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Share (shafts, m) of each shaft in the generalised inertia, kg m2 rad2, and twice its elastic energy, N m."""
+    square, node = slopes.square, tree.springs[:0] if tree.shafts is None else tree.shafts.node
+    a, b, t = (values * values for values in (angle[tree.shaft_parent], angle[node], torque[node]))
+    inner = (slopes.inner + square * slopes.inner_slope) * a
+    outer = (slopes.outer + square * slopes.outer_slope) * b
+    ends = slopes.inner_slope * a + slopes.outer_slope * b
     twist = slopes.flexibility + square * slopes.flexibility_slope
-    return twist * (t * t) + square * square * ends
-
-
-def _of_shafts(
-    tree: Tree, angle: FloatArray, torque: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Angles (shafts, m) at the inner and the outer end, and the torques between them."""
-    node = tree.springs[:0] if tree.shafts is None else tree.shafts.node
-    return angle[tree.shaft_parent], angle[node], torque[node]
+    return slopes.flexibility_slope * t + inner + outer, twist * t + square * square * ends
 
 
 def shape_sign(angle: FloatArray) -> FloatArray:
@@ -208,8 +176,8 @@ def shape_sign(angle: FloatArray) -> FloatArray:
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
 # First near, to leave all other modes behind, then far, where the response has no rounding.
 _SHIFTS = (1e-6, 5e-2)
-# Of inverse iteration, and one at the end; a step keeps that much of a mode which is one gap away.
-_STEPS = (2, 5)
+# Of inverse iteration; a step keeps that much of a mode which is one gap away.
+_STEPS = (2, 6)
 _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group respond alike
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves
@@ -294,12 +262,15 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
         sides, mean = eliminate_undamped(tree, shifted), _inertia(tree, shifted * shifted, square)
         uneven = [part for part in parts if shift * gap[part[0]] < _EVEN]
         for step in range(steps):
-            shapes = _response(tree, sides, shifted * shifted, load)
-            shapes /= np.max(np.abs(root * shapes[: tree.size]), axis=0)
-            _normalise(inertia, shapes, parts if step == 0 or tree.shafts is not None else uneven)
+            angle, torque = forced(sides, load)
+            twist = torque[:0]
+            if tree.shafts is not None:
+                twist = tree.shafts.at(shifted * shifted)[0] * torque[tree.shafts.node]
+            shapes = np.concatenate((angle, torque, twist))
+            shapes /= np.max(np.abs(root * angle), axis=0)
+            is_even = 0 < step < steps - 1 and tree.shafts is None
+            _normalise(inertia, shapes, uneven if is_even else parts)
             load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
-    shapes = _response(tree, sides, shifted * shifted, load)
-    _normalise(inertia, shapes, parts)
 
     # Parts of a train that do not touch have shapes of their own.
     for part in parts:
@@ -309,14 +280,6 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
         torque[tree.shafts.node] = twist / tree.shafts.at(square)[0]
     none = np.zeros(len(square))
     return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
-
-
-def _response(tree: Tree, sides: SpanSides, square: FloatArray, load: FloatArray) -> FloatArray:
-    """Angles and torques (2 stations, m) under `load` (stations, m) N m, and the twists (shafts, m) of shafts."""
-    angle, torque = forced(sides, load)
-    if tree.shafts is None:
-        return np.concatenate((angle, torque))
-    return np.concatenate((angle, torque, tree.shafts.at(square)[0] * torque[tree.shafts.node]))
 
 
 def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> None:

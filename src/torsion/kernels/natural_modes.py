@@ -1,7 +1,6 @@
 """Natural frequencies and mode shapes of a tree, each frequency with a proven enclosure."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from torsion.kernels.mode_shapes import (
     orthogonalise,
     repeated_groups,
     repeated_shapes,
-    shaft_elastic,
-    shaft_inertia,
+    shaft_energies,
     shape_sign,
     shapes_at,
 )
@@ -60,16 +58,20 @@ def tree_modes(tree: Tree, count: int | None = None) -> TreeModes:
     solved = cut(tree, bodies)
     if wanted == 0:
         frequency = lower = upper = np.empty(0)
-        shapes = Shapes.empty(tree, 0)
+        shapes = shapes_at(tree, frequency)
     else:
         frequency, shapes = _polish(solved, *start_frequencies(tree, solved, bodies, wanted))
         frequency, lower, upper, wrong = _enclosed(solved, frequency, rigid, shapes.passed)
         if wrong.any():  # what bisection has corrected has another shape
             shapes = shapes_at(solved, frequency)
-        _complete(solved, frequency, shapes)
-    torque, of_shafts = _with_shafts(solved, frequency, shapes)
-    if solved is not tree:
-        torque, of_shafts = _with_reactions(tree, bodies, torque, of_shafts)
+
+        # Repeated frequencies have one set of shapes; those of close ones are made orthogonal.
+        groups = repeated_groups(frequency, ~np.isfinite(shapes.passed))
+        if groups:
+            shapes.put(np.concatenate(groups), repeated_shapes(solved, frequency, groups))
+        orthogonalise(solved, frequency, shapes)
+        shapes.scale(shape_sign(shapes.angle))
+    torque, of_shafts = _torques(tree, bodies, frequency, shapes)
     rigid_angle = rigid_shapes(tree.static, bodies)
     return TreeModes(
         frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts
@@ -122,7 +124,7 @@ def _polish(
     if (frequency[1:] >= frequency[:-1]).all():
         return frequency, shapes
     order = np.argsort(frequency, kind="stable")
-    return frequency[order], shapes.take(order)
+    return frequency[order], Shapes(*(values[..., order] for values in vars(shapes).values()))
 
 
 def _enclosed(
@@ -149,42 +151,27 @@ def _enclosed(
     return frequency, lower, upper, wrong
 
 
-def _complete(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
-    """Put in the shapes of repeated frequencies, make those of close ones orthogonal, choose the signs; in place."""
-    groups = repeated_groups(frequency, ~shapes.finite)
-    if groups:
-        shapes.put(np.concatenate(groups), repeated_shapes(tree, frequency, groups))
-    orthogonalise(tree, frequency, shapes)
-    shapes.scale(shape_sign(shapes.angle))
-
-
-def _with_shafts(
-    tree: Tree, frequency: FloatArray, shapes: Shapes
+def _torques(
+    tree: Tree, bodies: Rigidity, frequency: FloatArray, shapes: Shapes
 ) -> tuple[FloatArray, ShaftModes | None]:
-    """Torques (stations, m) at the root ends of the spans, and what distributed shafts add."""
+    """Torques (stations, m) at the root ends of the spans, and what distributed shafts add.
+
+    With those of rigid spans between fixed stations; the inertia of a shaft takes its part of them.
+    """
     if tree.shafts is None:
-        return shapes.torque, None
+        return with_reactions(tree, bodies, shapes.torque), None
     node, square = tree.shafts.node, frequency * frequency
     torque, outer = shapes.torque.copy(), shapes.torque.copy()
     torque[node], outer[node] = shapes.inner, shapes.outer
-    slopes = tree.shafts.slopes(square)
-    of_shafts = shaft_inertia(tree, slopes, shapes.angle, shapes.torque)
-    kinetic = tree.moving_inertia[:, None] * shapes.angle**2
+    of_shafts, elastic_of_shafts = shaft_energies(
+        tree, tree.shafts.slopes(square), shapes.angle, shapes.torque
+    )
+    kinetic = np.where(bodies.fixed, 0.0, tree.inertia)[:, None] * shapes.angle**2
     tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
     elastic = tree.flexibility[:, None] * shapes.torque**2
-    elastic[node] = shaft_elastic(tree, slopes, shapes.angle, shapes.torque)
-    return torque, ShaftModes(outer, kinetic, elastic / square, of_shafts)
-
-
-def _with_reactions(
-    tree: Tree, bodies: Rigidity, torque: FloatArray, of_shafts: ShaftModes | None
-) -> tuple[FloatArray, ShaftModes | None]:
-    """The torques with those of rigid spans between fixed stations; the inertia of a shaft takes its part of them."""
-    if tree.shafts is None or of_shafts is None:
-        return with_reactions(tree, bodies, torque), None
-    taken = np.zeros_like(torque)
-    by_shafts = (of_shafts.torque_outer - torque)[tree.shafts.node]
+    elastic[node] = elastic_of_shafts
+    taken, by_shafts = np.zeros_like(torque), (outer - torque)[node]
     tree.add_ends(taken, by_shafts, np.zeros_like(by_shafts))
-    outer = with_reactions(tree, bodies, of_shafts.torque_outer, taken)
+    outer = with_reactions(tree, bodies, outer, taken)
     torque[tree.springs] = outer[tree.springs]
-    return torque, replace(of_shafts, torque_outer=outer)
+    return torque, ShaftModes(outer, kinetic, elastic / square, of_shafts)

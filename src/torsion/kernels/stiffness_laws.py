@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -38,6 +38,9 @@ class StiffnessTable:
     holds: bool = False  # the values at its ends beyond them; else it says nothing there
     # Of its component, under which the file gives it; empty: the component itself.
     key: str = "table"
+    words: str = ""  # the law that it samples, with its figures; a table has none
+    printed: tuple[float, ...] = ()  # points at which it is printed; () for those of the table
+    is_complex: ClassVar[bool] = False  # it holds at every complex s, not at real frequencies alone
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""
@@ -65,7 +68,7 @@ class StiffnessTable:
     @property
     def points(self) -> tuple[float, ...]:
         """Those at which it is printed."""
-        return self.at
+        return self.printed or self.at
 
     @property
     def follows(self) -> str:
@@ -73,19 +76,9 @@ class StiffnessTable:
         return "by table" if self.key == "table" else f"by {self.over}"
 
     @property
-    def is_complex(self) -> bool:
-        """It holds at every complex s, not at real frequencies alone."""
-        return False
-
-    @property
     def first(self) -> float:
-        """Where its stiffness stands for it where nothing else is said: its first point."""
-        return self.at[0]
-
-    @property
-    def words(self) -> str:
-        """The law that it samples; a table has none."""
-        return ""
+        """Where its stiffness stands for it where nothing else is said: its first point; of a law its static one."""
+        return 0.0 if self.is_complex else self.at[0]
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -136,6 +129,7 @@ class SpringLaw(StiffnessTable):
     0.35
     """
 
+    is_complex: ClassVar[bool] = True
     static: float = 0.0  # N m/rad, k0
     terms: tuple[
         tuple[float, float], ...
@@ -187,28 +181,6 @@ class SpringLaw(StiffnessTable):
         return 2.0 / (math.sqrt(c) + math.sqrt(1.0 + c)) ** 2
 
     @property
-    def is_complex(self) -> bool:
-        """It holds at every complex s."""
-        return True
-
-    @property
-    def first(self) -> float:
-        """rad/s: its static stiffness stands for it where no frequency is meant."""
-        return 0.0
-
-    @property
-    def words(self) -> str:
-        """The law with its figures, N m/rad and s."""
-        form = (
-            "{:.8g} s τ/(1 + s τ), τ = {:.8g} s"
-            if self.exponent is None
-            else f"{{:.8g}} (s τ)^{self.exponent:.8g}, τ = {{:.8g}} s"
-        )
-        return " + ".join(
-            [f"K(s) = {self.static:.8g}", *(form.format(*term) for term in self.terms)]
-        )
-
-    @property
     def ends(self) -> tuple[float, float]:
         """Lowest and highest frequency (rad/s) of any use: the law holds everywhere."""
         times = [tau for _, tau in self.terms]
@@ -217,30 +189,36 @@ class SpringLaw(StiffnessTable):
     def times(self, factor: float) -> Self:
         """The law with all its stiffnesses multiplied."""
         terms = tuple((k * factor, tau) for k, tau in self.terms)
-        stiffness = tuple(k * factor for k in self.stiffness)
-        return replace(self, static=self.static * factor, terms=terms, stiffness=stiffness)
+        return replace(self, static=self.static * factor, terms=terms).sampled()
+
+    def sampled(self) -> Self:
+        """The same with its samples, and in words: its figures in N m/rad and s."""
+        times = [tau for _, tau in self.terms]
+        frequency = np.geomspace(1.0 / (AROUND * max(times)), AROUND / min(times), SAMPLES)
+        k, eta, c = (tuple(values.tolist()) for values in self.values(frequency))
+        form = (
+            "{:.8g} s τ/(1 + s τ), τ = {:.8g} s"
+            if self.exponent is None
+            else f"{{:.8g}} (s τ)^{self.exponent:.8g}, τ = {{:.8g}} s"
+        )
+        words = [f"K(s) = {self.static:.8g}", *(form.format(*term) for term in self.terms)]
+        at = tuple(frequency.tolist())
+        return replace(
+            self, at=at, stiffness=k, loss_factor=eta, viscous=c, words=" + ".join(words)
+        )
 
 
 def prony(static: float, terms: tuple[tuple[float, float], ...]) -> SpringLaw:
     """A static spring (N m/rad) with springs (N m/rad) beside it that relax, each in its time (s)."""
-    return _sampled(SpringLaw("frequency", (), (), (), (), True, "prony", static, terms))
+    law = SpringLaw("frequency", (), (), (), (), True, "prony", static=static, terms=terms)
+    return law.sampled()
 
 
 @source("BagleyTorvik1983")
 def fractional(static: float, stiffness: float, tau: float, exponent: float) -> SpringLaw:
     """A static spring (N m/rad) and a springpot beside it, stiffness (s tau)^exponent."""
-    return _sampled(
-        SpringLaw(
-            "frequency", (), (), (), (), True, "fractional", static, ((stiffness, tau),), exponent
-        )
-    )
-
-
-def _sampled(law: SpringLaw) -> SpringLaw:
-    times = [tau for _, tau in law.terms]
-    frequency = np.geomspace(1.0 / (AROUND * max(times)), AROUND / min(times), SAMPLES)
-    k, eta, c = (tuple(values.tolist()) for values in law.values(frequency))
-    return replace(law, at=tuple(frequency.tolist()), stiffness=k, loss_factor=eta, viscous=c)
+    law = SpringLaw("frequency", (), (), (), (), True, "fractional", static=static)
+    return replace(law, terms=((stiffness, tau),), exponent=exponent).sampled()
 
 
 @dataclass(frozen=True)
@@ -255,8 +233,6 @@ class PowerLaw(StiffnessTable):
     """
 
     powers: tuple[float, float] = (0.0, 0.0)  # p and q
-    printed: tuple[float, ...] = ()  # points at which it is printed
-    formula: str = ""
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor 0 and viscous damping (N m s/rad) at x, each of the shape of x."""
@@ -276,16 +252,6 @@ class PowerLaw(StiffnessTable):
         """(2, 1) d ln k/d ln x at both ends of its one piece."""
         return np.full((2, 1), self.powers[0])
 
-    @property
-    def words(self) -> str:
-        """The law as a formula with its numbers."""
-        return self.formula
-
-    @property
-    def points(self) -> tuple[float, ...]:
-        """Those at which it is printed."""
-        return self.printed or self.at
-
 
 def power_law(
     over: str,
@@ -300,7 +266,7 @@ def power_law(
     """Between two ends; stiffness, viscous: (factor, power), the factor as of x = 1."""
     k, c = (tuple(factor * end**power for end in ends) for factor, power in (stiffness, viscous))
     return PowerLaw(
-        over, ends, k, (0.0, 0.0), c, True, key, (stiffness[1], viscous[1]), printed, words
+        over, ends, k, (0.0, 0.0), c, True, key, words, printed, (stiffness[1], viscous[1])
     )
 
 

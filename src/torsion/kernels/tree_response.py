@@ -26,11 +26,6 @@ class Chords:
     compliance: NDArray[Any]  # (chords,) or (chords, frequencies) rad/(N m)
     twist: NDArray[Any]  # (chords,) or (chords, frequencies) rad
 
-    def at(self, part: slice) -> "Chords":
-        """Return the chords with an axis for the frequencies, of which these are the ones of `part`."""
-        compliance, twist = columns(self.compliance, part), columns(self.twist, part)
-        return Chords(self.begin, self.end, compliance, twist)
-
 
 def columns(values: NDArray[Any], part: slice) -> NDArray[Any]:
     """Return the columns (rows, .) of `values` that `part` names; a single one, or none, stands for all."""
@@ -71,16 +66,6 @@ def chord_torques(
     )
     torque[:, lost] = np.nan
     return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / smallest))
-
-
-def chord_residual(chords: Chords, angle: ComplexArray, torque: ComplexArray) -> FloatArray:
-    """Return the worst residual (frequencies,) of the equation of any chord, relative to the terms in it."""
-    wound, begin, end = chords.compliance * torque, angle[chords.begin], angle[chords.end]
-    error = np.abs(end - begin + wound - chords.twist) / (
-        np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(chords.twist)
-    )
-    worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)
-    return worst
 
 
 def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
@@ -328,7 +313,11 @@ def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
             amplification += 2 * (np.abs(loss.real) + np.abs(loss.imag))
         of_chords = np.zeros((0, angle.shape[1]), dtype=np.complex128)
         if problem.chords is not None:
-            chords = problem.chords.at(part)
+            compliance, imposed = (
+                columns(values, part)
+                for values in (problem.chords.compliance, problem.chords.twist)
+            )
+            chords = replace(problem.chords, compliance=compliance, twist=imposed)
             ends = chords.begin, chords.end
             pair = np.where(tree.held, 0.0, pairs(tree.size, *ends))
             units = [forced(sides, row) for row in pair[:, :, None]]
@@ -338,7 +327,12 @@ def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
                 angle, torque = angle + unit[0] * row, torque + unit[1] * row
             given = replace(given, force=given.force + pair.T @ of_chords)
             amplification *= loss
-            residual = chord_residual(chords, angle, of_chords)
+
+            # The worst of the equations of the chords, relative to the terms in it.
+            end, begin, opened = angle[chords.end], angle[chords.begin], compliance * of_chords
+            terms = (np.abs(values) for values in (end, begin, opened, imposed))
+            error = np.abs(end - begin + opened - imposed) / sum(terms)
+            residual = np.fmax.reduce(error, axis=0, initial=0.0)
         residual = np.fmax(equilibrium_residual(plan, given, angle, torque), residual)
         total = angle.sum(axis=0) + torque.sum(axis=0) + of_chords.sum(axis=0) + amplification
         amplification[~np.isfinite(total)] = np.inf

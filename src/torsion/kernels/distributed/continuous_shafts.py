@@ -55,7 +55,14 @@ class UniformShafts(Law):
     def _slopes(self, s: FloatArray) -> tuple[FloatArray, ...]:
         h, half, travel = self.flexibility[:, None], self.half[:, None], self.travel[:, None]
         sine, tangent, cosine = _functions(travel * s)
-        by_sine, by_tangent = _derivatives(travel * s, sine, tangent, cosine)
+
+        # With respect to v = mu^2; tan(mu/2)/(mu/2) = 2 ((1 - cos mu)/mu^2)/(sin(mu)/mu).
+        v, versed = travel * s, 0.5 * (tangent * sine)
+        small = v < _SERIES_BELOW
+        near, far = np.where(small, v, 0.0), np.where(small, 1.0, v)
+        by_sine = np.where(small, alternating_slope(_SINE, near), (cosine - sine) / (2.0 * far))
+        by_versed = np.where(small, alternating_slope(_COSINE, near), (0.5 * sine - versed) / far)
+        by_tangent = 2.0 * (by_versed - versed * by_sine / sine) / sine
         end, end_slope = half * tangent, half * (travel * by_tangent)
         return h * sine, end, end, h * (travel * by_sine), end_slope, end_slope
 
@@ -86,18 +93,6 @@ def _functions(v: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any
     np.multiply(tangent, tangent, out=tangent)
     below = 1.0 + tangent
     return ratio / below, ratio, (1.0 - tangent) / below
-
-
-def _derivatives(
-    v: FloatArray, sine: FloatArray, tangent: FloatArray, cosine: FloatArray
-) -> tuple[FloatArray, ...]:
-    """Derivatives with respect to v = mu^2 of sin(mu)/mu and tan(mu/2)/(mu/2) = 2 ((1 - cos mu)/mu^2)/(sin(mu)/mu)."""
-    versed = 0.5 * (tangent * sine)
-    small = v < _SERIES_BELOW
-    near, far = np.where(small, v, 0.0), np.where(small, 1.0, v)
-    by_sine = np.where(small, alternating_slope(_SINE, near), (cosine - sine) / (2.0 * far))
-    by_versed = np.where(small, alternating_slope(_COSINE, near), (0.5 * sine - versed) / far)
-    return by_sine, 2.0 * (by_versed - versed * by_sine / sine) / sine
 
 
 POINTS = 32  # of Gauss along a piece

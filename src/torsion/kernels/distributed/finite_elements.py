@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Shafts
 from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
-from torsion.kernels.reduction import Rigidity, bends, rigid_shapes, rigidity
+from torsion.kernels.reduction import bends, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
@@ -111,7 +111,13 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     )  # static, under the outer end's angle 1, the inner end fixed
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
     turn = np.ones((number, unknowns))
-    turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
+    # Unknowns inside when the element turns by 1 are 0 or 1, exactly, but for what solving has left.
+    given = -np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0]
+    turn[:, 2:] = np.rint(given)
+    if np.any(np.abs(given - turn[:, 2:]) > _NEARLY) or not np.isin(turn, (0.0, 1.0)).all():
+        raise ValueError(
+            "turning an element as a whole bends it: its stiffness has no rigid motion"
+        )
     inner_bend = turn - bend
     lower = np.linalg.cholesky(inside)
     half = np.linalg.solve(lower, m[:, 2:, 2:])
@@ -127,16 +133,6 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
         np.einsum("bji,bjl,bel->bei", shapes, m[:, 2:], both),
         np.einsum("bji,bjl,bl->bi", shapes, m[:, 2:], turn),
     )
-
-
-def _rigid(inside: FloatArray) -> FloatArray:
-    """Unknowns inside (shafts, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
-    exact = np.rint(inside)
-    if np.any(np.abs(inside - exact) > _NEARLY) or np.any((exact != 0.0) & (exact != 1.0)):
-        raise ValueError(
-            "turning an element as a whole bends it: its stiffness has no rigid motion"
-        )
-    return exact
 
 
 @dataclass(frozen=True)
@@ -185,7 +181,14 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     elastic[shafts.node] += np.sum(parts[:, 2:] ** 2, axis=1)
     torque[shafts.node] -= square * carried[:, 0]
     outer[shafts.node] += square * carried[:, 1]
-    _fill_rigid(tree, angle, torque, outer, square)
+
+    # Torques of rigid spans, by the equilibrium of all that lies beyond them.
+    is_rigid = np.isin(np.arange(tree.size), tree.springs) & (tree.flexibility == 0.0)
+    for station, _, _ in tree.steps:
+        if is_rigid[station]:
+            beyond = sum(torque[child] for child in tree.children[station])
+            torque[station] = beyond - square * tree.moving_inertia[station] * angle[station]
+            outer[station] = torque[station]
     kinetic = tree.moving_inertia[:, None] * angle**2
     tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
     frequency, rigid = np.sqrt(square), rigid_shapes(tree.static, rigidity(tree.static))
@@ -238,35 +241,17 @@ def _ends(tree: Tree, shafts: Shafts) -> IntArray:
     return np.column_stack([tree.shaft_parent, shafts.node])
 
 
-def _fill_rigid(
-    tree: Tree, angle: FloatArray, torque: FloatArray, outer: FloatArray, square: FloatArray
-) -> None:
-    """Torques of rigid spans, by the equilibrium of all that lies beyond them; in place."""
-    for i in range(tree.size - 1, -1, -1):
-        if tree.parents[i] >= 0 and tree.shaft_of[i] < 0 and tree.flexibility[i] == 0.0:
-            needed = -square * tree.moving_inertia[i] * angle[i]
-            for child in tree.children[i]:
-                needed = needed + torque[child]
-            torque[i] = outer[i] = needed
-
-
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
     """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
     tree = train.static
-    rigid_bodies = rigidity(tree)
-    spring, root, bend, angle = bends(tree, rigid_bodies)
-    angle = np.concatenate((angle, _balance(tree, rigid_bodies, shafts, element)), axis=1)
+    bodies = rigidity(tree)
+    spring, root, bend, angle = bends(tree, bodies)
+
+    # A free part turns back as a whole, lest a mode inside carry it along.
+    part = bodies.component[:, None] == bodies.component[bodies.free_roots]
+    turned = part / (tree.moving_inertia @ part) @ part[shafts.node].T
+    balance = np.repeat(turned, element.modes.shape[1], axis=1) * element.coupling_turn.reshape(-1)
+    angle = np.concatenate((angle, -balance), axis=1)
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
     return Bends(spring, root, bend, angle, inside)
-
-
-def _balance(
-    tree: Tree, bodies: Rigidity, shafts: Shafts, element: CondensedElements
-) -> FloatArray:
-    """Angle (stations, modes) by which a free part turns back as a whole, lest a mode inside carry it along."""
-    inertia = tree.moving_inertia
-    part = bodies.component[:, None] == bodies.component[bodies.free_roots]
-    share = part / (inertia @ part)
-    turned = share @ part[shafts.node].T
-    return -np.repeat(turned, element.modes.shape[1], axis=1) * element.coupling_turn.reshape(-1)

@@ -52,11 +52,6 @@ class Law(ABC):
         return len(next(iter(vars(self).values())))
 
     @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The fields (shafts, ...), by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-    @property
     @abstractmethod
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
@@ -109,7 +104,7 @@ class Law(ABC):
     @cached_property
     def _distinct(self) -> tuple[Self, IntArray | slice]:
         """The different shafts, and which one each shaft is."""
-        columns = self.columns
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
         first, position = distinct(
             np.concatenate([column.reshape(self.size, -1) for column in columns.values()], axis=1)
         )

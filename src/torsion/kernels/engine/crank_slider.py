@@ -78,21 +78,16 @@ class CrankSlider:
         first = cosine / along
         return first, -sine / along + across * first**2 / along
 
-    def inertia_over_angle(self, reciprocating: float, correction: float = 0.0) -> FloatArray:
-        """(SAMPLES,) kg m2 that moving masses add to the crank at angles of one revolution.
+    def inertia_harmonics(
+        self, count: int, reciprocating: float, correction: float = 0.0
+    ) -> ComplexArray:
+        """(count + 1,) kg m2 that moving masses add: J(angle) = J_0 + Re sum J_k exp(i k angle), k = 1 .. count.
 
         reciprocating: kg; correction: kg m2, of the rod, I_cg - m u (l - u), usually negative.
         """
         angle = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
-        return np.asarray(
-            reciprocating * self.piston(angle)[1] ** 2 + correction * self.rod_angle(angle)[0] ** 2
-        )
-
-    def inertia_harmonics(
-        self, count: int, reciprocating: float, correction: float = 0.0
-    ) -> ComplexArray:
-        """(count + 1,) kg m2: J(angle) = J_0 + Re sum J_k exp(i k angle), k = 1 .. count."""
-        return of_samples(self.inertia_over_angle(reciprocating, correction), count)
+        inertia = reciprocating * self.piston(angle)[1] ** 2
+        return of_samples(inertia + correction * self.rod_angle(angle)[0] ** 2, count)
 
     def inertia_torque(
         self, count: int, reciprocating: float, correction: float = 0.0

@@ -124,13 +124,14 @@ class Diagram:
 
     def torque(self, cylinder: Cylinder, count: int, around: float = 0.0) -> ComplexArray:
         """(count + 1,) N m: harmonics of its gas torque; around: Pa under the piston."""
-        panels = Panels.between(self.angle)
-
-        def acting(angle: FloatArray) -> FloatArray:
-            pressure = np.interp(angle, self.angle, self.pressure) - around
-            return pressure * cylinder.lever(angle)
-
-        return harmonics(acting, panels, cylinder.revolutions, count)
+        return harmonics(
+            lambda angle: (
+                (np.interp(angle, self.angle, self.pressure) - around) * cylinder.lever(angle)
+            ),
+            Panels.between(self.angle),
+            cylinder.revolutions,
+            count,
+        )
 
 
 State = Literal["firing", "motored", "cut out"]

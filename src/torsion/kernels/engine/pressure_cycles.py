@@ -125,11 +125,6 @@ class Cycle:
         """Crank angle at which expansion ends."""
         return self.exhaust_opens if self.is_two_stroke else self.cylinder.crank.bottom
 
-    @cached_property
-    def burning(self) -> Panels:
-        """Panels of the angles in which heat is released."""
-        return Panels.between(np.array([self.start, self.start + self.duration]), math.radians(0.5))
-
     def _rate(self, angle: FloatArray) -> FloatArray:
         """V^(g-1) dx_b/dangle while heat is released."""
         y = np.clip((angle - self.start) / self.duration, 0.0, 1.0)
@@ -147,25 +142,27 @@ class Cycle:
         )
 
     @cached_property
-    def _before(self) -> FloatArray:
-        """(panels + 1,) integral of the rate up to every edge of the panels."""
-        integral = (self._rate(self.burning.angle) * self.burning.weight).sum(axis=1)
-        return np.append(0.0, np.cumsum(integral))
-
-    def _released(self, angle: FloatArray) -> FloatArray:
-        """Integral of the rate up to any angles."""
-        edges, last = self.burning.edges, len(self.burning.edges) - 2
-        flat = np.clip(angle.ravel(), edges[0], edges[-1])
-        panel = np.clip(np.searchsorted(edges, flat, side="right") - 1, 0, last)
-        half = (flat - edges[panel]) / 2.0
-        inner = self._rate(edges[panel][:, None] + half[:, None] * (NODE + 1.0)) @ WEIGHT * half
-        return (self._before[panel] + inner).reshape(angle.shape)
+    def _burning(self) -> tuple[FloatArray, FloatArray]:
+        """Edges (panels + 1,) of the angles in which heat is released, and the integral of the rate up to each."""
+        ends = np.array([self.start, self.start + self.duration])
+        panels = Panels.between(ends, math.radians(0.5))
+        integral = (self._rate(panels.angle) * panels.weight).sum(axis=1)
+        return panels.edges, np.append(0.0, np.cumsum(integral))
 
     def closed(self, angle: FloatArray) -> FloatArray:
         """Pa at crank angles between closing and opening."""
         first = self.cylinder.volume(np.array(self.closes), self.ratio)
         volume = self.cylinder.volume(angle, self.ratio)
-        added = (self.gamma - 1.0) * self.heat * self._released(angle) if self.heat else 0.0
+        added: FloatArray | float = 0.0
+        if self.heat:
+            # The integral of the rate up to the angles, of which the last part is within a panel.
+            edges, before = self._burning
+            flat = np.clip(angle.ravel(), edges[0], edges[-1])
+            panel = np.clip(np.searchsorted(edges, flat, side="right") - 1, 0, len(edges) - 2)
+            half = (flat - edges[panel]) / 2.0
+            inner = self._rate(edges[panel][:, None] + half[:, None] * (NODE + 1.0)) @ WEIGHT * half
+            released = (before[panel] + inner).reshape(angle.shape)
+            added = (self.gamma - 1.0) * self.heat * released
         return (self.charge * first**self.gamma + added) / volume**self.gamma
 
     def pressure(self, angle: FloatArray) -> FloatArray:
@@ -209,10 +206,12 @@ class Cycle:
 
 @lru_cache(maxsize=32)
 def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
-    def acting(angle: FloatArray) -> FloatArray:
-        return (cycle.pressure(angle) - around) * cycle.cylinder.lever(angle)
-
-    return harmonics(acting, Panels.between(cycle.corners), cycle.cylinder.revolutions, count)
+    return harmonics(
+        lambda angle: (cycle.pressure(angle) - around) * cycle.cylinder.lever(angle),
+        Panels.between(cycle.corners),
+        cycle.cylinder.revolutions,
+        count,
+    )
 
 
 def timed(cycle: Cycle, imep: float, start: float) -> Cycle:

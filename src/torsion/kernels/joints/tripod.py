@@ -72,7 +72,21 @@ def exact_motion(
     given = np.broadcast_arrays(driving, angle, radius, arm)
     turned, nominal, offset, length = (np.asarray(value, dtype=float) for value in given)
     sine, share = np.sin(nominal), offset / (2.0 * length)
-    gain, yaw = _standing(turned, sine, share)
+
+    # sin b/sin(angle) and the yaw, by Newton on the two conditions that the pivot sets.
+    gain, yaw = np.ones_like(turned), np.zeros_like(turned)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        for _ in range(_STEPS):
+            first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
+            steps = _solve((turned, sine, share, gain, yaw), (first, second))
+            gain, yaw = gain - steps[0], yaw - steps[1]
+            is_settled = not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps)
+            if is_settled and np.all(np.isfinite(gain)):
+                break
+        else:
+            raise SolveError(
+                "a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer"
+            )
     bend = np.arcsin(gain * sine)
     _, _, near, far = _pivot(turned, sine, share, gain, yaw)
     local = 3.0 * (turned - yaw)
@@ -104,9 +118,20 @@ def exact_statics(
     )
     shaft = _direction(motion.bend, motion.yaw)
     outgoing = _direction(nominal, np.zeros_like(nominal))
-    contact, push = _contacts(
-        turned, offset, length[..., None] * (outgoing - shaft), shaft, motion.yaw
-    )
+
+    # Where the three arms meet the three lines, and the directions of their forces on the arms; each (..., 3, 3).
+    centre, yaw = length[..., None] * (outgoing - shaft), motion.yaw
+    node = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
+    arm_angle = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
+    local = (arm_angle - yaw[..., None])[..., None]
+    spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
+    flat = offset[..., None, None] * np.stack((np.cos(arm_angle), np.sin(arm_angle)), axis=-1)
+    flat = flat - centre[..., None, :2]
+    square = np.sum(spoke[..., :2] ** 2, axis=-1)
+    reach = np.sum(flat * spoke[..., :2], axis=-1) / square
+    push = np.stack((spoke[..., 1], -spoke[..., 0], np.zeros_like(square)), axis=-1)
+    push = push / np.sqrt(square)[..., None]
+    contact = centre[..., None, :] + reach[..., None] * spoke
     about = np.cross(contact - (length[..., None] * outgoing)[..., None, :], push)
     passed = (shaft + outgoing) / (1.0 + np.sum(shaft * outgoing, axis=-1, keepdims=True))
     size = np.linalg.solve(np.swapaxes(about, -1, -2), passed[..., None])[..., 0]
@@ -127,25 +152,6 @@ def exact_statics(
 def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
     """Return T tan(angle/2), N m: steady couple in the plane on either shaft of a twin tripod or another cv joint."""
     return np.asarray(torque, dtype=float) * np.tan(np.asarray(angle, dtype=float) / 2.0)
-
-
-def _standing(
-    turned: FloatArray, sine: FloatArray, share: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """(sin b/sin(angle), yaw), by Newton on the two conditions that the pivot sets."""
-    gain, yaw = np.ones_like(turned), np.zeros_like(turned)
-    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        for _ in range(_STEPS):
-            first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
-            steps = _solve((turned, sine, share, gain, yaw), (first, second))
-            gain, yaw = gain - steps[0], yaw - steps[1]
-            if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(
-                np.isfinite(gain)
-            ):
-                return gain, yaw
-    raise SolveError(
-        "a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer"
-    )
 
 
 def _pivot(
@@ -180,24 +186,3 @@ def _direction(bend: FloatArray, yaw: FloatArray) -> FloatArray:
     """Unit vector (..., 3) of the driven shaft in the axes n, d_driving x n, d_driving."""
     sine = np.sin(bend)
     return np.stack((sine * np.sin(yaw), -sine * np.cos(yaw), np.cos(bend)), axis=-1)
-
-
-def _contacts(
-    turned: FloatArray, radius: FloatArray, centre: FloatArray, shaft: FloatArray, yaw: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Where the three arms meet the three lines and the directions of their forces on the arms; each (..., 3, 3)."""
-    node = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
-    arm_angle = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
-    local = (arm_angle - yaw[..., None])[..., None]
-    spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
-    flat = (
-        radius[..., None, None] * np.stack((np.cos(arm_angle), np.sin(arm_angle)), axis=-1)
-        - centre[..., None, :2]
-    )
-    square = np.sum(spoke[..., :2] ** 2, axis=-1)
-    reach = np.sum(flat * spoke[..., :2], axis=-1) / square
-    push = (
-        np.stack((spoke[..., 1], -spoke[..., 0], np.zeros_like(square)), axis=-1)
-        / np.sqrt(square)[..., None]
-    )
-    return centre[..., None, :] + reach[..., None] * spoke, push

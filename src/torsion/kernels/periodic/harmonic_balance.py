@@ -15,7 +15,6 @@ from torsion.kernels.periodic.hill import (
     hill_blocks,
     real_blocks,
     real_parts,
-    scattered,
 )
 
 OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not aliased
@@ -111,7 +110,18 @@ def balance(
     size = _norm(linear, count)
     last = False
     for step in range(1, MOST_NEWTON + 1):
-        move, change = _newton(linear, held, w0, count)
+        # One step of Newton's method: the change of the harmonics and of the loads.
+        row, column = linear.entries.row, linear.entries.column
+        blocks = hill_blocks(linear.entries, w0, count, np.arange(count + 1))
+        if linear.extra:
+            row = np.append(row, [block[0] for block in linear.extra])
+            column = np.append(column, [block[1] for block in linear.extra])
+            blocks = np.concatenate([blocks, [block[2][count:] for block in linear.extra]])
+        right = -real_parts(harmonics_of(linear.residual, count)).ravel()
+        force = real_parts(harmonics_of(linear.force, count)).reshape(len(held), start.size).T
+        solution = _solve((row, column, real_blocks(blocks)), force, held * (2 * count + 1), right)
+        move = from_real_parts(solution[: start.size].reshape(start.shape))
+        change = solution[start.size :]
         part, accepted = 1.0, None
         for _ in range(HALVINGS):
             trial, trial_load = harmonic + part * move, load + part * change
@@ -147,25 +157,6 @@ def _norm(linear: Linearised, count: int) -> float:
     return float(np.linalg.norm(harmonics_of(linear.residual, count)))
 
 
-def _newton(
-    linear: Linearised, held: IntArray, w0: float, count: int
-) -> tuple[ComplexArray, FloatArray]:
-    """One step of Newton's method: the change of the harmonics and of the loads."""
-    size, number, loads = len(linear.residual), 2 * count + 1, len(held)
-    upper = np.arange(count + 1)
-    row = linear.entries.row
-    column = linear.entries.column
-    blocks = hill_blocks(linear.entries, w0, count, upper)
-    if linear.extra:
-        row = np.append(row, [block[0] for block in linear.extra])
-        column = np.append(column, [block[1] for block in linear.extra])
-        blocks = np.concatenate([blocks, [block[2][count:] for block in linear.extra]])
-    right = -real_parts(harmonics_of(linear.residual, count)).ravel()
-    force = real_parts(harmonics_of(linear.force, count)).reshape(loads, size * number).T
-    move = _solve((row, column, real_blocks(blocks)), force, held * number, right)
-    return from_real_parts(move[: size * number].reshape(size, number)), move[size * number :]
-
-
 def _solve(
     entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
 ) -> FloatArray:
@@ -176,7 +167,10 @@ def _solve(
     total, loads = force.shape
     row, column, blocks = entries
     size = float(np.abs(blocks).max())
-    values, row, column = scattered(row, column, blocks / size)
+    entry, above, along = np.nonzero(blocks)
+    number = blocks.shape[-1]
+    row, column = row[entry] * number + above, column[entry] * number + along
+    values = blocks[entry, above, along] / size
     rows, load = np.nonzero(force)
     values = np.concatenate([values, force[rows, load], np.ones(loads)])
     row = np.concatenate([row, rows, total + np.arange(loads)])

@@ -123,15 +123,6 @@ def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) ->
     return np.ascontiguousarray(full.transpose(0, 2, 1, 3)).reshape(size * number, size * number)
 
 
-def scattered(
-    row: IntArray, column: IntArray, blocks: FloatArray
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """Return values, rows and columns of the same as a sparse matrix; places that occur twice are to be summed."""
-    number = blocks.shape[-1]
-    entry, above, along = np.nonzero(blocks)
-    return blocks[entry, above, along], row[entry] * number + above, column[entry] * number + along
-
-
 @dataclass(frozen=True)
 class Exponents:
     """Floquet exponents from Hill's matrix: of the copies of each, the one whose vector lies around harmonic 0."""

@@ -186,37 +186,23 @@ def rigid_motion(
 ) -> int | None:
     """Return the place of the multiplier (descending) whose motion is mostly an even turning of the whole train.
 
-    None where there is none; the arguments are those of `rigid_share`.
+    The motion is exp(growth t) p(t); the share is that of the mean of p along `turning` (size,) in the mean square of
+    p, both weighted with the mass (size, size). visited: (parts, 2 size, 2 size) as `through_steps` collects them.
+    None where there is none.
     """
     places = real_motions(np.angle(multipliers) / (2.0 * np.pi))
     places = places[multipliers[places].real > GONE]
-    values = multipliers[places].real
-    shares = [rigid_share(monodromy, visited, float(value), mass, turning, w0) for value in values]
-    return mostly_rigid(places, np.array(shares))
-
-
-def rigid_share(
-    monodromy: FloatArray,
-    visited: FloatArray,
-    multiplier: float,
-    mass: FloatArray,
-    turning: FloatArray,
-    w0: float,
-) -> float:
-    """Return the share of an even turning of the whole train in the motion of a positive multiplier, 0 to 1.
-
-    The motion is exp(growth t) p(t); the share is that of the mean of p along `turning` (size,) in the mean square of
-    p, both weighted with the mass (size, size). visited: (parts, 2 size, 2 size) as `through_steps` collects them.
-    """
-    size, parts = len(turning), len(visited)
+    size, parts, shares = len(turning), len(visited), list[float]()
     scale = np.repeat([1.0, w0], size)
-    missing = monodromy / scale[:, None] * scale - multiplier * np.eye(2 * size)
-    start = scale * np.linalg.svd(missing)[2][-1]
-    decay = multiplier ** (-np.arange(parts) / parts)
-    motion = decay[:, None] * (visited @ start)[:, :size]
-    mean_square = float(np.einsum("ti,ij,tj->", motion, mass, motion)) / parts
-    along = float(turning @ mass @ motion.mean(axis=0))
-    return along**2 / (float(turning @ mass @ turning) * mean_square)
+    for multiplier in multipliers[places].real.tolist():
+        missing = monodromy / scale[:, None] * scale - multiplier * np.eye(2 * size)
+        start = scale * np.linalg.svd(missing)[2][-1]
+        decay = multiplier ** (-np.arange(parts) / parts)
+        motion = decay[:, None] * (visited @ start)[:, :size]
+        mean_square = float(np.einsum("ti,ij,tj->", motion, mass, motion)) / parts
+        along = float(turning @ mass @ motion.mean(axis=0))
+        shares.append(along**2 / (float(turning @ mass @ turning) * mean_square))
+    return mostly_rigid(places, np.array(shares))
 
 
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
