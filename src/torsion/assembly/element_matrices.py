@@ -17,13 +17,6 @@ from torsion.kernels.distributed.finite_elements import CondensedElements, conde
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it
 
 
-def element(degree: int) -> Any:
-    """Return scikit-fem's element of polynomials of a degree on a line."""
-    if degree == 1:
-        return skfem.ElementLineP1()
-    return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)
-
-
 def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray, FloatArray]:
     """Stiffness N m/rad and inertia kg m2, both (pieces, degree + 1, degree + 1), at the shaft's own speed.
 
@@ -87,7 +80,9 @@ def _of_unit(degree: int) -> tuple[FloatArray, FloatArray]:
 def _basis(cells: int, degree: int) -> Any:
     """The elements of a mesh of `cells` cells of length 1."""
     mesh = skfem.MeshLine(np.arange(cells + 1.0))
-    return skfem.Basis(mesh, element(degree), intorder=2 * degree + DEGREE_OF_SECTION)
+    few = {1: skfem.ElementLineP1, 2: skfem.ElementLineP2}
+    element = few[degree]() if degree in few else skfem.ElementLinePp(degree)
+    return skfem.Basis(mesh, element, intorder=2 * degree + DEGREE_OF_SECTION)
 
 
 def _integrals(basis: Any, section: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -37,17 +37,6 @@ def elements_for(bar: Bar, frequency: float, degree: int) -> int:
     return min(number, MOST)
 
 
-def degree_for(train: Train, frequency: float, elements: int) -> int:
-    """The least degree, from DEGREE on, that keeps the error below SHARE_OF_ERROR with so many elements a shaft."""
-    for degree in range(DEGREE, HIGHEST_DEGREE):
-        errors = (
-            element_error(bar, _number(bar, elements), degree, frequency) for bar in train.bars
-        )
-        if max(errors, default=0.0) <= SHARE_OF_ERROR:
-            return degree
-    return HIGHEST_DEGREE
-
-
 def assemble_fem(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has elements of one degree, enough for a highest frequency (Hz).
 
@@ -55,7 +44,14 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
     for a train with closed loops.
     """
     frequency, degree, elements = requested.frequency, requested.degree, requested.elements
-    order = degree or (DEGREE if elements is None else degree_for(train, frequency, elements))
+    order = degree or DEGREE
+    if degree is None and elements is not None:
+        # The least degree that keeps the error below SHARE_OF_ERROR with so many elements a shaft.
+        while order < HIGHEST_DEGREE and any(
+            element_error(bar, _number(bar, elements), order, frequency) > SHARE_OF_ERROR
+            for bar in train.bars
+        ):
+            order += 1
 
     def number_of(bar: Bar) -> int:
         return _number(bar, elements_for(bar, frequency, order) if elements is None else elements)

@@ -17,21 +17,12 @@ LARGEST_PHASE = math.sqrt(24.0 * SHARE_OF_ERROR)  # rad along a segment of a uni
 FEWEST, MOST = 1, 19_999  # with both ends the stations that a train may have
 
 
-def segments_for(bar: Bar, frequency: float) -> int:
-    """Segments that keep the error of a frequency (Hz) below SHARE_OF_ERROR.
-
-    n lumped segments lower a frequency by (mu/n)^2/24, with mu the phase along the shaft (from 2n/mu sin(mu/2n), the
-    closed form of a uniform chain). A cone is given twice as many.
-    """
-    if bar.segments is not None:
-        return bar.segments
-    if bar.density == 0:
-        return 1
-    return int(segments_along(phase(bar, frequency), excess(bar)))
-
-
 def segments_along(phase: ArrayLike, excess: ArrayLike) -> FloatArray:
-    """Segments of shafts with a phase (rad) along each, and as many times more as a uniform one."""
+    """Segments of shafts with a phase (rad) along each, and as many times more as a uniform one.
+
+    They keep the error of a frequency below SHARE_OF_ERROR: n lumped segments lower it by (mu/n)^2/24, with mu the
+    phase along the shaft (from 2n/mu sin(mu/2n), the closed form of a uniform chain). A cone is given twice as many.
+    """
     return np.clip(np.ceil(np.asarray(phase) / LARGEST_PHASE) * excess, FEWEST, MOST)
 
 
@@ -48,7 +39,12 @@ def excess(bar: Bar) -> int:
 def assemble_lumped(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has enough segments for a highest frequency (Hz)."""
     collected = Collected.of(train)
-    segments = {bar.name: segments_for(bar, requested.frequency) for bar in train.bars}
+    segments = {
+        bar.name: int(segments_along(phase(bar, requested.frequency), excess(bar)))
+        if is_refined(bar)
+        else bar.segments or 1
+        for bar in train.bars
+    }
     collected.refuse_more(len(train.stations) + sum(segments.values()) - len(segments), segments)
     for bar in train.bars:
         row = Row(bar, segments[bar.name], len(collected.stations), collected.stations[bar.driving])

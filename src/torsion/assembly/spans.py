@@ -87,13 +87,6 @@ class Row:
     begin: Station  # at the driving end
 
     @property
-    def inner_stations(self) -> list[Station]:
-        """Stations at the ends of all segments but the last."""
-        part, begin = self.bar.part, self.begin
-        names = (f"{self.bar.name} {k}/{self.number}" for k in range(1, self.number))
-        return [Station(name, part, begin.ratio, begin.sense) for name in names]
-
-    @property
     def spans(self) -> list[Span]:
         """Segments, from the driving to the driven end."""
         name, count = self.bar.name, self.number

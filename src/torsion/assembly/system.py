@@ -72,8 +72,6 @@ class System:
     resolved_to: float = (
         math.inf
     )  # Hz, up to which the shafts keep the error of their model; see `assemble`
-    # (spans,) those of the tree; None: the stiffest that close no loop.
-    in_tree: BoolArray | None = None
     tables: "Mapping[int, StiffnessTable]" = field(
         default_factory=dict
     )  # of spans that follow one: `tabled_spans`
@@ -140,11 +138,20 @@ class System:
         """
         flexibility = self.flexibility / self.span_ratio**2
         ends, chosen = _split_held(self), np.ones(len(flexibility), dtype=bool)
-        chosen = chosen if self.in_tree is None else self.in_tree
         way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
         has_loops = len(flexibility) > np.count_nonzero(way.parent >= 0)
-        if self.in_tree is None and (ends.anchors or has_loops):
-            chosen = _spanning(self, flexibility, ends)
+        if ends.anchors or has_loops:
+            # The stiffest spans that close no loop and join no two anchors; those of `links` last.
+            is_link = np.array([part.path[0] == "links" for part in self.train.parts])
+            ranked = np.lexsort((is_link[self.span_part], flexibility))
+            chosen = closing_no_loop(ends.number, ends.driving, ends.driven, ranked, ends.anchors)
+            rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
+            if rigid.size:
+                part = self.train.parts[self.span_part[rigid[0]]]
+                key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so
+                message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
+                loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
+                raise InputError(fixed_point_faults(self.train) or [loop])
             way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
         return _layout(self, flexibility, ends, chosen, way)
 
@@ -268,8 +275,27 @@ def _split_held(system: System) -> _Ends:
         number, driving[free], driven[free]
     )  # stations joined without passing through a fixed one
     held = np.flatnonzero(system.held).tolist()
-    touching = {station: _touching(system, station) for station in held}
-    root, anchors = _rigidly_rooted(system, touching, group)
+
+    # Of every fixed station: 0 as its driving end or 1, span, station at the other end, of every span.
+    sides = (0, system.driving, system.driven), (1, system.driven, system.driving)
+    touching = {
+        station: [
+            (side, span, int(far[span]))
+            for side, near, far in sides
+            for span in np.flatnonzero(near == station).tolist()
+        ]
+        for station in held
+    }
+
+    # The first fixed station that a rigid span joins to each group, and the anchors.
+    root, anchors = dict[int, int](), set[int]()
+    for station, spans in touching.items():
+        for _, span, neighbour in spans:
+            if system.flexibility[span] == 0:
+                first = neighbour
+                if not system.held[neighbour]:
+                    first = root.setdefault(int(group[neighbour]), station)
+                anchors |= {first, station} if first != station else set()
     copies: list[int] = []
     for station in held:
         is_ground = system.stations[station].is_ground
@@ -283,57 +309,11 @@ def _split_held(system: System) -> _Ends:
         if not is_ground:
             for _, _, neighbour in touching[station]:
                 root.setdefault(int(group[neighbour]), station)
-    first = dict.fromkeys(root.values())
-    unrooted = [
-        station
-        for station in held
-        if station not in first and not system.stations[station].is_ground
-    ]
-    return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *unrooted], anchors)
-
-
-def _touching(system: System, station: int) -> list[tuple[int, int, int]]:
-    """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
-    return [
-        (side, span, int(far[span]))
-        for side, near, far in (
-            (0, system.driving, system.driven),
-            (1, system.driven, system.driving),
-        )
-        for span in np.flatnonzero(near == station).tolist()
-    ]
-
-
-def _rigidly_rooted(
-    system: System, touching: dict[int, list[tuple[int, int, int]]], group: IntArray
-) -> tuple[dict[int, int], tuple[int, ...]]:
-    """The first fixed station that a rigid span joins to each group, and the anchors."""
-    root, anchors = dict[int, int](), set[int]()
-    for station, spans in touching.items():
-        for _, span, neighbour in spans:
-            if system.flexibility[span] == 0:
-                first = (
-                    neighbour
-                    if system.held[neighbour]
-                    else root.setdefault(int(group[neighbour]), station)
-                )
-                anchors |= {first, station} if first != station else set()
-    return root, tuple(sorted(anchors))
-
-
-def _spanning(system: System, flexibility: FloatArray, ends: _Ends) -> BoolArray:
-    """Which spans form the tree: the stiffest that close no loop and join no two anchors; those of `links` last."""
-    closes = np.array([part.path[0] == "links" for part in system.train.parts])[system.span_part]
-    ranked = np.lexsort((closes, flexibility))
-    chosen = closing_no_loop(ends.number, ends.driving, ends.driven, ranked, ends.anchors)
-    rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
-    if rigid.size:
-        part = system.train.parts[system.span_part[rigid[0]]]
-        key = () if part.ratings is None else ("flexibility",)  # a rigid coupling says so itself
-        message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
-        loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
-        raise InputError(fixed_point_faults(system.train) or [loop])
-    return chosen
+    free_of_ground = (station for station in held if not system.stations[station].is_ground)
+    roots = list(dict.fromkeys([*root.values(), *free_of_ground]))
+    return _Ends(
+        number + len(copies), driving, driven, tuple(copies), roots, tuple(sorted(anchors))
+    )
 
 
 def _layout(

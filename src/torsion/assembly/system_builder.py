@@ -57,7 +57,11 @@ class Collected:
 
     def add_shaft(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
-        self.stations += row.inner_stations
+        part, begin, number = row.bar.part, row.begin, row.number
+        self.stations += [
+            Station(f"{row.bar.name} {k}/{number}", part, begin.ratio, begin.sense)
+            for k in range(1, number)
+        ]
         self.inertia += [0.0] * (row.number - 1)
         for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
             self.inertia[end] += lump

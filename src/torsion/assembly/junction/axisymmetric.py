@@ -12,7 +12,7 @@ The two together measure their own error in every triangle (Prager and Synge 194
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -173,7 +173,19 @@ def _boundaries(profile: Profile, meridian_mesh: Meridian, basis: Any) -> tuple[
     near = CLOSE * places[-1]
     at_begin, at_end = z < near, z > places[-1] - near
     side = ~(at_begin | at_end | (r < near))
-    outer = side & (r > _middle(profile, z))
+
+    # The outer surface lies beyond a radius that is in the material on both sides of every place.
+    edges, radii = np.array(places), []
+    for nudge in (-1e-7, 1e-7):
+        owner = np.clip(
+            np.searchsorted(edges, z + nudge * edges[-1]) - 1, 0, len(profile.lengths) - 1
+        )
+        share = (z - edges[owner]) / np.diff(edges)[owner]
+        for key in ("outer", "bore"):
+            ends = np.array([getattr(length, key) for length in profile.lengths])[owner]
+            radii.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
+    middle = (np.minimum(radii[0], radii[2]) + np.maximum(radii[1], radii[3])) / 2.0
+    outer = side & (r > middle)
     fixed, inner = at_end, side & ~outer
     if profile.fixed == "rim":
         fixed = outer & (r > profile.lengths[-1].outer[1] / 2.0 - near)
@@ -185,20 +197,6 @@ def _boundaries(profile: Profile, meridian_mesh: Meridian, basis: Any) -> tuple[
         else np.zeros(0, dtype=np.int64)
         for chosen in (fixed, at_begin, outer & ~fixed, inner | (at_end & ~fixed))
     )
-
-
-def _middle(profile: Profile, z: FloatArray) -> FloatArray:
-    """A radius (places,) in the material on both sides of every place."""
-    places, radii = np.array(profile.places), []
-    for nudge in (-1e-7, 1e-7):
-        owner = np.clip(
-            np.searchsorted(places, z + nudge * places[-1]) - 1, 0, len(profile.lengths) - 1
-        )
-        share = (z - places[owner]) / np.diff(places)[owner]
-        for key in ("outer", "bore"):
-            ends = np.array([getattr(length, key) for length in profile.lengths])[owner]
-            radii.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
-    return np.asarray((np.minimum(radii[0], radii[2]) + np.maximum(radii[1], radii[3])) / 2.0)
 
 
 def _solution(matrix: Any, number: int, given: dict[float, IntArray]) -> FloatArray:
@@ -239,34 +237,24 @@ def fillet_stress(profile: Profile, steady: float = STEADY, beyond: float = 0.0)
     mesh = solved(profile).meridian
     if not mesh.arcs:
         raise ValueError("the line has no fillet")
-    before = math.inf
-    for _ in range(
-        ROUNDS
-    ):  # the first mesh is as good as the stiffness needs; the stress needs a finer one
-        mesh = mesh.refined(np.unique(mesh.mesh.f2t[0, mesh.fillets]))
-        stress = _largest(profile, mesh, on_mesh(profile, mesh)[1], beyond)
-        error = max(stress.error, abs(stress.factor - before) / stress.factor)
-        if error <= steady:
-            return replace(stress, error=error)
-        before = stress.factor
-    raise SolveError("the stress in a fillet does not converge; look at its dimensions")
-
-
-def _largest(profile: Profile, mesh: Meridian, fields: Fields, beyond: float) -> FilletStress:
-    facets = mesh.fillets[mesh.mesh.p[0, mesh.mesh.facets[:, mesh.fillets]].mean(axis=0) > beyond]
-    places, shown = places_along(fields.basis, facets)
-    z, r = np.asarray(places.global_coordinates())
-    slopes = (
-        np.hypot(*np.asarray(places.interpolate(field).grad)) for field in (fields.psi, fields.chi)
-    )
-    by_angle, by_function = (
-        np.where(shown, slope * factor, 0.0)
-        for slope, factor in zip(slopes, (r, r**-2), strict=True)
-    )
-    end = profile.smaller
+    before, end = math.inf, profile.smaller
     nominal = 2.0 * math.pi / float(section_modulus(end.outer[0], end.bore[0]))
-    low, high = sorted(float(stress.max()) / nominal for stress in (by_angle, by_function))
-    worst = np.unravel_index(int(np.argmax(by_angle + by_function)), r.shape)
-    return FilletStress(
-        (low + high) / 2.0, (high - low) / (high + low), (float(z[worst]), float(r[worst]))
-    )
+    # The first mesh is as good as the stiffness needs; the stress needs a finer one.
+    for _ in range(ROUNDS):
+        mesh = mesh.refined(np.unique(mesh.mesh.f2t[0, mesh.fillets]))
+        fields = on_mesh(profile, mesh)[1]
+        middles = mesh.mesh.p[0, mesh.mesh.facets[:, mesh.fillets]].mean(axis=0)
+        places, shown = places_along(fields.basis, mesh.fillets[middles > beyond])
+        z, r = np.asarray(places.global_coordinates())
+        by_angle, by_function = (
+            np.where(shown, np.hypot(*np.asarray(places.interpolate(field).grad)) * weight, 0.0)
+            for field, weight in ((fields.psi, r), (fields.chi, r**-2))
+        )
+        low, high = sorted(float(stress.max()) / nominal for stress in (by_angle, by_function))
+        factor, half = (low + high) / 2.0, (high - low) / (high + low)
+        error = max(half, abs(factor - before) / factor)
+        if error <= steady:
+            worst = np.unravel_index(int(np.argmax(by_angle + by_function)), r.shape)
+            return FilletStress(factor, error, (float(z[worst]), float(r[worst])))
+        before = factor
+    raise SolveError("the stress in a fillet does not converge; look at its dimensions")

@@ -4,18 +4,22 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Literal
 
+from torsion.errors import Fault
 from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.train import Train
 
+MOST_WITH_HUBS = 0.95  # of its twist that hubs and fillets together may take
 THIRD = (
     1.0 / 3.0
 )  # of the seat, of a torque that is handed over evenly: the energy of T (1 - z/L); handbooks' rule
 
 
-def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
-    """The train with remarks on its hubs; and by name of a shaft the length (m) of it that does not twist in them."""
-    stiff = dict[str, float]()
+def with_hubs(
+    train: Train, shorter: dict[str, float], faults: list[Fault]
+) -> tuple[Train, dict[str, float]]:
+    """The train with remarks on its hubs; and what fillets (`shorter`, m by shaft) and hubs take from its lengths."""
+    saved = dict(shorter)
     for bar in train.bars:
         record = train.parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
@@ -29,8 +33,13 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
                 f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
             )
             train = with_remark(train, bar.part, remark)
-            stiff[bar.name] = stiff.get(bar.name, 0.0) + hub.length - left
-    return train, stiff
+            saved[bar.name] = saved.get(bar.name, 0.0) + hub.length - left
+        if saved.get(bar.name, 0.0) > MOST_WITH_HUBS * bar.length:
+            message = f"hubs and fillets take up the complete twist of '{bar.name}'"
+            path = train.parts[bar.part].path
+            faults.append(Fault(path, message, "join it with the adjacent shaft"))
+            del saved[bar.name]
+    return train, saved
 
 
 def with_remark(train: Train, part: int, remark: str) -> Train:

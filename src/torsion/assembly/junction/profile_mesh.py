@@ -20,7 +20,8 @@ from torsion.assembly.junction.profile import Corner, Profile
 CLOSE = 1e-9  # relative to the largest radius: one point
 SLICES = 8  # of the fan in a fillet
 GRADING = 2.0  # from line to line away from a corner
-LINES = 24  # of a grading; more than any wall takes
+# To so many lines, more than any wall takes.
+GRADINGS = GRADING ** np.arange(24.0)
 CROWDED = 0.35  # of a point's distance from its corner: no second point so near
 
 
@@ -31,17 +32,6 @@ class Arc:
     center: tuple[float, float]
     radius: float
     box: tuple[tuple[float, float], tuple[float, float]]  # of z, of r
-
-    def snapped(self, points: FloatArray, outline: BoolArray) -> FloatArray:
-        """The points (2, points) with those of the outline inside of the box moved to the circle."""
-        (z0, z1), (r0, r1) = self.box
-        z, r = points
-        edge = CLOSE * max(r1, abs(z1))
-        inside = outline & (z > z0 + edge) & (z < z1 - edge) & (r > r0 + edge) & (r < r1 - edge)
-        moved, center = points.copy(), np.array(self.center)[:, None]
-        away = points[:, inside] - center
-        moved[:, inside] = center + away * (self.radius / np.hypot(*away))
-        return moved
 
 
 @dataclass(frozen=True)
@@ -62,9 +52,15 @@ class Meridian:
 
     def _snapped(self, points: FloatArray, outline: BoolArray) -> FloatArray:
         """The points (2, points) with those of the outline in a fillet moved to its circle."""
+        moved = np.ascontiguousarray(points)
         for arc in self.arcs:
-            points = arc.snapped(points, outline)
-        return np.ascontiguousarray(points)
+            (z0, z1), (r0, r1) = arc.box
+            (z, r), edge = moved, CLOSE * max(r1, abs(z1))
+            inside = outline & (z > z0 + edge) & (z < z1 - edge) & (r > r0 + edge) & (r < r1 - edge)
+            center = np.array(arc.center)[:, None]
+            away, moved = moved[:, inside] - center, moved.copy()
+            moved[:, inside] = center + away * (arc.radius / np.hypot(*away))
+        return moved
 
     def graded(self, times: int) -> "Meridian":
         """The triangles at sharp corners divided several times."""
@@ -110,26 +106,10 @@ class _Fill:
     r: float
     begin: float  # z where it begins on the smaller shaft
     top: float  # r where it ends on the face
-    depth: float  # of the patch below the corner and behind the face
-
-    @property
-    def behind(self) -> float:
-        """z behind the face where the patch ends."""
-        return self.z + math.copysign(self.depth, self.z - self.begin)
-
-    @property
-    def below(self) -> float:
-        return self.r - self.depth
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """Ends of the patch along the axis, ascending."""
-        return min(self.begin, self.behind), max(self.begin, self.behind)
-
-    @property
-    def size(self) -> float:
-        """Of the triangles that it wants beside it."""
-        return max(abs(self.z - self.begin), self.top - self.r)
+    behind: float  # z behind the face where the patch ends
+    below: float  # r below the corner where it ends
+    span: tuple[float, float]  # ends of the patch along the axis, ascending
+    size: float  # of the triangles that it wants beside it
 
 
 def meridian(profile: Profile) -> Meridian:
@@ -138,7 +118,23 @@ def meridian(profile: Profile) -> Meridian:
     core = thinnest / 4.0 if any(0.0 in length.bore for length in profile.lengths) else 0.0
     fills = _fills(profile, core)
     grains, sharp = _grains(profile, fills)
-    lines = _lines(profile, fills, grains)
+
+    # Lines across the shaft: where a length or a patch ends, and graded away from every corner.
+    kept = [*profile.places, *(z for fill in fills for z in fill.span)]
+    wanted = [
+        (z + side * step, step)
+        for z, _, size in grains
+        for step in size * GRADINGS
+        for side in (-1, 1)
+    ]
+    for begin, length in zip(profile.places, profile.lengths, strict=False):
+        wall = (max(length.outer) - min(length.bore)) / 2.0
+        number = max(int(length.length / wall), 1)
+        wanted += [(begin + length.length * k / number, wall) for k in range(1, number)]
+    closed = [fill.span for fill in fills]
+    lines = _thinned(
+        kept, [line for line in wanted if not any(low < line[0] < high for low, high in closed)]
+    )
     radii = [_radii(profile, z, core, fills, grains) for z in lines]
     points = _Points(max(max(length.outer) for length in profile.lengths))
     triangles = list[tuple[int, int, int]]()
@@ -191,9 +187,11 @@ def _fills(profile: Profile, core: float) -> list[_Fill]:
         inner = max(2.0 * core, *smaller.bore, *larger.bore) / 2.0
         depth = min(along, (low - inner) / 2.0, larger.length / 3.0)
         z = profile.places[joint + 1]
-        fills.append(
-            _Fill(corner, z, low, z - along if before < after else z + along, low + up, depth)
-        )
+        begin = z - along if before < after else z + along
+        behind = z + math.copysign(depth, z - begin)
+        span = min(begin, behind), max(begin, behind)
+        size = max(abs(z - begin), up)
+        fills.append(_Fill(corner, z, low, begin, low + up, behind, low - depth, span, size))
     return fills
 
 
@@ -228,31 +226,6 @@ def _grains(
     return grains, sharp
 
 
-def _lines(
-    profile: Profile, fills: list[_Fill], grains: list[tuple[float, float, float]]
-) -> list[float]:
-    """Lines across the shaft: where a length or a patch ends, and graded away from every corner."""
-    kept = [*profile.places, *(z for fill in fills for z in fill.span)]
-    wanted = [
-        (z + side * step, step)
-        for z, _, size in grains
-        for step in _steps(size)
-        for side in (-1, 1)
-    ]
-    for begin, length in zip(profile.places, profile.lengths, strict=False):
-        wall = (max(length.outer) - min(length.bore)) / 2.0
-        number = max(int(length.length / wall), 1)
-        wanted += [(begin + length.length * k / number, wall) for k in range(1, number)]
-    closed = [fill.span for fill in fills]
-    return _thinned(
-        kept, [line for line in wanted if not any(low < line[0] < high for low, high in closed)]
-    )
-
-
-def _steps(size: float) -> list[float]:
-    return [size * GRADING**k for k in range(LINES)]
-
-
 def _radii(
     profile: Profile,
     z: float,
@@ -283,7 +256,7 @@ def _radii(
     wanted = [
         (r0 + side * step, step)
         for z0, r0, size in grains
-        for step in _steps(size)
+        for step in size * GRADINGS
         if step >= abs(z - z0) / GRADING
         for side in (-1, 0, 1)
     ]

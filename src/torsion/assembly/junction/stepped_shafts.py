@@ -25,7 +25,6 @@ from torsion.train import ENDS, Train
 
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
-MOST_WITH_HUBS = 0.95  # of its twist that hubs and fillets together may take
 SHORT = 2.0  # diameters; beyond it the stress at one end of a shaft between two larger ones knows nothing of the other
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
@@ -102,7 +101,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                 Fault(path, message, "give the stiffness of both as a `coupling` in its place")
             )
     if train.steps is not None and train.has_hubs:
-        result, shorter = _hubs(result, shorter, faults)
+        result, shorter = with_hubs(result, shorter, faults)
     bars = [
         replace(
             bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length)
@@ -117,22 +116,6 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                 Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint)
             )
     return result
-
-
-def _hubs(
-    train: Train, shorter: dict[str, float], faults: list[Fault]
-) -> tuple[Train, dict[str, float]]:
-    """The train, and what fillets and hubs together take from the length (m) of each shaft."""
-    train, saved = with_hubs(train)
-    for bar in train.bars:
-        saved[bar.name] = saved.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
-        if saved[bar.name] > MOST_WITH_HUBS * bar.length:
-            message = f"hubs and fillets take up the complete twist of '{bar.name}'"
-            faults.append(
-                Fault(train.parts[bar.part].path, message, "join it with the adjacent shaft")
-            )
-            del saved[bar.name]
-    return train, saved
 
 
 def _end(train: Train, bar: Bar, end: int) -> End:

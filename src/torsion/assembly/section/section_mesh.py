@@ -98,7 +98,14 @@ def read_triangles(file: str | Path) -> Triangles:
     if nodes.min() < 0 or nodes.max() >= len(mesh.points):
         raise SectionFault("a triangle of the mesh names a point that is not there")
     used, position = np.unique(nodes, return_inverse=True)
-    flat, nodes = _flat(np.asarray(mesh.points, dtype=float)[used]), position.reshape(nodes.shape)
+    points, nodes = np.asarray(mesh.points, dtype=float)[used], position.reshape(nodes.shape)
+    if not np.all(np.isfinite(points)):
+        raise SectionFault("a coordinate of the mesh is not a finite number")
+    flat = np.ascontiguousarray(points[:, :2])
+    # Relative to the extent: rounding of figures written with ten digits.
+    if points.shape[1] == 3 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(flat, axis=0).max():
+        hint = "draw the section in the plane of x and y"
+        raise SectionFault("the mesh is not plane: z is not constant", hint)
     return Triangles(flat, nodes) if PLANE[kinds[0]] == 6 else with_middles(flat, nodes)
 
 
@@ -141,20 +148,6 @@ def _read(file: Path) -> Any:
             if isinstance(error, ImportError):
                 hint = f"this sort of file needs the Python package {error.name}; .msh, .vtk and .vtu need none"
             raise SectionFault(f"'{file.name}' cannot be read as a mesh", hint) from None
-
-
-def _flat(points: FloatArray) -> FloatArray:
-    """(points, 2): x and y of finite points that lie in a plane of constant z."""
-    if not np.all(np.isfinite(points)):
-        raise SectionFault("a coordinate of the mesh is not a finite number")
-    if points.shape[1] == 3:
-        x_y, z = np.ptp(points[:, :2], axis=0).max(), np.ptp(points[:, 2])
-        if z > 1e-9 * x_y:  # of the extent: rounding of figures written with ten digits
-            raise SectionFault(
-                "the mesh is not plane: z is not constant",
-                "draw the section in the plane of x and y",
-            )
-    return np.ascontiguousarray(points[:, :2])
 
 
 def edges_of(sides: IntArray) -> tuple[IntArray, IntArray, IntArray]:

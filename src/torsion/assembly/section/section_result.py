@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import skfem
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray
 from torsion.assembly.section.section_mesh import (
     Boundary,
     SectionFault,
@@ -43,7 +43,22 @@ def sound(mesh: Triangles) -> Triangles:
     if len(pairs):
         hint = "merge them, so that triangles join"
         raise SectionFault("two points of the mesh coincide", hint, corners[pairs[0, 0]])
-    _refuse_broken_sides(mesh)
+
+    # Two triangles at a side run along it in opposite directions and have the same node amid it.
+    sides, edges = mesh.sides, edges_of(mesh.sides)[2]
+    count, forward = np.bincount(edges), np.bincount(edges, weights=sides[:, 0] < sides[:, 1])
+    bad = ((count > 2) | ((count == 2) & (forward != 1)))[edges]
+    if np.any(bad):
+        hint = "a side belongs to one triangle or to two, one on each hand"
+        raise SectionFault("triangles overlap", hint, mesh.points[sides[np.argmax(bad), 0]])
+    low = np.full(len(count), len(mesh.points))
+    np.minimum.at(low, edges, sides[:, 2])
+    torn = sides[:, 2] != low[edges]
+    if np.any(torn):
+        point = mesh.points[sides[np.argmax(torn), 2]]
+        raise SectionFault(
+            "two triangles do not share the node amid their side", "mesh anew", point
+        )
     ends = mesh.sides[:, :2].T
     pieces = len(np.unique(connected(len(mesh.points), *ends)[ends[0]]))
     if pieces > 1:
@@ -60,19 +75,13 @@ def sound(mesh: Triangles) -> Triangles:
     return mesh
 
 
-def refuse_size(extent: float, widest: float) -> None:
-    """Raise SectionFault for an extent (m) that no shaft has, or that is not usual."""
-    unit = "`unit` is the unit of the mesh: m, cm, mm or in"
-    if not SMALLEST <= extent <= LARGEST:
-        raise SectionFault(f"the section is {extent:.3g} m wide", unit)
-    if extent > widest:
-        hint = f"{unit}; usual: at most {widest:g} m; if it is meant, `unusual: true` on the shaft says so"
-        raise SectionFault(f"the section is {extent:.3g} m wide", hint)
-
-
 def _counterclockwise(mesh: Triangles) -> Triangles:
     """All triangles turned if all are clockwise (seen from behind); raises SectionFault if only some are."""
-    twice = _twice_areas(mesh)
+    # Determinant (triangles, 7) of the map from the unit triangle, at its six nodes and in its middle.
+    at = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
+    shape = skfem.MeshTri2(*(np.ascontiguousarray(rows.T) for rows in (mesh.points, mesh.nodes)))
+    by = partial(shape.mapping().J, X=at)
+    twice = np.asarray(by(0, 0) * by(1, 1) - by(0, 1) * by(1, 0))
     x = mesh.points[mesh.nodes[:, :3]]
     longest = np.max(np.sum((x - np.roll(x, 1, axis=1)) ** 2, axis=2), axis=1)
     small = np.min(np.abs(twice), axis=1) <= FLAT * longest
@@ -100,32 +109,6 @@ def _triangle(mesh: Triangles, where: BoolArray, what: str, hint: str) -> Sectio
     )
 
 
-def _twice_areas(mesh: Triangles) -> FloatArray:
-    """(triangles, 7) determinant of the map from the unit triangle, at its six nodes and in its middle."""
-    at = np.array([[0, 1, 0, 0.5, 0.5, 0, 1 / 3], [0, 0, 1, 0, 0.5, 0.5, 1 / 3]])
-    shape = skfem.MeshTri2(*(np.ascontiguousarray(rows.T) for rows in (mesh.points, mesh.nodes)))
-    by = partial(shape.mapping().J, X=at)
-    return np.asarray(by(0, 0) * by(1, 1) - by(0, 1) * by(1, 0))
-
-
-def _refuse_broken_sides(mesh: Triangles) -> None:
-    """Two triangles at a side run along it in opposite directions and have the same node amid it."""
-    sides, edge = mesh.sides, edges_of(mesh.sides)[2]
-    count, forward = np.bincount(edge), np.bincount(edge, weights=sides[:, 0] < sides[:, 1])
-    bad = ((count > 2) | ((count == 2) & (forward != 1)))[edge]
-    if np.any(bad):
-        hint = "a side belongs to one triangle or to two, one on each hand"
-        raise SectionFault("triangles overlap", hint, mesh.points[sides[np.argmax(bad), 0]])
-    low = np.full(len(count), len(mesh.points))
-    np.minimum.at(low, edge, sides[:, 2])
-    torn = sides[:, 2] != low[edge]
-    if np.any(torn):
-        point = mesh.points[sides[np.argmax(torn), 2]]
-        raise SectionFault(
-            "two triangles do not share the node amid their side", "mesh anew", point
-        )
-
-
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
     """The boundary nowhere touches or crosses itself: no overlap, no crack, no hanging node."""
     first, last, amid = edge.sides.T
@@ -139,34 +122,28 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
             near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None])
         )
         side = side + begin
-        meets = _meet(
-            np.stack([start[side], end[side]]),
-            np.stack([start[facing], end[facing]]),
-            mesh.points,
-            tolerance,
-        )
+
+        # Segments (2, pairs) that touch or cross, but at an end that they share.
+        segment, other = (np.stack([start[some], end[some]]) for some in (side, facing))
+        touches, apart = np.zeros(len(side), dtype=bool), list[BoolArray]()
+        for (a, b), ends in ((segment, other), (other, segment)):
+            origin, along = mesh.points[a], mesh.points[b] - mesh.points[a]
+            hand = list[FloatArray]()
+            for point in ends:
+                x, y = (mesh.points[point] - origin).T
+                hand.append(np.sign(along[:, 0] * y - along[:, 1] * x))
+                share = (x * along[:, 0] + y * along[:, 1]) / (along**2).sum(axis=1)
+                share = np.clip(share, 0.0, 1.0)
+                away = np.hypot(x - share * along[:, 0], y - share * along[:, 1])
+                touches |= (point != a) & (point != b) & (away <= tolerance)
+            apart.append(hand[0] * hand[1] < 0)
+        shared = (segment[:, None] == other).any(axis=(0, 1))
+        meets = touches | (~shared & apart[0] & apart[1])
         if np.any(meets):
             hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
             raise SectionFault(
                 "the boundary of the section meets itself", hint, p[side[np.argmax(meets)]]
             )
-
-
-def _meet(first: IntArray, second: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
-    """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
-    shared = (first[:, None] == second).any(axis=(0, 1))
-    touches, apart = np.zeros(first.shape[1], dtype=bool), list[BoolArray]()
-    for (a, b), ends in ((first, second), (second, first)):
-        start, along = points[a], points[b] - points[a]
-        side = list[FloatArray]()
-        for end in ends:
-            x, y = (points[end] - start).T
-            side.append(np.sign(along[:, 0] * y - along[:, 1] * x))
-            share = np.clip((x * along[:, 0] + y * along[:, 1]) / (along**2).sum(axis=1), 0.0, 1.0)
-            away = np.hypot(x - share * along[:, 0], y - share * along[:, 1])
-            touches |= (end != a) & (end != b) & (away <= tolerance)
-        apart.append(side[0] * side[1] < 0)
-    return np.asarray(touches | (~shared & apart[0] & apart[1]))
 
 
 FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2
@@ -265,7 +242,14 @@ def _stamp(file: str) -> tuple[int, int]:
 @lru_cache(maxsize=64)
 def _checked(mesh: SectionMesh, _: tuple[int, int]) -> Triangles:
     mesh_as_drawn = read_triangles(mesh.file)
-    refuse_size(float(np.ptp(mesh_as_drawn.points, axis=0).max()) * mesh.scale, mesh.widest)
+    extent = float(np.ptp(mesh_as_drawn.points, axis=0).max()) * mesh.scale
+    unit = "`unit` is the unit of the mesh: m, cm, mm or in"
+    if not SMALLEST <= extent <= LARGEST:
+        raise SectionFault(f"the section is {extent:.3g} m wide", unit)
+    if extent > mesh.widest:
+        usual = f"usual: at most {mesh.widest:g} m"
+        hint = f"{unit}; {usual}; if it is meant, `unusual: true` on the shaft says so"
+        raise SectionFault(f"the section is {extent:.3g} m wide", hint)
     mesh_as_drawn = sound(mesh_as_drawn)
     scaled = Triangles(mesh_as_drawn.points * mesh.scale, mesh_as_drawn.nodes)
     section_moments = moments(scaled)

@@ -63,7 +63,16 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
     element = skfem.ElementTriP4() if degree == 4 else skfem.ElementTriP2()
     basis, edge = skfem.Basis(shape_of(mesh), element, intorder=ORDER), boundary(mesh)
     stiffness, turning, polar = plane_forms(basis)
-    lower, phi = stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
+
+    # The number that scikit-fem gives every side of the boundary.
+    corners = np.unique(mesh.nodes[:, :3])
+    ends = np.sort(np.searchsorted(corners, edge.sides[:, :2]), axis=1)
+    present, wanted = (
+        np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (basis.mesh.facets.T, ends)
+    )
+    order = np.argsort(present)
+    facets = order[np.searchsorted(present[order], wanted)]
+    lower, phi = stress_function(basis, stiffness, edge, facets)
     turning = turning[1:]  # omega is known but for a constant, so one unknown is left out
     upper = polar - float(turning @ solve_symmetric(stiffness[1:, 1:], turning))
     stress, point = largest_slope(basis, phi)
@@ -89,17 +98,6 @@ def shape_of(mesh: Triangles) -> Any:
     opposite = np.take_along_axis(mesh.nodes[:, [4, 5, 3]], order, 1)
     nodes = np.concatenate([corners, opposite[:, [2, 0, 1]]], axis=1)
     return skfem.MeshTri2(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(nodes.T))
-
-
-def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
-    """(sides,) scikit-fem's number of every side of the boundary."""
-    corners = np.unique(mesh.nodes[:, :3])
-    ends = np.sort(np.searchsorted(corners, edge.sides[:, :2]), axis=1)
-    present, wanted = (
-        np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends)
-    )
-    order = np.argsort(present)
-    return order[np.searchsorted(present[order], wanted)]
 
 
 def stress_function(
@@ -321,7 +319,16 @@ def on_mesh(section: Grooved, divided: int) -> GrooveStress:
     shape = shape_of(mesh)
     basis = skfem.Basis(shape, skfem.ElementTriP4(), intorder=ORDER)
     stiffness, turning, polar = plane_forms(basis)
-    mirrors, outer, inner = _groove_facets(section, shape)
+
+    # Facets on the mirror lines, on the outline and on the bore.
+    all_facets, last = np.asarray(shape.boundary_facets()), math.pi / section.number
+    x, y = shape.p[:, shape.facets[:, all_facets]]
+    lines = (np.abs(x * math.cos(turn) - y * math.sin(turn)) < CLOSE for turn in (0.0, last))
+    on_mirror = np.any([line.all(axis=0) for line in lines], axis=0)
+    on_bore = ~on_mirror & (np.abs(np.hypot(x, y) - section.bore) < CLOSE).all(axis=0)
+    mirrors, outer, inner = (
+        all_facets[chosen] for chosen in (on_mirror, ~on_mirror & ~on_bore, on_bore)
+    )
     facets = np.concatenate([outer, inner])
     hole = section.bore**2 * math.pi / section.number / 2.0
     loops = 1 + bool(len(inner))
@@ -340,17 +347,6 @@ def on_mesh(section: Grooved, divided: int) -> GrooveStress:
     slope, difference = sum(slopes) / 2.0, abs(slopes[1] - slopes[0]) / sum(slopes)
     plain = math.pi / 2.0 * (1.0 - section.bore**4)
     return GrooveStress(slope * plain / ((low + high) / 2.0), difference, (low, high), slope)
-
-
-def _groove_facets(section: Grooved, shape: "skfem.MeshTri2") -> tuple[IntArray, ...]:
-    """Numbers of the facets on the mirror lines, on the outline and on the bore."""
-    facets = np.asarray(shape.boundary_facets())
-    x, y = shape.p[:, shape.facets[:, facets]]
-    last = math.pi / section.number
-    lines = (np.abs(x * math.cos(turn) - y * math.sin(turn)) < CLOSE for turn in (0.0, last))
-    on_mirror = np.any([line.all(axis=0) for line in lines], axis=0)
-    on_bore = ~on_mirror & (np.abs(np.hypot(x, y) - section.bore) < CLOSE).all(axis=0)
-    return tuple(facets[chosen] for chosen in (on_mirror, ~on_mirror & ~on_bore, on_bore))
 
 
 def sector(section: Grooved, divided: int) -> Triangles:
@@ -376,7 +372,24 @@ def sector(section: Grooved, divided: int) -> Triangles:
     places = np.arange(along * across).reshape(along, across)
     if not section.bore:
         places[:, -1] = places[0, -1]
-    nodes = _triangles(places, is_solid=not section.bore)
+
+    # Two triangles to a cell of three by three nodes; one where its last side is a point.
+    cells = slice(None) if section.bore else slice(None, -1)
+    grid = {
+        (i, k): places[i : along - 2 + i : 2, k : across - 2 + k : 2]
+        for i in range(3)
+        for k in range(3)
+    }
+    lower_half = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)]
+    upper_half = [(0, 0), (2, 2), (0, 2), (1, 1), (1, 2), (0, 1)]
+    triangles = [
+        np.stack([grid[key][:, cells].ravel() for key in keys], axis=1)
+        for keys in (lower_half, upper_half)
+    ]
+    if not section.bore:
+        last = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (0, 1)]
+        triangles.append(np.stack([grid[key][:, -1] for key in last], axis=1))
+    nodes = np.concatenate(triangles)
     used, position = np.unique(nodes, return_inverse=True)
     return Triangles(points.reshape(2, -1).T[used], position.reshape(nodes.shape).astype(np.int64))
 
@@ -386,28 +399,3 @@ def _nodes(breaks: Sequence[float], divided: int) -> FloatArray:
     shares = np.linspace(0.0, 1.0, 2 * divided + 1)[1:]
     first, last = np.array(breaks[:-1]), np.array(breaks[1:])
     return np.concatenate([[0.0], (first[:, None] + np.outer(last - first, shares)).ravel()])
-
-
-def _triangles(number: IntArray, *, is_solid: bool) -> IntArray:
-    """(triangles, 6) of a grid of nodes, two to a cell of three by three; one where its last side is a point."""
-    cells = slice(None, -1) if is_solid else slice(None)
-    rows, columns = number.shape
-    grid = {
-        (i, k): number[i : rows - 2 + i : 2, k : columns - 2 + k : 2]
-        for i in range(3)
-        for k in range(3)
-    }
-    lower_half = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)]
-    two = [(0, 0), (2, 2), (0, 2), (1, 1), (1, 2), (0, 1)]
-    triangles = [
-        np.stack([grid[key][:, cells].ravel() for key in keys], axis=1)
-        for keys in (lower_half, two)
-    ]
-    if is_solid:
-        triangles.append(
-            np.stack(
-                [grid[key][:, -1] for key in [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (0, 1)]],
-                axis=1,
-            )
-        )
-    return np.concatenate(triangles)
