@@ -77,10 +77,11 @@ def result(
 ) -> Any:
     """Declare a field of a result: its unit, what the axes of its array run over, its meaning; `traits` as of Quantity.
 
-    A single value has no axes: its meaning follows the unit.
+    One axis needs no tuple; a single value has no axes: its meaning follows the unit.
     """
-    over, words = ((), axes) if isinstance(axes, str) else (axes, meaning)
-    declared = Quantity(unit, over, words, **traits)
+    if isinstance(axes, str):
+        axes, meaning = ((axes,), meaning) if meaning else ((), axes)
+    declared = Quantity(unit, axes, meaning, **traits)
     return dataclasses.field(default=default, metadata={"declared": declared})
 
 
