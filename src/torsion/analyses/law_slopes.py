@@ -36,12 +36,10 @@ def mean_speed_slopes(study: Study) -> dict[str, str]:
         return lacking
     damped = {damper.station for damper in study.train.dampers}
     for load in power_balance(study.train, study.operation).loads:
-        if load.law.has_slope:
-            stations = (station for station, _ in load.stations if station not in damped)
-            lacking |= {
-                study.train.parts[study.train.stations[station].part].name: "damping: law"
-                for station in stations
-            }
+        for station, _ in load.stations:
+            if load.law.has_slope and station not in damped:
+                part = study.train.parts[study.train.stations[station].part]
+                lacking[part.name] = "damping: law"
     return lacking
 
 
@@ -108,58 +106,43 @@ def drive_faults(study: Study) -> list[Fault]:
         return []
     for part, law in driven_by_law(study.train):
         try:
-            _, rated_torque = rated_point(part, operation, balance)
+            _, torque = rated_point(part, operation, balance)
         except InputError as error:
             faults += error.faults
             continue
         kloss = law.rated_torque()
         if law.torque is not None:
-            faults += _table_faults(part, law.torque, operation, balance)
-        elif kloss is not None and abs(kloss - rated_torque) > SAME_TORQUE * abs(rated_torque):
-            message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
-            hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
-            faults.append(
-                Fault(
-                    (*part.path, "drive", "slip"),
-                    f"{message}, the loads take {rated_torque:.6g} N m",
-                    hint,
-                )
+            about = Fault(
+                (*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'"
             )
-    transient = study.setting("analyses", "transient") is not None
+            ratio = abs(float(part.ratio))
+            points = np.array([] if operation.rated is None else [operation.rated.speed])
+            if operation.speeds is not None:
+                points = np.append(points, [operation.speeds.first, operation.speeds.last])
+            lacking = uncovered(law.torque, points * ratio, about)
+            faults += lacking
+            if lacking or operation.rated is None:
+                continue
+            needed = float(balance.applied(part.stations[0], points[:1])[0]) / ratio
+            given = float(interpolated(law.torque, points[:1] * ratio, about)[0])
+            if abs(given - needed) > SAME_TORQUE * abs(needed):
+                message = f"{about.message} gives {given:.6g} N m at the rated speed"
+                hint = "correct the table or the loads; they have to agree within 1 %"
+                message += f", the loads take {needed:.6g} N m"
+                faults.append(Fault(about.path, message, hint))
+        elif kloss is not None and abs(kloss - torque) > SAME_TORQUE * abs(torque):
+            message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
+            message += f", the loads take {torque:.6g} N m"
+            hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
+            faults.append(Fault((*part.path, "drive", "slip"), message, hint))
+    if study.setting("analyses", "transient") is None:
+        return faults
     for part, law in driven_by_law(study.train):
-        if transient and law.law != "torque":
+        if law.law != "torque":
             message = f"the `drive` of '{part.name}' follows the mean speed and does not act in a transient response"
             hint = "an event `start` with its torque over speed follows the vibration too; else leave `drive` out"
             faults.append(Fault((*part.path, "drive"), message, hint))
     return faults
-
-
-def _table_faults(
-    part: Part, table: tuple[tuple[float, float], ...], operation: Operation, balance: Balance
-) -> list[Fault]:
-    """Return why a table of torque over own speed cannot be the law of a drive."""
-    ratio = abs(float(part.ratio))
-    about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
-    ends = (
-        []
-        if operation.speeds is None
-        else [operation.speeds.first * ratio, operation.speeds.last * ratio]
-    )
-    rated = [] if operation.rated is None else [operation.rated.speed * ratio]
-    if faults := uncovered(table, np.array([*ends, *rated]), about):
-        return faults
-    if not rated:
-        return []
-    needed = float(balance.applied(part.stations[0], np.array(rated) / ratio)[0]) / ratio
-    given = float(interpolated(table, np.array(rated), about)[0])
-    if abs(given - needed) <= SAME_TORQUE * abs(needed):
-        return []
-    message = (
-        f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
-    )
-    return [
-        Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")
-    ]
 
 
 def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
@@ -174,15 +157,11 @@ def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
     balance = power_balance(study.train, operation)
     speed = np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
-    slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(
-        balance, ratio, speed
-    )
-    stated = [
-        part
+    slopes = drive_slopes(study.train, operation, balance, ratio, speed)
+    slopes += load_slopes(balance, ratio, speed)
+    return [
+        (part.name, slope, lacking[part.name])
         for part in study.train.parts
-        if part.machine and (part.machine.drive or part.machine.load)
+        if part.machine and (part.machine.drive or part.machine.load) and part.name in lacking
+        if (slope := float(slopes[part.stations[0], 0]))
     ]
-    stated_slopes = [
-        (part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking
-    ]
-    return [(name, slope, lacking[name]) for name, slope in stated_slopes if slope]

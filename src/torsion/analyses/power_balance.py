@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError, Path
+from torsion.errors import Fault, InputError
 from torsion.model.machine_torques import LoadLaw
 from torsion.model.parts import MachineRecord, Part
 from torsion.study import Operation, Study
@@ -38,21 +38,17 @@ def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
         speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)
     ):
         return []
-    covers = (
-        f"covers {in_rpm(first)} to {in_rpm(last)}, the speeds run from {in_rpm(speed.min())} to "
-    )
+    ends = first, last, speed.min(), speed.max()
+    begin, end, slowest, fastest = (f"{end * 30.0 / np.pi:.6g} rpm" for end in ends)
+    message = f"{about.message} covers {begin} to {end}, the speeds run from {slowest} to {fastest}"
     hint = "extend the table, or narrow the speeds; nothing is extrapolated"
-    return [Fault(about.path, f"{about.message} {covers}{in_rpm(speed.max())}", hint)]
-
-
-def in_rpm(speed: float) -> str:
-    """Return a speed (rad/s) in words, per minute."""
-    return f"{speed * 30.0 / np.pi:.6g} rpm"
+    return [Fault(about.path, message, hint)]
 
 
 Shares = list[Fraction]
 Shared = list[tuple[int, Fraction]]  # stations with their shares of a torque
 OF_OPERATION = ("operation", "load")
+TABLE = Fault(OF_OPERATION, "the table of the load")
 
 
 @dataclass(frozen=True)
@@ -64,23 +60,18 @@ class Load:
     law: LoadLaw  # a table is in speeds and torques of the reference
     torque: float = 0.0  # N m at the reference, at `speed`; of a table nothing
     speed: float = 1.0  # rad/s of the reference
-    path: Path = OF_OPERATION
+    about: Fault = TABLE
     is_free: bool = False  # it takes what is left
 
     def torque_at(self, speed: FloatArray) -> FloatArray:
         """Return the torque (speeds,) N m at the reference; raises InputError where a table ends before."""
         if self.law.table:
-            return interpolated(self.law.table, speed, self._table).copy()
+            return interpolated(self.law.table, speed, self.about).copy()
         return self.law.torque(speed, self.speed, self.torque)
 
     def faults(self, speed: FloatArray) -> list[Fault]:
         """Return the fault of a table of load that does not cover the speeds (rad/s)."""
-        return uncovered(self.law.table, speed, self._table) if self.law.table else []
-
-    @property
-    def _table(self) -> Fault:
-        whose = f" of '{self.parts[0].name}'" if self.path != OF_OPERATION else ""
-        return Fault(self.path, f"the table of the load{whose}")
+        return uncovered(self.law.table, speed, self.about) if self.law.table else []
 
 
 @dataclass(frozen=True)
@@ -122,10 +113,6 @@ class Balance:
             load.torque_at(speed) * float(self.shares(load)[station]) for load in self.loads
         )
         return sum(others, start=first)
-
-    def full_torque(self, speed: FloatArray) -> FloatArray:
-        """Return the torque (speeds,) N m of all loads at the reference, when every cylinder fires."""
-        return np.asarray(sum(load.torque_at(speed) for load in self.loads))
 
     @property
     def corners(self) -> list[float]:
@@ -174,38 +161,51 @@ def power_balance(train: Train, operation: Operation) -> Balance:
         for drives in (True, False)
     )
     compressors = [part for part in train.parts if part.compressor is not None]
-    stated = [_stated_load(part, operation) for part in absorbers if _is_stated(part)]
+    stated = list[Load]()
+    for part in filter(_is_stated, absorbers):
+        # By its own `power`, `torque` or table, referred to the reference speed.
+        ratio = abs(float(part.ratio))
+        stations = [(part.stations[0], Fraction(1))]
+        own_law = None if part.machine is None else part.machine.load
+        if own_law is not None and own_law.table:
+            table = tuple((speed / ratio, torque * ratio) for speed, torque in own_law.table)
+            about = Fault((*part.path, "load"), f"the table of the load of '{part.name}'")
+            stated.append(Load((part,), stations, LoadLaw(table=table), about=about))
+            continue
+        # A table of the operation is refused where machines state their power.
+        law = LoadLaw() if operation.load.table else law_of(part, operation)
+        speed, torque = _stated_point(part, operation)
+        stated.append(Load((part,), stations, law, torque, speed))
     free = [part for part in absorbers if not _is_stated(part)]
-    if absorbers:
-        stated += [_pressure_load(part) for part in compressors if _has_pressures(part)]
-        free += [part for part in compressors if not _has_pressures(part)]
+    for part in compressors if absorbers else ():
+        compressor = part.compressor
+        if compressor is None or not any(throw.gas[0].real for throw in compressor.throws):
+            free.append(part)
+            continue
+        # Beside other loads its pressures absorb one torque at every speed.
+        indicated = sum(torque for _, torque in compressor.absorbs)
+        torque = indicated * abs(float(part.ratio)) / compressor.efficiency
+        stated.append(Load((part,), _by_pressures([part]), LoadLaw(0.0), torque))
     loads = _loads(train, operation, stated, free, compressors)
     if stated and not drivers:
         hint = "name what drives a `motor`, `turbine` or `engine`"
         path = stated[0].parts[0].path
         raise InputError([Fault(path, "every machine absorbs; nothing drives", hint)])
 
-    driving = _drivers(drivers, loads, operation)
-    entering = _names_of(drivers) + _sharing_words(drivers, " in proportion to their power")
-    leaving = _names_of(absorbers or compressors) + _sharing_words(absorbers, "")
-
     # An end of the main line stands for the machines of a side that names none.
-    first, last = _ends(train)
+    driving = _drivers(drivers, loads, operation)
+    entering = _side_words(drivers, " in proportion to their power")
+    leaving = _side_words(absorbers, "") or _joined([part.name for part in compressors])
     if not drivers:
-        taken = [station for load in loads for station, _ in load.stations]
-        kinds = "motor", "propeller"
-        station, entering = _free_end((first, last), taken, kinds, train, operation)
+        station, entering = _free_end(train, operation, loads, is_driving=True)
         driving = [Driver(None, [(station, Fraction(1))], is_free=False)]
     if not loads[0].stations:
-        taken = [station for driver in driving for station, _ in driver.stations]
-        kinds = "propeller", "motor"
-        station, leaving = _free_end((last, first), taken, kinds, train, operation)
+        station, leaving = _free_end(train, operation, driving, is_driving=False)
         loads = [replace(loads[0], stations=[(station, Fraction(1))], is_free=False)]
 
+    balance = Balance(tuple(loads), tuple(driving), len(train.stations), "")
     sentence = f"The mean torque enters at {entering} and leaves at {leaving}."
-    sentence += _unused_ratings_words(drivers, operation)
-    balance = Balance(tuple(loads), tuple(driving), len(train.stations), sentence)
-    return replace(balance, sentence=sentence + _missing_power_words(balance, operation))
+    return replace(balance, sentence=sentence + _remarks(drivers, balance, operation))
 
 
 def rated_power(study: Study) -> float | None:
@@ -216,8 +216,12 @@ def rated_power(study: Study) -> float | None:
         return None
     if rated.power is not None or operation.load.table or not study.has_mean_torque:
         return rated.power
-    balance = power_balance(study.train, operation)
-    return float(balance.full_torque(np.array([rated.speed]))[0]) * rated.speed
+    return _total(power_balance(study.train, operation).loads, rated.speed) * rated.speed
+
+
+def _total(loads: Sequence[Load], speed: float) -> float:
+    """Return the torque (N m) of all loads at a reference speed (rad/s), when every cylinder fires."""
+    return float(sum(load.torque_at(np.array([speed]))[0] for load in loads))
 
 
 def law_of(part: Part, operation: Operation) -> LoadLaw:
@@ -231,80 +235,57 @@ def _is_stated(part: Part) -> bool:
     return part.machine is not None and part.machine.is_stated
 
 
-def _has_pressures(part: Part) -> bool:
-    throws = () if part.compressor is None else part.compressor.throws
-    return any(throw.gas[0].real for throw in throws)
-
-
 def _loads(
     train: Train, operation: Operation, stated: list[Load], free: list[Part], compressors: Parts
 ) -> list[Load]:
     """Return the stated loads and the free one; a free one without stations stands for an end of the train."""
+    rated = operation.rated
+    power = None if rated is None else rated.power
     if not stated:
-        if compressors and not free:
-            return [_whole_load(operation, compressors, _by_pressures(compressors))]
+        parts = free or compressors
+        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
         _refuse_unlike(train, operation, free)
-        return [_whole_load(operation, free, _in_equal_parts(free))]
+        if not free:
+            stations = _by_pressures(compressors)
+        law = law_of(parts[0], operation) if parts else operation.load
+        torque, speed = 0.0, 1.0
+        if operation.load.table:
+            law = operation.load
+            for part in parts:
+                if part.machine is not None and part.machine.load is not None:
+                    message = f"`load` of '{part.name}' and a table of `operation.load` exclude each other"
+                    raise InputError([Fault((*part.path, "load"), message, "keep one of them")])
+        elif rated is None or power is None:
+            message = "the mean torque needs the rated power"
+            hint = "for example `rated: {speed: 1500 rpm, power: 100 kW}`"
+            raise InputError([Fault(("operation", "rated"), message, hint)])
+        else:
+            torque, speed = power / rated.speed, rated.speed
+        return [Load(tuple(parts), stations, law, torque, speed, is_free=True)]
     if operation.load.table:
         message = "a table of `load` is the total, and loads of the train state their power"
         hint = "give the table to one machine, or leave their power out"
         raise InputError([Fault(OF_OPERATION, message, hint)])
-    rated = operation.rated
-    if rated is None or rated.power is None:
+    if rated is None or power is None:
         if not free:
             return stated
         message = f"'{free[0].name}' has no `power`, and `rated` has no power from which its share could follow"
         hint = "give it its `power`, or give `operation.rated.power`"
         raise InputError([Fault(free[0].path, message, hint)])
 
-    speed = np.array([rated.speed])
-    taken = float(sum(load.torque_at(speed)[0] for load in stated)) * rated.speed
-    if free and taken < rated.power:
+    taken = _total(stated, rated.speed) * rated.speed
+    if free and taken < power:
         _refuse_unlike(train, operation, free)
-        torque = (rated.power - taken) / rated.speed
+        torque = (power - taken) / rated.speed
+        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
         law = law_of(free[0], operation)
-        shares = _in_equal_parts(free)
-        return [*stated, Load(tuple(free), shares, law, torque, rated.speed, is_free=True)]
-    if free or abs(taken - rated.power) > SAME_POWER * rated.power:
-        message = f"the loads absorb {_in_kw(taken)}, `rated` has {_in_kw(rated.power)}"
+        return [*stated, Load(tuple(free), stations, law, torque, rated.speed, is_free=True)]
+    if free or abs(taken - power) > SAME_POWER * power:
+        message = f"the loads absorb {_in_kw(taken)}, `rated` has {_in_kw(power)}"
         hint = "leave out the power of the one that takes the rest, or correct one"
         hint += "; make a machine that drives a `motor`" if free else ""
         raise InputError([Fault(("operation", "rated", "power"), message, hint)])
     return stated
-
-
-def _whole_load(operation: Operation, parts: Parts, stations: Shared) -> Load:
-    """Return the load that takes the whole rated power, or the table of the operation."""
-    if operation.load.table:
-        for part in parts:
-            if part.machine is not None and part.machine.load is not None:
-                message = (
-                    f"`load` of '{part.name}' and a table of `operation.load` exclude each other"
-                )
-                raise InputError([Fault((*part.path, "load"), message, "keep one of them")])
-        return Load(tuple(parts), stations, operation.load, is_free=True)
-    rated = operation.rated
-    if rated is None or rated.power is None:
-        message = "the mean torque needs the rated power"
-        hint = "for example `rated: {speed: 1500 rpm, power: 100 kW}`"
-        raise InputError([Fault(("operation", "rated"), message, hint)])
-    law = law_of(parts[0], operation) if parts else operation.load
-    torque = rated.power / rated.speed
-    return Load(tuple(parts), stations, law, torque, rated.speed, is_free=True)
-
-
-def _stated_load(part: Part, operation: Operation) -> Load:
-    """Return a load by its own `power`, `torque` or table, referred to the reference speed."""
-    load = None if part.machine is None else part.machine.load
-    ratio = abs(float(part.ratio))
-    stations = [(part.stations[0], Fraction(1))]
-    if load is not None and load.table:
-        table = tuple((speed / ratio, torque * ratio) for speed, torque in load.table)
-        return Load((part,), stations, LoadLaw(table=table), path=(*part.path, "load"))
-    speed, torque = _stated_point(part, operation)
-    # A table of the operation is refused where machines state their power.
-    law = LoadLaw() if operation.load.table else law_of(part, operation)
-    return Load((part,), stations, law, torque, speed)
 
 
 def _stated_point(part: Part, operation: Operation) -> tuple[float, float]:
@@ -331,18 +312,6 @@ def _by_pressures(compressors: Parts) -> Shared:
     ]
     total = sum((torque for _, torque in torques), Fraction(0))
     return [(station, torque / total) for station, torque in torques]
-
-
-def _pressure_load(part: Part) -> Load:
-    """Return the load of a compressor beside other loads: its pressures absorb one torque at every speed."""
-    assert part.compressor is not None
-    indicated = sum(torque for _, torque in part.compressor.absorbs)
-    torque = indicated * abs(float(part.ratio)) / part.compressor.efficiency
-    return Load((part,), _by_pressures([part]), LoadLaw(0.0), torque)
-
-
-def _in_equal_parts(parts: Parts) -> Shared:
-    return [(part.stations[0], Fraction(1, len(parts))) for part in parts]
 
 
 def _refuse_unlike(train: Train, operation: Operation, parts: Parts) -> None:
@@ -378,70 +347,61 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
     stated = [part for part in drivers if _is_stated(part)]
     free = [part for part in drivers if not _is_stated(part)]
     if len(drivers) < 2 or not stated:
-        is_free = not any(load.is_free for load in loads)
-        return [Driver(part, _within(part, Fraction(1, len(drivers))), is_free) for part in drivers]
-    if not free:
+        shares = [Fraction(1, len(drivers)) for _ in drivers]
+        free = [] if any(load.is_free for load in loads) else drivers
+    elif not free:
         machines = [part.machine for part in drivers if part.machine is not None]
         powers = [machine.power for machine in machines if machine.speed is None]
         weights = [Fraction(power) for power in powers if power is not None]
         if len(weights) < len(drivers):
             weights = [Fraction(_stated_point(part, operation)[1]) for part in drivers]
         shares = [weight / sum(weights) for weight in weights]
-        return [
-            Driver(part, _within(part, share), is_free=False)
-            for part, share in zip(drivers, shares, strict=True)
-        ]
-    if len(free) > 1:
+    elif len(free) > 1:
         names = _joined([f"'{part.name}'" for part in free])
         number = "both" if len(free) == 2 else "all"
         message = f"{names} drive, {number} without power, in addition to '{stated[0].name}'"
         raise InputError([Fault(free[0].path, message, "only one machine can be the free one")])
-    share_of = {}
-    for (
-        part
-    ) in stated:  # of the torque of all loads at the speed of its power, kept at other speeds
-        speed, torque = _stated_point(part, operation)
-        taken = float(sum(load.torque_at(np.array([speed]))[0] for load in loads))
-        share_of[part.name] = Fraction(torque) / Fraction(taken) if taken else Fraction(1)
-    left = 1 - sum(share_of.values(), Fraction(0))
-    if left <= 0:
-        message = f"the other machines that drive give all that the loads take, and nothing is left for '{free[0].name}'"
-        hint = "correct a power, or make it a machine that absorbs"
-        raise InputError([Fault(free[0].path, message, hint)])
-    return [
-        Driver(part, _within(part, share_of.get(part.name, left)), part is free[0])
-        for part in drivers
-    ]
+    else:
+        # Of the torque of all loads at the speed of its power, kept at other speeds.
+        share_of = {}
+        for part in stated:
+            speed, torque = _stated_point(part, operation)
+            taken = _total(loads, speed)
+            share_of[part.name] = Fraction(torque) / Fraction(taken) if taken else Fraction(1)
+        left = 1 - sum(share_of.values(), Fraction(0))
+        if left <= 0:
+            message = f"the other machines that drive give all that the loads take, and nothing is left for '{free[0].name}'"
+            hint = "correct a power, or make it a machine that absorbs"
+            raise InputError([Fault(free[0].path, message, hint)])
+        shares = [share_of.get(part.name, left) for part in drivers]
+
+    driving = []
+    for part, share in zip(drivers, shares, strict=True):
+        # That of an engine enters at its throws.
+        drives = [(part.stations[0], 1.0)] if part.engine is None else part.engine.drives
+        stations = [(station, share * Fraction(weight)) for station, weight in drives]
+        driving.append(Driver(part, stations, any(part is free_part for free_part in free)))
+    return driving
 
 
-def _within(part: Part, share: Fraction) -> Shared:
-    """Return where a machine's share of the mean torque enters: of an engine at its throws."""
-    if part.engine is None:
-        return [(part.stations[0], share)]
-    return [(station, share * Fraction(weight)) for station, weight in part.engine.drives]
+def _free_end(
+    train: Train, operation: Operation, others: Sequence[Load | Driver], *, is_driving: bool
+) -> tuple[int, str]:
+    """Return the end of the main line that drives, else absorbs, and its name with the reason for a sentence.
 
-
-def _ends(train: Train) -> tuple[int, int]:
-    """Return the first station, and the last of the main line."""
+    It is the first, else the last end that the `others` leave; raises InputError where both are taken.
+    """
     main = [
         part
         for part in train.parts
         if part.depth == 0 and part.stations and part.path[0] == "train"
     ]
-    return 0, main[-1].stations[-1]
-
-
-def _free_end(
-    ends: tuple[int, int],
-    taken: Sequence[int],
-    kinds: tuple[str, str],
-    train: Train,
-    operation: Operation,
-) -> tuple[int, str]:
-    """Return the first end of the main line that is not taken, and its name with the reason for a sentence.
-
-    kinds: the kind of component that the file lacks, and the other kind; raises InputError where both ends are taken.
-    """
+    ends = [0, main[-1].stations[-1]]
+    kinds = ["motor", "propeller"]
+    if not is_driving:
+        ends.reverse()
+        kinds.reverse()
+    taken = [station for machine in others for station, _ in machine.stations]
     free = [end for end in ends if end not in taken]
     if not free:
         path = ("operation", "load" if operation.rated is None else "rated")
@@ -455,49 +415,38 @@ def _free_end(
     return free[0], f"{train.stations[free[0]].name} ({reason})"
 
 
-def _sharing_words(parts: Parts, by_power: str) -> str:
-    """Return how several machines of a side share its power: `by_power` where each of them states its power."""
+def _side_words(parts: Parts, by_power: str) -> str:
+    """Return the names of a side and how they share its power: `by_power` where each of them states its power."""
     stated = sum(map(_is_stated, parts))
-    if len(parts) < 2:
-        return ""
-    return by_power if stated == len(parts) else "" if stated else " in equal parts"
+    names = _joined([part.name for part in parts])
+    if len(parts) < 2 or 0 < stated < len(parts):
+        return names
+    return names + (by_power if stated else " in equal parts")
 
 
-def _unused_ratings_words(drivers: Parts, operation: Operation) -> str:
-    """Return what the powers of drivers are not, where together they are not the rated power."""
-    powers = [part.machine.power for part in drivers if part.machine and part.machine.power]
-    rated = None if operation.rated is None else operation.rated.power
-    if rated is None or not powers or len(powers) < len(drivers):
-        return ""
-    if abs(sum(powers) - rated) <= SAME_POWER * rated:
-        return ""
-    subject = "The power of the motor"
-    use = "is not used"
-    if len(powers) > 1:
-        subject = "The powers of the motors, together"
-        use = "say their shares alone"
-    return f" {subject} ({_in_kw(sum(powers))}) {use}: the torque follows from the rated {_in_kw(rated)}."
-
-
-def _missing_power_words(balance: Balance, operation: Operation) -> str:
-    """Return what cylinders that do not fire take from the loads, in kW at the rated point."""
-    share = float(balance.delivered)
+def _remarks(drivers: Parts, balance: Balance, operation: Operation) -> str:
+    """Return what the powers of drivers are not, and what cylinders that do not fire take from the loads."""
+    remarks = ""
     rated = operation.rated
+    power = None if rated is None else rated.power
+    powers = [part.machine.power for part in drivers if part.machine and part.machine.power]
+    is_known = power is not None and len(powers) == len(drivers) > 0
+    if power is not None and is_known and abs(sum(powers) - power) > SAME_POWER * power:
+        subject, use = "The power of the motor", "is not used"
+        if len(powers) > 1:
+            subject, use = "The powers of the motors, together", "say their shares alone"
+        remarks = f" {subject} ({_in_kw(sum(powers))}) {use}: the torque follows from the rated {_in_kw(power)}."
+    share = float(balance.delivered)
     if rated is None or abs(share - 1.0) <= SAME_SHARE:
-        return ""
-    speed = np.array([rated.speed])
-    if any(load.faults(speed) for load in balance.loads):
-        return ""
-    power = float(balance.full_torque(speed)[0]) * rated.speed
+        return remarks
+    if any(load.faults(np.array([rated.speed])) for load in balance.loads):
+        return remarks
+    full = _total(balance.loads, rated.speed) * rated.speed
     change = "rise alike"
     if share < 1.0:
         change = "fall alike (`keep_power: true` of the engine keeps them)"
-    enters = f"{_in_kw(share * power)} of {_in_kw(power)} enter at the rated speed"
-    return f" Not every cylinder fires as the others: {enters}, and all loads {change}."
-
-
-def _names_of(parts: Parts) -> str:
-    return _joined([part.name for part in parts])
+    enters = f"{_in_kw(share * full)} of {_in_kw(full)} enter at the rated speed"
+    return f"{remarks} Not every cylinder fires as the others: {enters}, and all loads {change}."
 
 
 def _joined(words: list[str]) -> str:

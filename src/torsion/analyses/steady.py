@@ -95,7 +95,7 @@ def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray
 class Steady:
     """The train at constant speed."""
 
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
     torque: FloatArray = result(
         "N*m", ("span", "speed"), "mean torque at the driving station's speed"
     )
@@ -157,25 +157,14 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
     balance = power_balance(train, operation)
     ratio = system.speed_ratio
+    means = [load.torque_at(speed) for load in balance.loads]
     torque, applied, twist = (
-        np.zeros((count, len(speed)))
-        for count in (len(system.spans), len(system.stations), len(system.stations))
+        np.asarray(sum(map(np.outer, unit, means)))
+        for unit in zip(*_unit_loads(train, system, operation), strict=True)
     )
-    pairs = zip(balance.loads, _unit_loads(train, system, operation), strict=True)
-    for load, (unit_torque, unit_applied, unit_twist) in pairs:
-        mean = load.torque_at(speed)
-        torque += np.outer(unit_torque, mean)
-        applied += np.outer(unit_applied, mean)
-        twist += np.outer(unit_twist, mean)
-    return Steady(
-        speed,
-        torque,
-        applied,
-        twist,
-        balance.sentence,
-        load_slopes(balance, ratio, speed),
-        drive_slopes(train, operation, balance, ratio, speed),
-    )
+    slopes = drive_slopes(train, operation, balance, ratio, speed)
+    loaded = load_slopes(balance, ratio, speed)
+    return Steady(speed, torque, applied, twist, balance.sentence, loaded, slopes)
 
 
 @keeping_last
@@ -222,11 +211,10 @@ def run(work: Work) -> None:
         work.log.without("mean torque", reason)
         return
     balance = power_balance(study.train, operation)
+    grid = np.array([] if operation.speed is None else [operation.speed])
     if speeds is not None:
         corners = [speed for speed in balance.corners if speeds.first <= speed <= speeds.last]
-        grid = np.union1d(speeds.values(), corners) if corners else speeds.values()
-    else:
-        grid = np.array([] if operation.speed is None else [operation.speed])
+        grid = np.union1d(speeds.values(), corners)
     if operation.rated is not None:
         grid = np.union1d(grid, [operation.rated.speed])
     if not grid.size:
@@ -261,11 +249,9 @@ def _machines(balance: Balance, system: System, mean: Steady, point: int) -> Ite
     sides: list[tuple[Part | None, Shared, str, bool]] = [
         (driver.part, driver.stations, "", driver.is_free) for driver in balance.drivers
     ]
-    named = [load for load in balance.loads if load.parts]
-    unnamed = [load for load in balance.loads if not load.parts]
-    for load in (*named, *unnamed):
-        parts = load.parts or (None,)
-        sides += [(part, load.stations, load.law.words, load.is_free) for part in parts]
+    for load in sorted(balance.loads, key=lambda load: not load.parts):
+        for machine in load.parts or (None,):
+            sides.append((machine, load.stations, load.law.words, load.is_free))
     for number, (part, shared, law, is_free) in enumerate(sides):
         stations = list(dict.fromkeys(station for station, _ in shared))
         if part is not None and part.compressor is not None:
@@ -283,10 +269,11 @@ def _machines(balance: Balance, system: System, mean: Steady, point: int) -> Ite
 def power_faults(study: Study) -> list[Fault]:
     """Return why the mean torque finds no way through the train, and tables of load that do not cover the speeds."""
     operation = study.operation
-    speeds = study.operation.speeds
-    ends = [] if speeds is None else [speeds.first, speeds.last]
-    speed = np.array([*ends, *([] if operation.rated is None else [operation.rated.speed])])
-    if not speed.size:
+    points = [] if operation.rated is None else [operation.rated.speed]
+    if operation.speeds is not None:
+        points += [operation.speeds.first, operation.speeds.last]
+    speed = np.array(points)
+    if not points:
         return []
     try:
         balance = power_balance(study.train, operation)
@@ -300,7 +287,7 @@ def table_faults(study: Study) -> list[Fault]:
     speeds = study.operation.speeds
     faults = list[Fault]()
     orders = getattr(study.analyses.get("response"), "orders", "all")
-    for torque in study.train.torques if speeds is not None else ():
+    for torque in study.train.torques:
         ratio = study.train.stations[torque.station].ratio
         is_read = torque.frequency is not None
         if torque.order is not None:

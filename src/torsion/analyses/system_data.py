@@ -5,6 +5,7 @@ Every other analysis starts from these values; here they stand as people read th
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from fractions import Fraction
 
 import numpy as np
@@ -13,10 +14,11 @@ from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.assembly.spans import bar_segments
 from torsion.errors import InputError, without_controls
 from torsion.findings import Results, Work
-from torsion.model.parts import GearRating
-from torsion.primitives import Bar, Inertia, SectionMesh, Torque
+from torsion.model.parts import GearRating, MachineRecord
+from torsion.primitives import Inertia, SectionMesh
 from torsion.results import reported, result
 
 GIVEN_AS = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", "damping": "c"}
@@ -171,45 +173,35 @@ def run(work: Work) -> None:
 
 def system_data(evidence: Results) -> SystemData:
     """Return the data of a system, at the rated speed where they vary and mean torques are known."""
+    system = evidence.system
     train = evidence.study.train
+    rated = evidence.study.operation.rated
     impellers = list[ImpellerRow]()
     for part in train.parts:
-        if part.impeller is not None:
-            impeller = part.impeller
+        if (impeller := part.impeller) is not None:
             screw = part.propeller
             wet = None if impeller.water is None else impeller.inertia + impeller.water
             size = (None, None) if screw is None else (screw.pitch_ratio, screw.area_ratio)
             row = part.name, impeller.blades, impeller.diameter, *size
             impellers.append(ImpellerRow(*row, impeller.inertia, impeller.water, wet))
-    gears = [
-        GearRow(
-            mesh.name,
-            mesh.teeth[0] if mesh.teeth else None,
-            mesh.teeth[1] if mesh.teeth else None,
-            1 / mesh.ratio,
-            getattr(train.parts[mesh.part].get(GearRating), "application_factor", None),
-        )
-        for mesh in train.constraints
-        if train.parts[mesh.part].kind == "gear"
-    ]
+    gears = list[GearRow]()
+    for mesh in train.constraints:
+        part = train.parts[mesh.part]
+        if part.kind == "gear":
+            factor = getattr(part.get(GearRating), "application_factor", None)
+            driving, driven = mesh.teeth or (None, None)
+            gears.append(GearRow(mesh.name, driving, driven, 1 / mesh.ratio, factor))
+    components = list[ComponentRow]()
+    for part in train.parts:
+        speed = None if rated is None else rated.speed * float(part.ratio)
+        origin = speed, part.source, part.note
+        components.append(ComponentRow(part.name, part.kind, part.ratio, *origin))
     inertias = tuple(_inertias(evidence))
-    rated = evidence.study.operation.rated
-    components = [
-        ComponentRow(
-            part.name,
-            part.kind,
-            part.ratio,
-            None if rated is None else rated.speed * float(part.ratio),
-            part.source,
-            part.note,
-        )
-        for part in train.parts
-    ]
     return SystemData(
         components=tuple(components),
         inertias=inertias,
         total=sum(row.referred for row in inertias if math.isfinite(row.referred)),
-        elements=tuple(_elastic_row(evidence, element) for element in elements(evidence.system)),
+        elements=tuple(_elastic_row(evidence, element) for element in elements(system)),
         shafts=tuple(_shafts(evidence)),
         gears=tuple(gears),
         impellers=tuple(impellers),
@@ -218,24 +210,18 @@ def system_data(evidence: Results) -> SystemData:
     )
 
 
-def _lumps(evidence: Results, bar: Bar) -> tuple[float, float, float]:
-    """Return the inertia (kg m2) of a shaft at its driving end, between its ends and at its driven end."""
-    from torsion.assembly.spans import bar_segments
-
-    lumps = bar_segments(bar, evidence.system.segments[bar.name])[1]
-    return float(lumps[0]), float(lumps[1:-1].sum()), float(lumps[-1])
-
-
 def _inertias(evidence: Results) -> Iterator[InertiaRow]:
     """Yield by station what components give it, then what the shafts that end there do; inner segments last."""
     train = evidence.system.train
     lumps = list(train.inertias)
     inner = list[tuple[str, Inertia]]()
     for bar in train.bars:
-        driving, inside, driven = _lumps(evidence, bar)
+        driving, *between, driven = bar_segments(bar, evidence.system.segments[bar.name])[
+            1
+        ].tolist()
         lumps.append(Inertia(bar.driving, driving, bar.part, "driving end"))
         lumps.append(Inertia(bar.driven, driven, bar.part, "driven end"))
-        inner.append((bar.name, Inertia(bar.driving, inside, bar.part, "between ends")))
+        inner.append((bar.name, Inertia(bar.driving, sum(between), bar.part, "between ends")))
 
     named = [(train.stations[lump.station].name, lump) for lump in lumps]
     named.sort(key=lambda pair: pair[1].station)
@@ -244,53 +230,50 @@ def _inertias(evidence: Results) -> Iterator[InertiaRow]:
         if station.is_ground or not lump.inertia:
             continue
         part = evidence.study.train.parts[lump.part]
-        given = None
-        ratio = None
+        given: tuple[float | None, Fraction | None] = None, None
         if evidence.study.train.has_referred_figures and math.isfinite(lump.given):
-            given = lump.given
             # Of the driven wheel of a gear the value is given at the driving side.
             ratio = part.ratio if part.referred_to is None else part.referred_to
-            ratio = station.ratio if lump.given == lump.inertia else ratio
+            given = lump.given, station.ratio if lump.given == lump.inertia else ratio
         words = f"{part.name}, {lump.what}" if lump.what else part.name
         referred = lump.inertia * float(station.ratio) ** 2
-        yield InertiaRow(name, words, given, ratio, lump.inertia, station.ratio, referred)
+        yield InertiaRow(name, words, *given, lump.inertia, station.ratio, referred)
 
 
 def _elastic_row(evidence: Results, element: Element) -> ElasticRow:
     system = evidence.system
     span = element.spans[0]
-    part = evidence.study.train.parts[element.part]
+    train = evidence.study.train
+    part = train.parts[element.part]
     table = system.tables.get(span)
     flexibility = float(system.flexibility[list(element.spans)].sum())
     driving = system.spans[span].driving
     driven = system.spans[element.spans[-1]].driven
     ratio = system.stations[driving].ratio
-    given_ratio = ratio if part.referred_to is None else part.referred_to
+    given: tuple[float | None, Fraction | None] = None, None
     stiffness = None
-    given = None
     if flexibility < math.inf and table is None:
         stiffness = 1 / flexibility if flexibility else math.inf
-        if flexibility and evidence.study.train.has_referred_figures and not part.is_bar:
-            given = float(ratio / given_ratio) ** 2 * stiffness
+        if flexibility and train.has_referred_figures and not part.is_bar:
+            given_ratio = ratio if part.referred_to is None else part.referred_to
+            given = float(ratio / given_ratio) ** 2 * stiffness, given_ratio
     source = ""
-    is_damped = damps(system, element)
+    is_linear = table is None and damps(system, element)
     if table is not None:
         source = table.follows
     elif part.damping is not None:
         key, value = part.damping
         source = f"{GIVEN_AS[key]} = {value:.6g}"
-    elif is_damped:
+    elif is_linear:
         source = f"material {part.shaft.material}" if part.is_bar and part.shaft else "input"
-    is_linear = is_damped and table is None
     return ElasticRow(
-        component=element.name,
-        begin=system.stations[driving].name,
-        end=system.stations[driven].name,
-        given=given,
-        given_ratio=None if given is None else given_ratio,
-        stiffness=stiffness,
-        ratio=ratio,
-        referred=None if stiffness is None else stiffness * element.ratio**2,
+        element.name,
+        system.stations[driving].name,
+        system.stations[driven].name,
+        *given,
+        stiffness,
+        ratio,
+        None if stiffness is None else stiffness * element.ratio**2,
         loss_factor=(float(system.loss_factor[span]) or None) if is_linear else None,
         viscous=(float(system.viscous[span]) or None) if is_linear else None,
         source=source,
@@ -301,7 +284,7 @@ def _shafts(evidence: Results) -> Iterator[ShaftRow]:
     train = evidence.study.train
     for requested, bar in zip(train.bars, evidence.system.train.bars, strict=True):
         section = requested.section
-        is_round = requested.section is None
+        is_round = section is None
         material = train.shaft(requested).material
         is_mesh = isinstance(section, SectionMesh)
         yield ShaftRow(
@@ -313,7 +296,7 @@ def _shafts(evidence: Results) -> Iterator[ShaftRow]:
             mesh=without_controls(section.file) if isinstance(section, SectionMesh) else None,
             length=bar.length,
             modulus=stress_modulus(bar),
-            inertia=sum(_lumps(evidence, bar)),
+            inertia=float(bar_segments(bar, evidence.system.segments[bar.name])[1].sum()),
             material=material,
             # A hub or a step raises the G of the calculation.
             shear_modulus=train.materials[material].shear_modulus,
@@ -334,30 +317,38 @@ def _ground(evidence: Results) -> Iterator[GroundDamping]:
         value = None
         if not needs_torque and not any(damper.speed_factor for damper in dampers):
             value = sum(damper.constant for damper in dampers)
-        elif rated is not None and (steady is not None or not needs_torque):
-            speeds = np.array([rated.speed])
-            mean = np.array([])
-            slope = None
-            if steady is not None:
-                nearest = [int(np.argmin(np.abs(steady.speed - rated.speed)))]
-                speeds = steady.speed[nearest]
-                mean = steady.applied[:, nearest]
-                slope = steady.load_slope[:, nearest]
-            value = float(system.ground_damping(speeds, mean, slope)[station, 0])
-        model = "viscous"
-        factor = None
-        if part.machine is not None:
-            model = part.machine.damping_model
-            factor = part.machine.damping_factor
-        yield GroundDamping(system.stations[station].name, model, factor, value, part.source)
+        elif rated is not None and steady is not None:
+            nearest = [int(np.argmin(np.abs(steady.speed - rated.speed)))]
+            mean = steady.speed[nearest], steady.applied[:, nearest], steady.load_slope[:, nearest]
+            value = float(system.ground_damping(*mean)[station, 0])
+        elif rated is not None and not needs_torque:
+            value = float(system.ground_damping(np.array([rated.speed]), np.array([]))[station, 0])
+        machine = part.machine or MachineRecord(is_driver=False)
+        model = machine.damping_model, machine.damping_factor
+        yield GroundDamping(system.stations[station].name, *model, value, part.source)
 
 
 def _torques(evidence: Results) -> Iterator[TorqueRow]:
-    train = evidence.study.train
-    for torque in train.torques:
+    """Yield the harmonic torques; the amplitude at the rated speed is None where it is not known there."""
+    study = evidence.study
+    rated = study.operation.rated
+    for torque in study.train.torques:
         if torque.cylinder is not None:
             continue
         ratio = evidence.system.stations[torque.station].ratio
+        at_rated = None
+        ends = [row[0] for row in torque.table or ((0.0,), (math.inf,))]
+        if (
+            torque.mesh is None
+            and rated is not None
+            and ends[0] <= rated.speed * float(ratio) <= ends[-1]
+        ):
+            speed = np.array([rated.speed])
+            steady = None
+            with suppress(InputError):  # the table of the load may not reach to it
+                steady = steady_if_known(study, evidence.system, speed) if torque.of_mean else None
+            if steady is not None or not torque.of_mean:
+                at_rated = float(np.abs(amplitude(evidence.system, torque, speed, steady))[0])
         is_constant = torque.mesh is None and not (torque.of_mean or torque.table)
         yield TorqueRow(
             name=torque.name,
@@ -367,27 +358,7 @@ def _torques(evidence: Results) -> Iterator[TorqueRow]:
             torque=torque.torque if is_constant else torque.torque or None,
             of_mean=torque.of_mean or None,
             transmission_error=None if torque.mesh is None else torque.mesh[1],
-            rated=_rated_amplitude(evidence, torque),
+            rated=at_rated,
             phase=torque.phase,
             source=torque.source,
         )
-
-
-def _rated_amplitude(evidence: Results, torque: Torque) -> float | None:
-    """Return the amplitude (N m) at the rated speed; None where it is not known there."""
-    rated = evidence.study.operation.rated
-    if torque.mesh is not None or rated is None:
-        return None
-    own_speed = rated.speed * float(evidence.system.stations[torque.station].ratio)
-    if torque.table and not torque.table[0][0] <= own_speed <= torque.table[-1][0]:
-        return None
-    speed = np.array([rated.speed])
-    steady = None
-    if torque.of_mean:
-        try:
-            steady = steady_if_known(evidence.study, evidence.system, speed)
-        except InputError:  # the table of the load does not reach to it
-            steady = None
-        if steady is None:
-            return None
-    return float(np.abs(amplitude(evidence.system, torque, speed, steady))[0])

@@ -1,6 +1,7 @@
 """Forces on the teeth of every mesh whose pitch diameter is given, from the mean torque at the rated point."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -59,13 +60,10 @@ def run(work: Work) -> None:
     """Put the forces where the mean torque at the rated point is known."""
     rated = work.study.operation.rated
     system = work.system
-    meshes = [mesh for mesh in system.train.constraints if mesh.toothing is not None]
-    try:
-        steady = (
-            None if rated is None else steady_if_known(work.study, system, np.array([rated.speed]))
-        )
-    except InputError:  # the table of the load does not reach to it
-        steady = None
+    steady = None
+    if rated is not None:
+        with suppress(InputError):  # the table of the load may not reach to it
+            steady = steady_if_known(work.study, system, np.array([rated.speed]))
     if steady is None:
         work.log.without("tooth forces", "the mean torque at the rated point is not known")
         return
@@ -75,10 +73,9 @@ def run(work: Work) -> None:
     }
     with work.log.step("tooth forces", "the file gives pitch diameters") as step:
         forces_of = []
-        for mesh in meshes:
-            teeth = mesh.toothing
-            torque = torques[mesh.part, mesh.name]
-            if teeth is not None:
+        for mesh in system.train.constraints:
+            if (teeth := mesh.toothing) is not None:
+                torque = torques[mesh.part, mesh.name]
                 size = teeth.diameter, teeth.diameter / float(mesh.ratio), teeth.module
                 angles = teeth.helix, teeth.pressure_angle
                 acting = forces(torque, teeth.diameter, *angles)
