@@ -14,13 +14,12 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Balanced
 from torsion.analyses.response.solver import Answer
-from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, Ratio, amplitudes
+from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, amplitudes
 from torsion.kernels.describing_functions import PiecewiseCoupling, Secant, Slider
 from torsion.kernels.tree_response import complex_compliance
-from torsion.model.parts import NonlinearRecord
 
 Solved = Callable[[Mapping[int, Secant]], Sequence[Answer]]
 ROUNDS = 181  # over several couplings, whose amplitudes depend on each other, until they change by SETTLED
@@ -29,53 +28,27 @@ WHOLE = 6  # every so many rounds all solutions are looked for, else that near t
 NEAR, NEAR_SAMPLES = 1.3, 8  # range about the last amplitude, to either side
 HALF_WAY = 60  # rounds from which on an amplitude goes half the way
 SETTLED = 1e-11
-BOTTOM = 1e-2  # by which the lowest amplitude is reduced until it lies below all solutions
+MOST_REDUCTIONS, BOTTOM = (
+    12,
+    1e-2,
+)  # by which the lowest amplitude is reduced until it lies below all solutions
 REMEDY = "use motion over time"
-
-
-@dataclass(frozen=True)
-class Trials:
-    """1/twist = a + b K of every harmonic component, about the dynamic stiffness of a coupling taken as linear."""
-
-    own: ComplexArray  # (components, columns) N m/rad
-    inverse: ComplexArray  # (components, columns) 1/rad, of the linear coupling
-    slope: ComplexArray  # (components, columns) 1/(N m)
-    moves: BoolArray  # (components, columns)
-    linear: float  # N m/rad beside its own stiffness in the first
-
-    def twist(self, secant: Secant, columns: IntArray) -> FloatArray:
-        """Return the twist (columns,) rad of the largest component, of the columns `at`."""
-        change = (secant.share - 1.0) * self.own[:, columns] + (secant.extra - self.linear)
-        with np.errstate(divide="ignore"):
-            twist = 1.0 / np.abs(self.inverse[:, columns] + self.slope[:, columns] * change)
-        return np.asarray(np.where(self.moves[:, columns], twist, 0.0).max(axis=0))
-
-
-def piecewise(record: NonlinearRecord) -> PiecewiseCoupling:
-    """Return what a coupling with play, friction or stages is to harmonic balance."""
-    sliders = [Slider(torque, stiffness) for torque, stiffness in record.friction]
-    sliders += [
-        Slider(torque, stiffness, begin)
-        for begin, _, (torque, stiffness) in record.stages
-        if torque
-    ]
-    stages = tuple((begin, stiffness) for begin, stiffness, _ in record.stages)
-    return PiecewiseCoupling(record.stiffness, record.play, stages, tuple(sliders))
 
 
 def balanced_spans(system: System) -> dict[int, PiecewiseCoupling]:
     """Return the spans with play, friction or stages; a clutch is taken as stuck."""
-    records = {
-        number: part.nonlinear
-        for number, part in enumerate(system.train.parts)
-        if part.nonlinear is not None
-    }
-    spans = ((span, records.get(part)) for span, part in enumerate(system.span_part.tolist()))
-    return {
-        span: piecewise(coupling)
-        for span, coupling in spans
-        if coupling is not None and coupling.capacity is None
-    }
+    couplings = {}
+    for span, part in enumerate(system.span_part.tolist()):
+        record = system.train.parts[part].nonlinear
+        if record is None or record.capacity is not None:
+            continue
+        sliders = [Slider(torque, stiffness) for torque, stiffness in record.friction]
+        for begin, _, (torque, stiffness) in record.stages:
+            sliders += [Slider(torque, stiffness, begin)] if torque else []
+        stages = tuple((begin, stiffness) for begin, stiffness, _ in record.stages)
+        made = PiecewiseCoupling(record.stiffness, record.play, stages, tuple(sliders))
+        couplings[span] = made
+    return couplings
 
 
 def balanced(
@@ -95,25 +68,38 @@ def balanced(
     fixed = [
         span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0
     ]
-    free = [span for span in couplings if span not in fixed]
-    amplitudes_of = {span: rows.at_rest(span) for span in free}
+    amplitudes_of = dict[int, Amplitudes]()
+    for span, coupling in couplings.items():
+        if span not in fixed:
+            tiny = np.full(columns, 1e-9 * max(coupling.scale, 1e-9))
+            amplitudes_of[span] = Amplitudes(tiny, tiny, tiny, np.ones(columns, dtype=np.int64))
     settled = np.zeros(columns, dtype=bool)
     for number in range(ROUNDS):
-        before = {span: amplitudes_of[span].largest for span in free}
-        for span in free:
-            amplitudes_of[span] = rows.solutions(
-                span, amplitudes_of, np.flatnonzero(~settled), number
-            )
-        is_same = [
-            np.abs(amplitudes_of[span].largest - before[span]) <= SETTLED * before[span]
-            for span in free
-        ]
-        if len(free) < 2 or number % WHOLE == 0:
-            settled = settled | np.all(is_same, axis=0) if len(free) > 1 else ~settled
+        is_same = np.ones(columns, dtype=bool)
+        for span, former in amplitudes_of.items():
+            unsettled = np.flatnonzero(~settled)
+            new = rows.solutions(span, amplitudes_of, unsettled, number)
+            is_same &= np.abs(new.largest - former.largest) <= SETTLED * former.largest
+            amplitudes_of[span] = new
+        if len(amplitudes_of) < 2 or number % WHOLE == 0:
+            settled = settled | is_same if len(amplitudes_of) > 1 else ~settled
         if settled.all():
             break
-    return rows.collected(
-        amplitudes_of | {span: rows.unchanged(span, amplitudes_of) for span in fixed}, settled
+    amplitudes_of |= {span: rows.unchanged(span, amplitudes_of) for span in fixed}
+
+    # A column without a solution is not settled.
+    sizes = amplitudes_of.values()
+    secants = rows.secants(amplitudes_of).values()
+    solutions = np.array([size.number for size in sizes]).T
+    return Balanced(
+        tuple(amplitudes_of),
+        solutions,
+        settled & (solutions > 0).all(axis=1),
+        np.array([size.largest for size in sizes]).T,
+        np.array([size.smallest for size in sizes]).T,
+        np.array([couplings[span].first(rows.mean[span]) for span in amplitudes_of]).T,
+        np.array([secant.share for secant in secants]).T,
+        np.array([secant.extra for secant in secants]).T,
     )
 
 
@@ -127,12 +113,6 @@ class _Rows:
     solved: Solved
     couplings: Mapping[int, PiecewiseCoupling]
 
-    def at_rest(self, span: int) -> Amplitudes:
-        """Return the amplitudes with which an iteration begins."""
-        columns = len(self.w[0])
-        tiny = np.full(columns, 1e-9 * max(self.couplings[span].scale, 1e-9))
-        return Amplitudes(tiny, tiny, tiny, np.ones(columns, dtype=np.int64))
-
     def unchanged(self, span: int, amplitudes_of: Mapping[int, Amplitudes]) -> Amplitudes:
         """Return the amplitudes of a coupling that has to stay as it is in the linear train; raises SolveError."""
         coupling = self.couplings[span]
@@ -145,8 +125,8 @@ class _Rows:
         if coupling.stuck:
             message = f"'{name}' {reason}, and its friction in the response is not built"
             raise SolveError(message, hint, path)
-        answers = self.solved(self._secants(amplitudes_of))
-        amplitude = np.abs(self._twists(span, answers, self._stiffness(span))).max(axis=0)
+        torque = [answer.torque[:, span] for answer in self.solved(self.secants(amplitudes_of))]
+        amplitude = np.abs(np.array(torque) / self._stiffness(span)).max(axis=0)
         opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
         if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
             message = f"'{name}' {reason}, and its backlash or stages in the response are not supported yet"
@@ -162,123 +142,77 @@ class _Rows:
         """
         coupling = self.couplings[span]
         former = amplitudes_of[span]
-        mean = self.mean[span]
-        trials = self._trials(span, self._secants(amplitudes_of))
+        mean = self.mean[span, unsettled]
+        secants = self.secants(amplitudes_of)
+
+        # 1/twist = a + b K of every harmonic component (components, columns), about the coupling taken as linear.
+        stiffness = self._stiffness(span)
+        step = coupling.total_stiffness * (0.5 + 0.5j)
+        twists = list[ComplexArray]()
+        for extra in (coupling.stuck, coupling.stuck + step):
+            columns = len(self.w[0])
+            secants[span] = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
+            torque = np.array([answer.torque[:, span] for answer in self.solved(secants)])
+            twists.append((torque / (stiffness + extra))[:, unsettled])
+        own = stiffness[:, unsettled]
+        moves = (twists[0] != 0.0) & (twists[1] != 0.0)
+        inverse, second = (1.0 / np.where(moves, twist, 1.0) for twist in twists)
+        slope = (second - inverse) / step
 
         def ratio(amplitude: FloatArray, columns: IntArray) -> FloatArray:
-            chosen = unsettled[columns]
+            """Return amplitude over the twist (columns,) rad of the largest component."""
+            secant = coupling.secant(amplitude, mean[columns])
+            change = (secant.share - 1.0) * own[:, columns] + (secant.extra - coupling.stuck)
             with np.errstate(divide="ignore"):
-                return amplitude / trials.twist(coupling.secant(amplitude, mean[chosen]), chosen)
+                twist = 1.0 / np.abs(inverse[:, columns] + slope[:, columns] * change)
+                return np.asarray(amplitude / np.where(moves[:, columns], twist, 0.0).max(axis=0))
+
+        # Amplitudes below and above all solutions.
+        bottom = 0.5 * np.maximum(coupling.first(mean), 1e-6 * coupling.scale)
+        for _ in range(MOST_REDUCTIONS):
+            above = ratio(bottom, np.arange(len(unsettled))) >= 1.0
+            bottom = np.where(above, BOTTOM * bottom, bottom)
+            if not above.any():
+                break
+        differs = coupling.offset * np.abs(own) / coupling.stiffness
+        limit = np.abs(inverse + slope * (coupling.lasting - coupling.stuck))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            upper = np.where(moves, (1.0 + np.abs(slope) * differs) / limit, 0.0).max(axis=0)
+        lowest = 100.0 * np.maximum(coupling.scale, bottom)
+        top = np.minimum(np.maximum(1.1 * upper, lowest), LARGEST)
 
         is_whole = number % WHOLE == 0
         last = former.largest[unsettled]
-        bottom, top = _range(coupling, trials, mean, unsettled, ratio)
         if is_whole:
             new = amplitudes(ratio, bottom, top, last)
         else:
             new = amplitudes(ratio, last / NEAR, last * NEAR, last, NEAR_SAMPLES)
             lacks = np.flatnonzero(new.number == 0)
             if lacks.size:
-                lacking = amplitudes(
-                    lambda amplitude, columns: ratio(amplitude, lacks[columns]),
-                    bottom[lacks],
-                    top[lacks],
-                    last[lacks],
+                ends = bottom[lacks], top[lacks], last[lacks]
+                new = new.having(
+                    amplitudes(lambda amplitude, row: ratio(amplitude, lacks[row]), *ends), lacks
                 )
-                new = new.having(lacking, lacks)
         taken = new.largest if is_whole and number < LARGEST_FIRST else new.nearest
         if number >= HALF_WAY:
-            taken = np.sqrt(taken * former.largest[unsettled])
-        still = ~trials.moves[:, unsettled].any(axis=0)
+            taken = np.sqrt(taken * last)
+        still = ~moves.any(axis=0)
         taken = np.where(still, bottom, np.where(new.number > 0, taken, LARGEST))
         rows = (taken, new.smallest, new.nearest, np.where(still, 1, new.number))
         return former.having(Amplitudes(*rows), unsettled)
 
-    def _secants(self, amplitudes_of: Mapping[int, Amplitudes]) -> dict[int, Secant]:
+    def secants(self, amplitudes_of: Mapping[int, Amplitudes]) -> dict[int, Secant]:
         """Return what each coupling is at the amplitude that stands."""
         return {
             span: self.couplings[span].secant(size.largest, self.mean[span])
             for span, size in amplitudes_of.items()
         }
 
-    def collected(self, amplitudes_of: Mapping[int, Amplitudes], settled: BoolArray) -> Balanced:
-        """Return all couplings together; a column without a solution is not settled."""
-        sizes = amplitudes_of.values()
-        secants = self._secants(amplitudes_of).values()
-        number = np.array([size.number for size in sizes]).T
-        return Balanced(
-            tuple(amplitudes_of),
-            number,
-            settled & (number > 0).all(axis=1),
-            np.array([size.largest for size in sizes]).T,
-            np.array([size.smallest for size in sizes]).T,
-            np.array([self.couplings[span].first(self.mean[span]) for span in amplitudes_of]).T,
-            np.array([secant.share for secant in secants]).T,
-            np.array([secant.extra for secant in secants]).T,
-        )
-
-    def _trials(self, span: int, secants: Mapping[int, Secant]) -> Trials:
-        coupling = self.couplings[span]
-        stiffness = self._stiffness(span)
-        step = coupling.total_stiffness * (0.5 + 0.5j)
-        columns = len(self.w[0])
-        twists = list[ComplexArray]()
-        for extra in (coupling.stuck, coupling.stuck + step):
-            secant = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
-            answers = self.solved({**secants, span: secant})
-            twists.append(self._twists(span, answers, stiffness + extra))
-        moves = (twists[0] != 0.0) & (twists[1] != 0.0)
-        first, second = (
-            np.asarray(1.0 / np.where(moves, twist, 1.0), dtype=np.complex128) for twist in twists
-        )
-        return Trials(stiffness, first, (second - first) / step, moves, coupling.stuck)
-
     def _stiffness(self, span: int) -> ComplexArray:
         """Return the stiffness (components, columns) N m/rad of the spring and damper of a span."""
         system = self.system
-        given = (
-            values[[span]] for values in (system.flexibility, system.viscous, system.loss_factor)
-        )
-        flexibility, viscous, loss = given
-        rows = [complex_compliance(flexibility, viscous, loss, w).reshape(-1) for w in self.w]
-        return np.array(
-            [np.broadcast_to(1.0 / compliance, len(self.w[0])) for compliance in rows],
-            dtype=complex,
-        )
-
-    def _twists(
-        self, span: int, answers: Sequence[Answer], stiffness: ComplexArray
-    ) -> ComplexArray:
-        """Return the twists (components, columns) rad of a span."""
-        return np.array([answer.torque[:, span] for answer in answers]) / stiffness
-
-
-def _range(
-    coupling: PiecewiseCoupling,
-    trials: Trials,
-    mean: FloatArray,
-    unsettled: IntArray,
-    ratio: Ratio,
-) -> tuple[FloatArray, FloatArray]:
-    """Return amplitudes (columns,) rad below and above all solutions."""
-    columns = np.arange(len(unsettled))
-    bottom = 0.5 * np.maximum(coupling.first(mean[unsettled]), 1e-6 * coupling.scale)
-    for _ in range(12):
-        above = ratio(bottom, columns) >= 1.0
-        if not above.any():
-            break
-        bottom = np.where(above, BOTTOM * bottom, bottom)
-    stiffness = trials.own[:, unsettled]
-    slope = np.abs(trials.slope[:, unsettled])
-    differs = coupling.offset * np.abs(stiffness) / coupling.stiffness
-    limit = np.abs(
-        trials.inverse[:, unsettled]
-        + trials.slope[:, unsettled] * (coupling.lasting - trials.linear)
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        upper = np.where(trials.moves[:, unsettled], (1.0 + slope * differs) / limit, 0.0).max(
-            axis=0
-        )
-    return bottom, np.minimum(
-        np.maximum(1.1 * upper, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST
-    )
+        given = system.flexibility[[span]], system.viscous[[span]], system.loss_factor[[span]]
+        stiffness = np.empty((len(self.w), len(self.w[0])), dtype=np.complex128)
+        for row, w in zip(stiffness, self.w, strict=True):
+            row[:] = 1.0 / complex_compliance(*given, w).reshape(-1)
+        return stiffness

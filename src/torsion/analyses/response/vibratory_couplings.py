@@ -7,7 +7,6 @@ another until none changes; from some rounds on each goes half the way.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
@@ -36,24 +35,24 @@ class VibratoryTorque:
     """One coupling over the speed."""
 
     coupling: str = result("", "its name")
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
     torque: FloatArray = result(
         "N*m",
-        ("speed",),
+        "speed",
         "amplitude (zero to peak) of all harmonic components; of several solutions the largest",
     )
-    smallest: FloatArray = result("N*m", ("speed",), "the smallest solution")
+    smallest: FloatArray = result("N*m", "speed", "the smallest solution")
     number: IntArray = result(
-        "", ("speed",), "solutions, as far as found between the points of the table"
+        "", "speed", "solutions, as far as found between the points of the table"
     )
-    stiffness: FloatArray = result("N*m/rad", ("speed",), "dynamic stiffness at `torque`")
-    loss_factor: FloatArray = result("1", ("speed",), "loss factor at `torque`")
+    stiffness: FloatArray = result("N*m/rad", "speed", "dynamic stiffness at `torque`")
+    loss_factor: FloatArray = result("1", "speed", "loss factor at `torque`")
     residual: FloatArray = result(
-        "1", ("speed",), "relative: amplitude at that stiffness against `torque`"
+        "1", "speed", "relative: amplitude at that stiffness against `torque`"
     )
-    rounds: IntArray = result("", ("speed",), "rounds over all such couplings")
+    rounds: IntArray = result("", "speed", "rounds over all such couplings")
     settled: BoolArray = result(
-        "", ("speed",), "it is an answer; no other speed has one", key="has_settled"
+        "", "speed", "it is an answer; no other speed has one", key="has_settled"
     )
 
 
@@ -66,31 +65,12 @@ class VibratoryTorques:
     )
 
 
-@dataclass(frozen=True)
-class _Torque:
-    """The torque of a span in every harmonic component, at any stiffness of it: T = K/(K0/T0 + b (K - K0))."""
-
-    first: ComplexArray  # (components, points) N m/rad, K0
-    inverse: ComplexArray  # (components, points) 1/rad, K0/T0; 0 where nothing moves
-    slope: ComplexArray  # (components, points) 1/(N m)
-
-    def at(self, stiffness: ComplexArray, point: IntArray) -> ComplexArray:
-        """Return torques (rows, components) N m, of rows each at a point and of stiffness (components, rows)."""
-        inverse = self.inverse[:, point]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            change = self.slope[:, point] * (stiffness - self.first[:, point])
-            torque = stiffness / (inverse + change)
-        return np.where(inverse != 0, torque, 0.0).T
-
-
 class _Train:
     """The components one by one, each with sources that have a phase to each other."""
 
     def __init__(self, system: System, components: Components) -> None:
         self.system = system
-        self.mean = components.mean
-        self.speed = components.speed
-        self.ground = components.ground
+        self.components = components
         self.points = components.ground.shape[1]
         self.tables = system.tables_over("vibratory torque")
         self.separate = components.separate
@@ -101,45 +81,27 @@ class _Train:
         )
 
     def torques(
-        self, span: int, stiffness: Mapping[int, ComplexArray], k: int, points: IntArray
+        self, span: int, torque: Mapping[int, FloatArray], points: IntArray, factor: complex = 1.0
     ) -> ComplexArray:
-        """Return the torque (points,) N m of a span in component k, at some points; stiffness: as of `answer`."""
-        _, w, source = self.separate[k]
-        ground = self.ground[:, points]
-        result = answer(self.system, w[points], source.at(points), ground, stiffness=stiffness)
-        return result.torque[:, span]
+        """Return stiffness and torque (2, components, points) of a span at some points, its stiffness times a factor.
 
-    def stiffness(
-        self, k: int, torque: Mapping[int, FloatArray], points: IntArray
-    ) -> dict[int, ComplexArray]:
-        """Return the stiffness of every span with a table in component k, at some points.
-
-        torque: (all points,) N m of each span; one beyond a table counts as its end.
+        torque: (all points,) N m of each span with a table; one beyond a table counts as its end.
         """
+        components = self.components
+        mean, ground = components.mean[:, points], components.ground[:, points]
+        speed = None if components.speed is None else components.speed[points]
         covered = {
-            span: np.clip(torque[span][points], *table.ends) for span, table in self.tables.items()
+            tabled: np.clip(torque[tabled][points], *table.ends)
+            for tabled, table in self.tables.items()
         }
-        speed = None if self.speed is None else self.speed[points]
-        w = self.separate[k][1][points]
-        return complex_stiffness(self.system, w, self.mean[:, points], speed, covered)
-
-    def trial(self, span: int, torque: Mapping[int, FloatArray], points: IntArray) -> _Torque:
-        """Return the torque of a span at some points, the others as they stand."""
         rows = []
-        for k in range(len(self.separate)):
-            stiffness_of = self.stiffness(k, torque, points)
-            first = stiffness_of[span]
-            second = first * (1.5 + 0.5j)
-            torques = [
-                self.torques(span, {**stiffness_of, span: own_stiffness}, k, points)
-                for own_stiffness in (first, second)
-            ]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                inverse = first / torques[0]
-                slope = (second / torques[1] - inverse) / (second - first)
-            still = (torques[0] == 0) | (torques[1] == 0)
-            rows.append([first, np.where(still, 0.0, inverse), np.where(still, 0.0, slope)])
-        return _Torque(*np.moveaxis(np.array(rows), 1, 0))
+        for _, every_w, source in self.separate:
+            w = every_w[points]
+            stiffness = {**complex_stiffness(self.system, w, mean, speed, covered)}
+            stiffness[span] = stiffness[span] * factor
+            solution = answer(self.system, w, source.at(points), ground, stiffness=stiffness)
+            rows.append([stiffness[span], solution.torque[:, span]])
+        return np.moveaxis(np.array(rows), 1, 0)
 
     def solved(
         self, span: int, torque: Mapping[int, FloatArray], points: IntArray
@@ -149,13 +111,24 @@ class _Train:
         Beyond those of a point its smallest stands. A torque beyond the table is found at the stiffness of its end.
         """
         table = self.tables[span]
-        trial = self.trial(span, torque, points)
+        # (components, points): T = K/(K0/T0 + b (K - K0)); the reciprocal is 0 where nothing moves.
+        first, torque_at_first = self.torques(span, torque, points)
+        second, torque_at_second = self.torques(span, torque, points, 1.5 + 0.5j)
+        moves = (torque_at_first != 0) & (torque_at_second != 0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = first / torque_at_first
+            slope = (second / torque_at_second - inverse) / (second - first)
+        slope = np.where(moves, slope, 0.0)
 
         def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
             covered = np.clip(size, *table.ends)
-            chosen = points[point]
-            stiffness = [table.complex_stiffness(covered, w[chosen]) for _, w, _ in self.separate]
-            return trial.at(np.array(stiffness), point)
+            stiffness = np.array(
+                [table.complex_stiffness(covered, w[points[point]]) for _, w, _ in self.separate]
+            )
+            with np.errstate(divide="ignore", invalid="ignore"):
+                change = slope[:, point] * (stiffness - first[:, point])
+                torques = stiffness / (inverse[:, point] + change)
+            return np.where(moves[:, point], torques, 0.0).T
 
         def ratio(size: FloatArray, point: IntArray) -> FloatArray:
             """Return torque over half range; where bounds of that decide which is larger, over one of them."""
@@ -179,34 +152,19 @@ class _Train:
         below = np.flatnonzero(low <= edges[0])
         above = np.flatnonzero(high > edges[-1])
         roots = [(below, low[below]), (above, high[above])]
-        for piece, (begin, end) in enumerate(pairwise(edges)):
+        for piece, ends in enumerate(pairwise(edges)):
             samples = FIRST_SAMPLES if piece < len(begins) else SAMPLES
-            ends = np.full(len(points), begin), np.full(len(points), end)
-            roots.append(solutions(ratio, *ends, samples))
+            begin, end = (np.full(len(points), edge) for edge in ends)
+            roots.append(solutions(ratio, begin, end, samples))
         point, size = (np.concatenate(columns) for columns in zip(*roots, strict=True))
         order = np.lexsort((-size, point))
-        point = point[order]
-        size = size[order]
         number = np.bincount(point, minlength=len(points))
         rank_of_root = np.minimum(
             np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1
         )
-        first = np.searchsorted(point, all_points)
-        padded = np.append(size, np.nan)
-        return padded[np.where(number[:, None] > 0, first[:, None] + rank_of_root, -1)], number
-
-    def residual(self, torque: Mapping[int, FloatArray]) -> FloatArray:
-        """Return |half range/torque - 1| (points, couplings) by the answer of the whole train."""
-        all_points = np.arange(self.points)
-        residuals = []
-        for span, size in torque.items():
-            phasors = [
-                self.torques(span, self.stiffness(k, torque, all_points), k, all_points)
-                for k in range(len(self.separate))
-            ]
-            half = self.half_range(np.array(phasors).T)
-            residuals.append(np.abs(half - size) / np.maximum(size, np.finfo(float).tiny))
-        return np.array(residuals).T
+        first_root = np.searchsorted(point[order], all_points)[:, None]
+        padded = np.append(size[order], np.nan)
+        return padded[np.where(number[:, None] > 0, first_root + rank_of_root, -1)], number
 
 
 def settled(system: System, components: Components, rank: int) -> Following:
@@ -233,9 +191,13 @@ def settled(system: System, components: Components, rank: int) -> Following:
         open_ = open_[changed & (len(torque) > 1)]
         if not open_.size:
             break
+
+    # An answer is what the whole train confirms: |half range/torque - 1| (points, couplings).
     residual = np.zeros((train.points, len(torque)))
-    if train.separate:
-        residual = train.residual(torque)
+    for k, (span, size) in enumerate(torque.items() if train.separate else ()):
+        phasors = train.torques(span, torque, np.arange(train.points))[1]
+        lacks = np.abs(train.half_range(phasors.T) - size)
+        residual[:, k] = lacks / np.maximum(size, np.finfo(float).tiny)
     is_settled: BoolArray = np.asarray((residual <= SETTLED).all(axis=1))
     is_settled[open_] = False
     for span, table in train.tables.items():
@@ -247,22 +209,23 @@ def settled(system: System, components: Components, rank: int) -> Following:
     return Following(tuple(torque), torques, count_of, residual, rounds, is_settled)
 
 
-def vibratory_torques(response: Response) -> VibratoryTorques:
-    """Return the couplings by table over vibratory torque of a response over speed."""
-    following = response.following
+def run(work: Work) -> None:
+    """Put the couplings by table over vibratory torque where there is a response over speed."""
+    response = work.get(Response)
+    if response is None:
+        work.log.without("vibratory torque of couplings by table", "no response over speed")
+        return
     rows = []
-    if following is None:
-        return VibratoryTorques(())
-    last = response.others[-1].following if response.others else following
-    for k, span in enumerate(following.spans):
-        stiffness, eta, _ = response.system.tables[span].values(following.torque[:, k])
-        smallest = (following if last is None else last).torque[:, k]
-        rows.append(
-            VibratoryTorque(
+    if (following := response.following) is not None:
+        last = (response.others or (response,))[-1].following or following
+        for k, span in enumerate(following.spans):
+            torque = following.torque[:, k]
+            stiffness, eta, _ = response.system.tables[span].values(torque)
+            row = VibratoryTorque(
                 response.system.spans[span].name,
                 response.speed,
-                following.torque[:, k],
-                np.minimum(smallest, following.torque[:, k]),
+                torque,
+                np.minimum(last.torque[:, k], torque),
                 following.number[:, k],
                 stiffness,
                 eta,
@@ -270,14 +233,5 @@ def vibratory_torques(response: Response) -> VibratoryTorques:
                 following.rounds,
                 following.settled,
             )
-        )
-    return VibratoryTorques(tuple(rows))
-
-
-def run(work: Work) -> None:
-    """Put the couplings where there is a response over speed."""
-    response = work.get(Response)
-    if response is None:
-        work.log.without("vibratory torque of couplings by table", "no response over speed")
-        return
-    work.put(vibratory_torques=vibratory_torques(response))
+            rows.append(row)
+    work.put(vibratory_torques=VibratoryTorques(tuple(rows)))
