@@ -168,15 +168,13 @@ class Response(Displayed, Keyed):
 
     speed: FloatArray = result(
         "rad/s",
-        ("speed",),
+        "speed",
         "reference speeds, more of them around resonances and where rules judge",
     )
     requested: np.ndarray = result(
-        "", ("speed",), "the speed is one of those requested", key="is_asked"
+        "", "speed", "the speed is one of those requested", key="is_asked"
     )
-    lines: tuple[Line, ...] = result(
-        "", ("line",), "harmonic components of the excitation", record=""
-    )
+    lines: tuple[Line, ...] = result("", "line", "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
         "rad",
@@ -320,9 +318,9 @@ class FrequencyPeak:
 class FrequencyResponse:
     """Complex amplitudes under the torques that act at every frequency, at one operating point."""
 
-    frequency: FloatArray = result("Hz", ("frequency",), "ascending, refined around resonances")
+    frequency: FloatArray = result("Hz", "frequency", "ascending, refined around resonances")
     requested: np.ndarray = result(
-        "", ("frequency",), "the frequency is one of those requested", key="is_asked"
+        "", "frequency", "the frequency is one of those requested", key="is_asked"
     )
     sources: tuple[str, ...] = result("", "what excites")
     speed: float = result(
@@ -342,7 +340,7 @@ class FrequencyResponse:
         printed=("frequency", "end span"),
         known_by="status",
     )
-    residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
+    residual: FloatArray = result("1", "frequency", "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", "what the refinement of frequencies omitted", default="")
@@ -359,20 +357,20 @@ class FrequencyResponse:
     @derived("", "largest torque of every elastic element")
     def peaks(self) -> tuple[FrequencyPeak, ...]:
         """Return the peaks, without a value where any amplitude is not reliable, which may be the largest."""
-        known = bool(self.frequency.size) and bool((self.status == Status.OK).all())
+        is_known = bool(self.frequency.size) and bool((self.status == Status.OK).all())
         peaks = []
         for element in elements(self.system):
-            size = element.largest(np.abs(self.torque))
-            place = int(np.argmax(size)) if known else None
-            found = (
-                (None, None)
-                if place is None
-                else (float(size[place]), float(self.frequency[place]))
-            )
-            peaks.append(FrequencyPeak(element.name, *found))
+            peak = FrequencyPeak(element.name, None, None)
+            if is_known:
+                size = element.largest(np.abs(self.torque))
+                worst = int(np.argmax(size))
+                peak = replace(
+                    peak, torque=float(size[worst]), frequency=float(self.frequency[worst])
+                )
+            peaks.append(peak)
         return tuple(peaks)
 
-    @derived("", ("frequency",), "ok, near-singular or singular", key="status")
+    @derived("", "frequency", "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
         """Words of the status (frequencies,) of the answer."""
         return words(self.status, Status)

@@ -4,8 +4,7 @@ The rule of the makers of couplings judges the same heat. Each value is the larg
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
@@ -15,7 +14,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.elements import Element, elements
+from torsion.assembly.elements import elements
 from torsion.assembly.section.solved_sections import span_moduli, stress_modulus
 from torsion.assembly.system import System
 from torsion.findings import Results, Work
@@ -47,8 +46,7 @@ class MeshLoad:
         "rad/s", "reference speed of that ratio; null if it is infinite"
     )
     reversal: tuple[float, ...] = result(
-        "rad/s",
-        "first and last reference speed at which the load reverses; empty if it does not",
+        "rad/s", "first and last reference speed at which the load reverses; empty if it does not"
     )
     reverses_everywhere: bool = result("", "the load reverses at every speed computed")
 
@@ -244,69 +242,86 @@ def stress_of(bar: Bar, system: System, torque: FloatArray) -> FloatArray:
     return np.asarray((torque[..., spans] / modulus).max(axis=-1))
 
 
+def _largest(response: Response, values: FloatArray) -> Largest:
+    """Return the largest value (speeds,) and its speed; None where any of the response is not reliable."""
+    if response.unreliable.any() or not np.isfinite(values).all():
+        return None, None
+    worst = int(np.argmax(values))
+    return float(values[worst]), float(response.speed[worst])
+
+
 def component_loads(evidence: Results) -> ComponentLoads:
     """Return the loads of the components of a train with a response and its synthesis."""
     response = evidence.need(Response)
     total = evidence.need(Synthesis)
-    system = evidence.system
     steady = evidence.get(Steady)
-    speed = response.speed
-    unreliable = response.unreliable
-
-    def largest(values: FloatArray) -> Largest:
-        """Return the largest value and its speed; None where any value is not reliable."""
-        if unreliable.any() or not np.isfinite(values).all():
-            return None, None
-        place = int(np.argmax(values))
-        return float(values[place]), float(speed[place])
-
+    system = evidence.system
     spans_of: dict[tuple[int, str], list[int]] = {}
     for position, span in enumerate(system.own_spans):
         spans_of.setdefault((span.part, span.name), []).append(position)
-
     meshes = list[MeshLoad]()
     couplings = list[CouplingLoad]()
-    for (number, name), positions in sorted(spans_of.items(), key=lambda item: item[0][0]):
+    for (number, name), spans in sorted(spans_of.items(), key=lambda item: item[0][0]):
         part = system.train.parts[number]
-        spans = np.array(positions)
-        torque = total.half_range[:, spans].max(axis=1)
-        value, at_speed = largest(torque)
-        if part.kind == "gear":
-            mean = None
-            if value is not None and steady is not None:
-                mean = np.abs(response.mean[:, spans[0]])
-            meshes.append(_mesh_load(name, speed, torque, mean, (value, at_speed)))
-            continue
         limits = part.ratings
-        table = system.tables.get(positions[0])
-        is_damped = (
-            table.damps if table else (system.loss_factor + system.viscous)[positions[0]] > 0
-        )
-        if limits is None or not (is_damped or limits.limit_anything):
-            continue
-        with np.errstate(all="ignore"):
-            power = raised_heat(evidence, spans).sum(axis=1)
-        mean_torque = None if steady is None else float(np.abs(steady.torque[spans]).max())
-        peak, _ = largest(total.peak[:, spans].max(axis=1))
-        ratings = limits.vibratory_torque, limits.rated_torque, limits.max_torque, limits.heat_limit
-        load = CouplingLoad(name, value, at_speed, mean_torque, peak, *largest(power), *ratings)
-        couplings.append(load)
-    elements, peaks = _element_loads(evidence)
-    shafts = [
-        ShaftLoad(bar.name, None if shaft is None else shaft.role, *largest(stress))
-        for bar in system.train.bars
-        for shaft in [system.train.parts[bar.part].shaft]
-        for stress in [stress_of(bar, system, total.half_range)]
-    ]
-    stations = tuple(_station_loads(evidence))
+        if part.kind == "gear":
+            meshes.append(_mesh_load(evidence, name, spans))
+        elif limits is not None:
+            table = system.tables.get(spans[0])
+            damping = system.loss_factor[spans[0]] + system.viscous[spans[0]]
+            if not (limits.limit_anything or (table.damps if table else damping > 0)):
+                continue
+            mean = None if steady is None else float(np.abs(steady.torque[spans]).max())
+            with np.errstate(all="ignore"):
+                power = raised_heat(evidence, np.array(spans)).sum(axis=1)
+            load = CouplingLoad(
+                name,
+                *_largest(response, total.half_range[:, spans].max(axis=1)),
+                mean,
+                _largest(response, total.peak[:, spans].max(axis=1))[0],
+                *_largest(response, power),
+                limits.vibratory_torque,
+                limits.rated_torque,
+                limits.max_torque,
+                limits.heat_limit,
+            )
+            couplings.append(load)
+    shafts = []
+    for bar in system.train.bars:
+        shaft = system.train.parts[bar.part].shaft
+        stress = _largest(response, stress_of(bar, system, total.half_range))
+        shafts.append(ShaftLoad(bar.name, None if shaft is None else shaft.role, *stress))
     return ComponentLoads(
-        elements,
-        peaks,
+        *_element_loads(evidence),
         tuple(shafts),
-        stations,
+        tuple(_station_loads(evidence)),
         tuple(meshes),
         tuple(couplings),
         tuple(_joint_loads(evidence)),
+    )
+
+
+def _mesh_load(evidence: Results, name: str, spans: list[int]) -> MeshLoad:
+    """Return the load of a mesh, compared with the magnitude of its mean torque where that is known."""
+    response = evidence.need(Response)
+    torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
+    value, at_speed = _largest(response, torque)
+    if value is None or evidence.get(Steady) is None:
+        return MeshLoad(name, value, at_speed, None, None, None, (), False)
+    mean = np.abs(response.mean[:, spans[0]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(torque == 0, 0.0, torque / mean)
+    worst = int(np.argmax(ratio))
+    reversing = response.speed[ratio > 1.0]
+    return MeshLoad(
+        name,
+        value,
+        at_speed,
+        mean=float(mean[int(np.argmax(torque))]),
+        ratio=float(ratio[worst]),
+        ratio_speed=None if np.isinf(ratio[worst]) else float(response.speed[worst]),
+        reversal=tuple(reversing[[0, -1]].tolist()) if reversing.size else (),
+        reverses_everywhere=reversing.size == response.speed.size,
     )
 
 
@@ -325,70 +340,47 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
         if not (size > 0).any():
             continue
         orders = np.where(is_reliable, size, np.nan)
-        peaks += _peaks(evidence, element, orders, names)
+        smallest = SMALLEST * np.nanmax(np.append(orders, 0.0))
+        listed = list[Peak]()
+        for line, values in enumerate(orders.T):
+            for speed in local_maxima(values):
+                if (value := float(values[speed])) >= smallest:
+                    hertz = float(response.frequency[speed, line])
+                    sizes = value, value * element.ratio, float(response.speed[speed]), hertz
+                    mode = nearest_mode(evidence, hertz)
+                    listed.append(Peak(element.name, names[line], *sizes, mode))
+        peaks += sorted(listed, key=lambda peak: -peak.torque)
 
-        torque = total.half_range[:, spans].max(axis=1)
+        torque = element.largest(total.half_range)
         torque = np.where(torque < nothing[spans].min(), 0.0, torque)
         if not (is_reliable.all() and np.isfinite(torque).all()):
-            loads.append(ElementLoad(element.name, None, None, None, None, None, None, None))
+            loads.append(ElementLoad(element.name, *[None] * 7))
             continue
         speed = int(np.argmax(torque))
         span = spans[int(np.argmax(total.half_range[speed, spans]))]
-        line = int(np.argmax(orders[speed]))
         mean = float(response.mean[speed, span])
         if torque[speed] == 0.0:
             loads.append(ElementLoad(element.name, 0.0, None, None, 0.0, 0.0, 0.0, mean))
             continue
-        loads.append(
-            ElementLoad(
-                component=element.name,
-                torque=float(torque[speed]),
-                speed=float(response.speed[speed]),
-                order=names[line],
-                order_torque=float(orders[speed, line]),
-                rms=float(total.rms[speed, span]),
-                bound=float(total.bound[speed, span]),
-                mean=mean,
-            )
-        )
+        line = int(np.argmax(orders[speed]))
+        largest = float(torque[speed]), float(response.speed[speed])
+        of_order = names[line], float(orders[speed, line])
+        others = float(total.rms[speed, span]), float(total.bound[speed, span])
+        loads.append(ElementLoad(element.name, *largest, *of_order, *others, mean))
     return tuple(loads), tuple(peaks)
-
-
-def _peaks(
-    evidence: Results, element: Element, orders: FloatArray, names: Sequence[str]
-) -> list[Peak]:
-    """Return the peaks of amplitudes (speeds, lines) N m that are worth listing, the largest first."""
-    response = evidence.need(Response)
-    smallest = SMALLEST * np.nanmax(np.append(orders, 0.0))
-    peaks = [
-        Peak(
-            element.name,
-            names[line],
-            float(values[speed]),
-            float(values[speed]) * element.ratio,
-            float(response.speed[speed]),
-            float(response.frequency[speed, line]),
-            nearest_mode(evidence, float(response.frequency[speed, line])),
-        )
-        for line, values in enumerate(orders.T)
-        for speed in local_maxima(values)
-        if values[speed] >= smallest
-    ]
-    return sorted(peaks, key=lambda peak: -peak.torque)
 
 
 def _station_loads(evidence: Results) -> Iterator[StationLoad]:
     """Yield the largest angle of every station; 0 for what may be rounding of the largest of the train."""
     response = evidence.need(Response)
     ratio = evidence.system.speed_ratio
-    is_reliable = bool((response.status == Status.OK).all())
     sizes = np.abs(response.angle)
-    top = float((sizes / ratio[: sizes.shape[2]]).max(initial=0.0)) if is_reliable else 0.0
+    top = float((sizes / ratio[: sizes.shape[2]]).max(initial=0.0))
     for position, station in enumerate(evidence.study.train.stations):
         if station.is_ground:
             continue
-        if not is_reliable:
-            yield StationLoad(station.name, None, None, None, None)
+        if response.unreliable.any():
+            yield StationLoad(station.name, *[None] * 4)
             continue
         speed, line = divmod(int(np.argmax(sizes[:, :, position])), sizes.shape[1])
         angle = float(sizes[speed, line, position])
@@ -404,44 +396,18 @@ def _joint_loads(evidence: Results) -> Iterator[JointLoad]:
     system = evidence.system
     line_of = {line.order: k for k, line in enumerate(response.lines)}
     for span in (span for span in system.spans if span.error and span.error[0][1]):
-        spans = [k for k, other in enumerate(system.spans) if other.part == span.part]
         order = span.error[0][0] * system.stations[span.driving].ratio
         if (line := line_of.get(order)) is None:
             continue
+        name = system.train.parts[span.part].name
+        if (response.status[:, line] != Status.OK).any():
+            yield JointLoad(name, order, None, None, None)
+            continue
+        spans = np.flatnonzero(system.span_part == span.part)
         size = np.abs(response.torque[:, line, spans]).max(axis=1)
-        load = JointLoad(system.train.parts[span.part].name, order, None, None, None)
-        if (response.status[:, line] == Status.OK).all():
-            speed = int(np.argmax(size))
-            error = float(response.joint_error[speed, line])
-            load = replace(
-                load,
-                torque=float(size[speed]),
-                speed=float(response.speed[speed]),
-                model_error=error,
-            )
-        yield load
-
-
-def _mesh_load(
-    name: str, speed: FloatArray, torque: FloatArray, mean: FloatArray | None, largest: Largest
-) -> MeshLoad:
-    """Return the load of a mesh; mean: magnitudes (speeds,) N m, None where not known."""
-    if mean is None:
-        return MeshLoad(name, *largest, None, None, None, (), False)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(torque == 0, 0.0, torque / mean)
-    place = int(np.argmax(ratio))
-    reversing = speed[ratio > 1.0]
-    return MeshLoad(
-        mesh=name,
-        torque=largest[0],
-        speed=largest[1],
-        mean=float(mean[int(np.argmax(torque))]),
-        ratio=float(ratio[place]),
-        ratio_speed=None if np.isinf(ratio[place]) else float(speed[place]),
-        reversal=tuple(reversing[[0, -1]].tolist()) if reversing.size else (),
-        reverses_everywhere=reversing.size == speed.size,
-    )
+        speed = int(np.argmax(size))
+        torque = float(size[speed]), float(response.speed[speed])
+        yield JointLoad(name, order, *torque, float(response.joint_error[speed, line]))
 
 
 def run(work: Work) -> None:

@@ -38,16 +38,16 @@ class CouplingTemperature:
     coupling: str = result("", "its name")
     surroundings: float = result("degC", "temperature of the surroundings", key="surroundings_degC")
     permissible: float = result("degC", "highest permissible temperature", key="permissible_degC")
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
     number: IntArray = result(
-        "", ("speed",), "temperatures of equilibrium up to the permissible one; 0: it runs away"
+        "", "speed", "temperatures of equilibrium up to the permissible one; 0: it runs away"
     )
     lowest: FloatArray = result(
-        "degC", ("speed",), "lowest one, that of a run-up; null if there is none", key="lowest_degC"
+        "degC", "speed", "lowest one, that of a run-up; null if there is none", key="lowest_degC"
     )
     highest: FloatArray = result(
         "degC",
-        ("speed",),
+        "speed",
         "highest stable equilibrium, reached in a run-down; null if a warm coupling overheats",
         key="highest_degC",
     )
@@ -89,7 +89,7 @@ def coupling_temperature(
     components = []
     for excitation in excitations(system, orders):
         w = excitation.line.circular_frequency(speed)
-        forces = [sources(system, source, speed, steady) for source in excitation.apart]
+        forces = [sources(system, source, speed, steady) for source in excitation.apart.values()]
         mean = None if steady is None else steady.torque
         tabled = complex_stiffness(system, w, mean, speed)
         components.append((w, forces, {span: cold + 1j * w * system.viscous[span], **tabled}))

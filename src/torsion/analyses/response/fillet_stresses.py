@@ -13,7 +13,6 @@ from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.findings import Work
 from torsion.kernels.round_sections import section_modulus
-from torsion.kernels.tree_response import Status
 from torsion.model.shaft_details import Notch
 from torsion.primitives import Bar
 from torsion.results import derived, reported, result
@@ -165,11 +164,12 @@ def unknown_fillets(train: Train) -> Iterator[tuple[Bar, str]]:
 
 def stated_fillets(system: System) -> Iterator[Fillet]:
     """Yield every stated fillet and notch, without its stress; raises SolveError where the elements have no answer."""
-    steps = [part.shaft.step for part in system.train.parts if part.shaft is not None]
+    train = system.train
+    steps = [part.shaft.step for part in train.parts if part.shaft is not None]
     if any(step.round for step in steps if step is not None):
         yield from _fillets(system)
-    for bar in system.train.bars:
-        part = system.train.parts[bar.part]
+    for bar in train.bars:
+        part = train.parts[bar.part]
         for number, notch in enumerate(() if part.shaft is None else part.shaft.notches):
             with _located((*part.path, "notches", number)):
                 ends = [
@@ -179,10 +179,10 @@ def stated_fillets(system: System) -> Iterator[Fillet]:
             # At the end of the shaft where it stresses most, under the largest torque in it.
             outer, modulus, concentration = max(ends, key=lambda end: end[2][1] / end[1])
             radius, factor, error, fit = concentration
-            strength = system.train.shaft(bar).endurance
+            sizes = radius, outer, None, modulus, factor, error, fit
+            strength = train.shaft(bar).endurance
             spans = tuple(np.flatnonzero(system.span_part == bar.part).tolist())
-            sizes = radius, outer, None, modulus
-            yield Fillet(bar.name, None, *sizes, factor, error, fit, strength, notch.form, spans)
+            yield Fillet(bar.name, None, *sizes, strength, notch.form, spans)
 
 
 @contextmanager
@@ -207,18 +207,17 @@ def _concentration(
     fit = None
     if (key := notch.keyway) is not None:
         radius = key.fillet
-        sizes = (key.width / unit, key.depth / unit, key.fillet / unit)
-        section = keyway(*sizes, key.number, ratio)
+        section = keyway(key.width / unit, key.depth / unit, radius / unit, key.number, ratio)
         # Peterson's chart holds within a tenth of its proportions and within its radii.
         flank = key.depth - unit + math.sqrt(outer**2 - key.width**2) / 2.0
-        proportions = key.width / (outer / 4.0), flank / (outer / 8.0)
-        is_near = all(abs(proportion - 1.0) <= 0.1 for proportion in proportions)
-        is_of_chart = is_near and KEYWAYS[0] <= key.fillet / outer <= KEYWAYS[1]
+        proportions = np.array([key.width / (outer / 4.0), flank / (outer / 8.0)])
+        is_near = bool((np.abs(proportions - 1.0) <= 0.1).all())
+        is_of_chart = is_near and KEYWAYS[0] <= radius / outer <= KEYWAYS[1]
         if bore == 0.0 and key.number == 1 and is_of_chart:
-            fit = keyway_fit(key.fillet / outer)
+            fit = keyway_fit(radius / outer)
     elif (teeth := notch.splines) is not None:
         radius = teeth.fillet
-        sizes = (teeth.root / outer, teeth.width / unit, teeth.fillet / unit)
+        sizes = teeth.root / outer, teeth.width / unit, radius / unit
         section = splines(*sizes, teeth.teeth, ratio)
     stress = groove_stress(section)
     return radius, stress.factor, stress.error, fit
@@ -232,7 +231,6 @@ def _fillets(system: System) -> Iterator[Fillet]:
         if step is None or not step.round:
             continue
         unit = smaller.outer
-        radius = step.round
         modulus, larger_modulus = (
             float(section_modulus(end.outer, end.bore)) for end in (smaller, larger)
         )
@@ -244,18 +242,16 @@ def _fillets(system: System) -> Iterator[Fillet]:
         scale = float(section_modulus(1.0, smaller.bore / unit) / profile_modulus)
         fit = None
         if step.fillet and not smaller.bore and not larger.bore:
-            fit = peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
+            fit = peterson((larger.outer - unit) / 2.0 / unit, step.round / unit)
 
         # A flange's inertia is not in the torque of the span of the smaller shaft that meets the step.
-        part = second.part
-        is_near = system.driving == second.driving
+        is_near = (system.span_part == second.part) & (system.driving == second.driving)
         if smaller.bar.name == first.name:
-            part = first.part
-            is_near = system.driven == first.driven
+            is_near = (system.span_part == first.part) & (system.driven == first.driven)
         yield Fillet(
             shaft=first.name,
             following=second.name,
-            radius=radius,
+            radius=step.round,
             diameter=unit,
             larger=larger.outer,
             modulus=modulus,
@@ -265,7 +261,7 @@ def _fillets(system: System) -> Iterator[Fillet]:
             peterson=fit,
             endurance=endurance(system.train, first, second),
             form="fillet",
-            spans=tuple(np.flatnonzero((system.span_part == part) & is_near).tolist()),
+            spans=tuple(np.flatnonzero(is_near).tolist()),
         )
 
 
@@ -273,7 +269,7 @@ def run(work: Work) -> None:
     """Put the stress of every shaft whose `step` is a fillet, or which has `notches`."""
     response = work.get(Response)
     total = work.get(Synthesis)
-    is_known = response is not None and not np.any(response.status != Status.OK)
+    is_known = response is not None and not response.unreliable.any()
     with work.log.step(
         "stress in fillets", "a `step` is a fillet, or a shaft has `notches`"
     ) as log:

@@ -175,32 +175,26 @@ def with_peaks(
         torque = np.concatenate([solution.torque for solution in solutions], axis=axis)
         sound = np.concatenate([solution.status for solution in solutions], axis=-1) == Status.OK
         if sound.ndim == 1:
-            sound = sound[:, None]
-            torque = torque[:, None]
+            sound, torque = sound[:, None], torque[:, None]
         missed, left_out = missed_peaks(response.points, torque, sound)
         remark = left_out or remark
         if missed.size == 0:
             break
         response = merged(response, solve(missed), response.points, missed)
+    # Between two points that have other numbers of solutions by harmonic balance the largest ends.
+    share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
     for _ in range(ROUNDS_FOR_JUMPS):
-        jumps = _about_jumps(response)
+        several = response.balanced if response.following is None else response.following
+        if several is None:
+            break
+        left = np.flatnonzero((np.diff(several.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
+        begin, end = response.points[left], response.points[left + 1]
+        begin, width = (ends[end - begin > NARROW * end] for ends in (begin, end - begin))
+        jumps = (begin[:, None] + width[:, None] * share).ravel()
         if jumps.size == 0:
             break
         response = merged(response, solve(jumps), response.points, jumps)
     return replace(response, requested=np.isin(response.points, requested), remark=remark)
-
-
-def _about_jumps(response: Response | FrequencyResponse) -> FloatArray:
-    """Return points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
-    several = response.balanced if response.following is None else response.following
-    if several is None:
-        return np.empty(0)
-    left = np.flatnonzero((np.diff(several.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
-    begin = response.points[left]
-    end = response.points[left + 1]
-    begin, end = (ends[end - begin > NARROW * end] for ends in (begin, end))
-    share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]
-    return (begin[:, None] + (end - begin)[:, None] * share).ravel()
 
 
 def apart(points: FloatArray, added: FloatArray) -> FloatArray:
@@ -239,9 +233,8 @@ def missed_peaks(
     inner = (bend > 0) & (move > left) & (move < right) & ~(gain <= GAIN) & (move != 0)
     step = SAME_PLACE * (right - left)[inner]
     rounded = x[point[inner] + 1] + np.round(move[inner] / step) * step
-    highest_first = np.argsort(
-        -np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable"
-    )
+    finite_gain = np.where(np.isfinite(gain[inner]), gain[inner], np.inf)
+    highest_first = np.argsort(-finite_gain, kind="stable")
     peaks, first = np.unique(rounded[highest_first], return_index=True)
     count = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
     if len(peaks) <= count:

@@ -82,28 +82,19 @@ class Excitation:
     errors: tuple[JointError, ...] = ()
 
     @property
-    def apart(self) -> "list[Excitation]":
-        """Parts that are added by their magnitudes: all with one phase, first, then each engine whose phase is any."""
-        torques_of: dict[int, list[Torque]] = {}
+    def apart(self) -> "dict[int, Excitation]":
+        """Parts that are added by their magnitudes, by the engine whose phase is any; -1, first: all with one phase."""
+        torques_of: dict[int, list[Torque]] = {-1: []}
         for torque in self.torques:
-            torques_of.setdefault(_engine_by_chance(torque), []).append(torque)
-        in_phase = replace(self, torques=tuple(torques_of.pop(-1, ())))
-        by_chance = [
-            replace(self, torques=tuple(torques), errors=()) for torques in torques_of.values()
-        ]
-        is_needed = self.errors or in_phase.torques or not by_chance
-        return [in_phase, *by_chance] if is_needed else by_chance
-
-    @property
-    def by_chance(self) -> frozenset[int]:
-        """Engines that take part and whose phase is any; -1 stands for everything else."""
-        return frozenset([*map(_engine_by_chance, self.torques), *(-1 for _ in self.errors)])
-
-
-def _engine_by_chance(torque: Torque) -> int:
-    """Return the engine whose torque it is, where its phase is any, else -1."""
-    law = torque.cylinder
-    return law.engine if law is not None and law.by_chance else -1
+            law = torque.cylinder
+            engine = law.engine if law is not None and law.by_chance else -1
+            torques_of.setdefault(engine, []).append(torque)
+        if len(torques_of) > 1 and not (self.errors or torques_of[-1]):
+            del torques_of[-1]
+        return {
+            engine: replace(self, torques=tuple(torques), errors=() if engine >= 0 else self.errors)
+            for engine, torques in torques_of.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -261,38 +252,29 @@ def sources(
     if not excitation.errors:
         imposed = (values if values.any() else None for values in (twist, loop_twist))
         return Sources(force, *imposed)
+    # With T_a d(driving) = T_b d(driven) the driving side feels T_b (1 + e'): the part mean torque * e' of it is a
+    # torque jump at the driving station, to first order in the error.
     for error in excitation.errors:
         span = system.spans[error.span]
-        turned = joint_error(system, error, speed, steady)
-        # A joint is rigid, and a rigid span is always one of the tree.
-        node = condensed.span[error.span]
-        twist[node] += condensed.sign[error.span] * turned / ratio[span.driven]
+        turned = np.full(len(speed), error.amplitude, dtype=np.complex128)
         if steady is not None:
+            turned = turned * np.exp(1j * error.order * steady.twist[span.driving])
             slope = 1j * error.order * turned / float(span.ratio)
             jump = -slope * steady.torque[error.span] * ratio[span.driving]
             force[condensed.node[span.driving]] += jump
+        # A joint is rigid, and a rigid span is always one of the tree.
+        node = condensed.span[error.span]
+        twist[node] += condensed.sign[error.span] * turned / ratio[span.driven]
     return Sources(force, twist, loop_twist)
-
-
-def joint_error(
-    system: System, error: JointError, speed: FloatArray, steady: Steady | None
-) -> ComplexArray:
-    """Return the error (speeds,) rad of the driven angle, as a phasor over the reference angle.
-
-    With T_a d(driving) = T_b d(driven) the driving side feels T_b (1 + e'): the part mean torque * e' of it is the
-    torque jump that `sources` adds at the driving station (first order in the error).
-    """
-    phasor = np.full(len(speed), error.amplitude, dtype=np.complex128)
-    if steady is not None:
-        turned = steady.twist[system.spans[error.span].driving]
-        phasor = phasor * np.exp(1j * error.order * turned)
-    return phasor
 
 
 def amplitude(
     system: System, torque: Torque, speed: FloatArray, steady: Steady | None
 ) -> ComplexArray:
-    """Return the complex amplitude (speeds,) N m of a torque at its own station."""
+    """Return the complex amplitude (speeds,) N m of a torque at its own station.
+
+    The mean torque of which it may be a share is what is applied at its station, else the largest in its spans.
+    """
     own_speed = speed * system.speed_ratio[torque.station]
     if (law := torque.cylinder) is not None:
         return law.amplitude(own_speed, None if steady is None else steady.applied[law.station])
@@ -301,21 +283,17 @@ def amplitude(
         about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")
         size = size + interpolated(torque.table, own_speed, about)
     if torque.of_mean:
-        size = size + torque.of_mean * _mean_torque(system, torque, steady)
+        if steady is None:
+            message = (
+                f"the torque at '{torque.name}' is a share of the mean torque, which is not known"
+            )
+            hint = "give the rated speed and power"
+            raise InputError([Fault(("operation", "rated", "power"), message, hint)])
+        mean = np.abs(steady.applied[torque.station])
+        meets = (system.driving == torque.station) | (system.driven == torque.station)
+        if meets.any() and not mean.any():
+            # A span's torque is stated at its driving station's speed; across a gear it is not the station's own.
+            ratio = system.span_ratio[meets] / system.speed_ratio[torque.station]
+            mean = np.abs(steady.torque[meets] * ratio[:, None]).max(axis=0)
+        size = size + torque.of_mean * mean
     return np.asarray(size * np.exp(1j * torque.phase))
-
-
-def _mean_torque(system: System, torque: Torque, steady: Steady | None) -> FloatArray:
-    """Return the mean torque (speeds,) N m applied at the torque's station, else the largest in its spans."""
-    if steady is None:
-        message = f"the torque at '{torque.name}' is a share of the mean torque, which is not known"
-        path = ("operation", "rated", "power")
-        hint = "give the rated speed and power"
-        raise InputError([Fault(path, message, hint)])
-    applied = np.abs(steady.applied[torque.station])
-    meets = (system.driving == torque.station) | (system.driven == torque.station)
-    if applied.any() or not meets.any():
-        return np.asarray(applied)
-    # A span's torque is stated at its driving station's speed; across a gear it is not the station's own.
-    ratio = system.span_ratio[meets] / system.speed_ratio[torque.station]
-    return np.asarray(np.abs(steady.torque[meets] * ratio[:, None]).max(axis=0))

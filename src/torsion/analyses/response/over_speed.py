@@ -20,7 +20,6 @@ from torsion.analyses.response.amplitudes import (
     Components,
     Following,
     Response,
-    Synthesis,
     blocks,
     joined,
     merged,
@@ -38,7 +37,7 @@ from torsion.analyses.response.solver import NOTHING, Answer, answers, by_magnit
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
@@ -96,7 +95,17 @@ def response(
     that is needed and `refine` is False; InputError where speeds, or a mean torque that an excitation or a damping
     follows, are not given, or an order is named that nothing excites.
     """
-    requested = _requested_speeds(study, speeds)
+    if speeds is not None:
+        requested = np.unique(np.asarray(speeds, dtype=np.float64))
+        if not (requested.size and (requested > 0.0).all() and np.isfinite(requested).all()):
+            message = "these are not speeds of a response"
+            raise InputError([Fault(("speeds",), message, "one or more, above 0 rad/s")])
+    elif study.operation.speeds is None:
+        message = "a response over speed needs the speeds"
+        hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
+        raise InputError([Fault(("operation", "speeds"), message, hint)])
+    else:
+        requested = study.operation.speeds.values()
     orders = requested_orders(study)
     excited = excitations(system, None if all_orders else orders)
     highest = max(
@@ -164,22 +173,6 @@ def order_faults(study: Study) -> list[Fault]:
     ]
 
 
-def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
-    """Return the requested speeds (speeds,) rad/s, ascending; raises InputError where there are none."""
-    if speeds is not None:
-        requested = np.unique(np.asarray(speeds, dtype=np.float64))
-        if not (requested.size and (requested > 0.0).all() and np.isfinite(requested).all()):
-            message = "these are not speeds of a response"
-            hint = "one or more, above 0 rad/s"
-            raise InputError([Fault(("speeds",), message, hint)])
-        return requested
-    if study.operation.speeds is None:
-        message = "a response over speed needs the speeds"
-        hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
-        raise InputError([Fault(("operation", "speeds"), message, hint)])
-    return study.operation.speeds.values()
-
-
 def _solve(
     study: Study,
     system: System,
@@ -192,61 +185,65 @@ def _solve(
 
     rank: of the solutions of couplings by table over vibratory torque, the largest first; those of a rank above 0 come
     with that of rank 0.
+
+    The model evaluates a joint's error e at the mean angle of its yokes. Terms of second order are left out: a joint
+    changes the stiffness seen through it by 4 q at twice its speed, and a yoke that oscillates by x changes e by its
+    slope times x. Acting twice, they come back at the same order with the square of both together, (2 q + 2 |x|)^2, of
+    the largest joint: the `joint_error`. It is an estimate and no bound; in 40 cases of a train of two joints (3 to 30
+    degrees, off and at resonance, cancelling and adding) it was 1.3 to 32 times the error against the full non-linear
+    solution.
     """
     shape = len(speed), len(excited)
-    angle = np.empty((*shape, len(system.stations)), dtype=np.complex128)
-    torque = np.empty((*shape, len(system.spans)), dtype=np.complex128)
-    mean = np.zeros((len(speed), len(system.spans)))
-    status = np.empty(shape, dtype=np.uint8)
-    frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    balances = list[Balanced | None]()
-    followers = list[Following | None]()
+    arrays: dict[str, Any] = {
+        "frequency": np.empty(shape),
+        "angle": np.empty((*shape, len(system.stations)), dtype=np.complex128),
+        "torque": np.empty((*shape, len(system.spans)), dtype=np.complex128),
+        "mean": np.zeros((len(speed), len(system.spans))),
+        "residual": np.empty(shape),
+        "status": np.empty(shape, dtype=np.uint8),
+        "joint_error": np.zeros(shape),
+    }
+    blocks_of_couplings = list[tuple[Balanced | None, Following | None]]()
     for block in blocks(len(speed), len(system.stations)):
         speeds = speed[block]
         steady = steady_if_known(study, system, speeds)
         if steady is not None:
-            mean[block] = steady.torque.T
+            arrays["mean"][block] = steady.torque.T
         components = Components(
             [excitation.line.order for excitation in excited],
             [excitation.line.circular_frequency(speeds) for excitation in excited],
             [
-                [sources(system, source, speeds, steady) for source in excitation.apart]
+                [sources(system, source, speeds, steady) for source in excitation.apart.values()]
                 for excitation in excited
             ],
             ground_damping(system, speeds, steady),
-            mean[block].T,
+            arrays["mean"][block].T,
             speeds,
         )
         answers, balance, following = solve_components(system, components, rank)
-        balances.append(balance)
-        followers.append(following)
+        blocks_of_couplings.append((balance, following))
         for k, (excitation, answer) in enumerate(zip(excited, answers, strict=True)):
-            progress(
-                "response", (block.start + k * len(speeds) / len(excited)) / max(len(speed), 1)
-            )
-            frequency[block, k] = components.w[k] / (2.0 * math.pi)
-            angle[block, k] = answer.angle
-            torque[block, k] = answer.torque
-            residual[block, k] = answer.residual
-            status[block, k] = answer.status
-            joint_error[block, k] = joint_errors(system, excitation, answer.angle)
+            done = block.start + k * len(speeds) / len(excited)
+            progress("response", done / max(len(speed), 1))
+            arrays["frequency"][block, k] = components.w[k] / (2.0 * math.pi)
+            for key, values in vars(answer).items():
+                arrays[key][block, k] = values
+            joint_error = arrays["joint_error"][block, k]
+            for error in excitation.errors:
+                angle = np.abs(answer.angle[:, system.spans[error.span].driving])
+                second_order = (2.0 * abs(error.amplitude) + error.order * angle) ** 2
+                np.maximum(joint_error, second_order, out=joint_error)
 
-    following = joined(followers)
+    following = joined([following for _, following in blocks_of_couplings])
     several = 0 if following is None or rank else int(following.number.max(initial=0))
-    phases = (excitation.by_chance for excitation in excited if excitation.line.order)
+    phases = (excitation.apart.keys() for excitation in excited if excitation.line.order)
     return Response(
         speed=speed,
         requested=np.zeros(len(speed), dtype=bool),
         lines=tuple(excitation.line for excitation in excited),
-        frequency=frequency,
-        angle=angle,
-        torque=torque,
-        mean=mean,
-        residual=residual,
-        status=status,
-        joint_error=joint_error,
+        **arrays,
         system=system,
-        balanced=joined(balances),
+        balanced=joined([balance for balance, _ in blocks_of_couplings]),
         by_magnitude=len(frozenset().union(*phases)) > 1,
         following=following,
         others=tuple(
@@ -302,22 +299,6 @@ def solve_components(
     return combined(), balance, following
 
 
-def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
-    """Return the estimated relative error (frequencies,) of a line that joints excite, of angles (frequencies, stations).
-
-    The model evaluates a joint's error e at the mean angle of its yokes. Terms of second order are left out: a joint
-    changes the stiffness seen through it by 4 q at twice its speed, and a yoke that oscillates by x changes e by its
-    slope times x. Acting twice, they come back at the same order with the square of both together, (2 q + 2 |x|)^2, of
-    the largest joint. It is an estimate and no bound; in 40 cases of a train of two joints (3 to 30 degrees, off and at
-    resonance, cancelling and adding) it was 1.3 to 32 times the error against the full non-linear solution.
-    """
-    largest = np.zeros(len(angle))
-    for error in excitation.errors:
-        amplitude = np.abs(angle[:, system.spans[error.span].driving])
-        largest = np.maximum(largest, (2.0 * abs(error.amplitude) + error.order * amplitude) ** 2)
-    return largest
-
-
 def run(work: Work) -> None:
     """Put response and synthesis of a train that something excites, at speeds that are given."""
     if why := no_response(work.study, work.system, work.ruled):
@@ -332,7 +313,24 @@ def run(work: Work) -> None:
         if total.turns:
             step.size = f"cycle of {total.turns} turns"
     if "response" in work.ruled:
-        result, total = _with_speeds_for_rules(work, result, total)
+        # Speeds are added until no rule finds its worst value between two computed speeds.
+        count = result.speed.size
+        solved_orders = [line.order for line in result.lines if line.order is not None]
+        why = "no worst value of a rule lies between two speeds"
+        with work.log.step("speeds between", why) as step:
+            for _ in range(MOST_ROUNDS):
+                speeds = work.rules.speeds_between(work.having(response=result, synthesis=total))
+                # A coupling over vibratory torque can have several solutions: the rules judge each of them.
+                for solution in result.others:
+                    results = work.having(response=solution, synthesis=synthesis(solution))
+                    speeds = np.union1d(speeds, work.rules.speeds_between(results))
+                if not speeds.size:
+                    break
+                addition = response_of_orders(work.study, work.system, solved_orders, speeds)
+                total = merged(total, synthesis(addition), result.speed, speeds)
+                result = merged(result, addition, result.speed, speeds)
+            step.method = "parabolas through the utilisations; ends of barred ranges"
+            step.size = f"{result.speed.size - count} speeds"
     work.put(response=result, synthesis=total)
 
 
@@ -374,28 +372,3 @@ def _logged_response(work: Work) -> Response:
         omitted = f"order {line.order} of the response ({', '.join(line.sources)})"
         work.log.without(omitted, "`orders` does not name it")
     return result
-
-
-def _with_speeds_for_rules(
-    work: Work, result: Response, total: Synthesis
-) -> tuple[Response, Synthesis]:
-    """Return the response with speeds added until no rule finds its worst value between two computed speeds."""
-    count = result.speed.size
-    orders = [line.order for line in result.lines if line.order is not None]
-    with work.log.step(
-        "speeds between", "no worst value of a rule lies between two speeds"
-    ) as step:
-        for _ in range(MOST_ROUNDS):
-            speeds = work.rules.speeds_between(work.having(response=result, synthesis=total))
-            # A coupling over vibratory torque can have several solutions: the rules judge each of them.
-            for solution in result.others:
-                results = work.having(response=solution, synthesis=synthesis(solution))
-                speeds = np.union1d(speeds, work.rules.speeds_between(results))
-            if not speeds.size:
-                break
-            addition = response_of_orders(work.study, work.system, orders, speeds)
-            total = merged(total, synthesis(addition), result.speed, speeds)
-            result = merged(result, addition, result.speed, speeds)
-        step.method = "parabolas through the utilisations; ends of barred ranges"
-        step.size = f"{result.speed.size - count} speeds"
-    return result, total

@@ -84,51 +84,39 @@ def deflections(
     return record.lever * np.abs(response.torque[:, :, span]) / np.hypot(stiffness, loss)
 
 
-def _pendulum(
-    system: System, span: int, record: PendulumRecord, response: Response | None
-) -> Pendulum:
-    ratio = system.stations[system.spans[span].driving].ratio
-    name = system.train.parts[system.spans[span].part].name
-    orders = [line.order / ratio for line in lines(system) if line.order is not None]
-    if response is None:
-        rows = [PendulumAtOrder(n, effective_inertia(record, n), None, None) for n in orders]
-        return Pendulum(name, record.order, record.inertia, None, None, tuple(rows))
-    angles = deflections(system, response, span, record)
-    rows = []
-    for line, deflection in zip(response.lines, angles.T, strict=True):
-        if line.order is not None:
-            worst = int(np.argmax(deflection))
-            n = line.order / ratio
-            largest = float(deflection[worst]), float(response.speed[worst])
-            rows.append(PendulumAtOrder(n, effective_inertia(record, n), *largest))
-    total = angles.sum(axis=1)
-    worst = int(np.argmax(total))
-    if total[worst] > MOST:
-        degrees = math.degrees(total[worst])
-        rpm = response.speed[worst] * 30.0 / math.pi
-        message = f"the bobs of '{name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm: that is not linear"
-        path = system.train.parts[system.spans[span].part].path
-        raise SolveError(
-            message, "heavier bobs, more of them, a longer arm, or speeds that begin higher", path
-        )
-    return Pendulum(
-        name,
-        record.order,
-        record.inertia,
-        float(total[worst]),
-        float(response.speed[worst]),
-        tuple(rows),
-    )
-
-
 def run(work: Work) -> None:
     """Put every pendulum, with its deflection where there is a response."""
     response = work.get(Response)
     system = work.system if response is None else response.system
-    pendulums = [
-        _pendulum(system, span, record, response)
-        for span, table in sorted(system.tables.items())
-        if table.over == "speed"
-        if (record := system.train.parts[system.spans[span].part].pendulum) is not None
-    ]
+    pendulums = list[Pendulum]()
+    for span, table in sorted(system.tables.items()):
+        part = system.train.parts[system.spans[span].part]
+        if table.over != "speed" or (record := part.pendulum) is None:
+            continue
+        ratio = system.stations[system.spans[span].driving].ratio
+        excited = lines(system) if response is None else response.lines
+        orders = [None if line.order is None else line.order / ratio for line in excited]
+        largest: list[tuple[float | None, float | None]] = [(None, None)] * (len(orders) + 1)
+        if response is not None:
+            # By order, and the magnitudes of all together.
+            angles = deflections(system, response, span, record)
+            largest = []
+            for deflection in (*angles.T, angles.sum(axis=1)):
+                worst = int(np.argmax(deflection))
+                largest.append((float(deflection[worst]), float(response.speed[worst])))
+        *by_order, (deflected, speed) = largest
+        if deflected is not None and speed is not None and deflected > MOST:
+            degrees = math.degrees(deflected)
+            rpm = speed * 30.0 / math.pi
+            message = f"the bobs of '{part.name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm"
+            message += ": that is not linear"
+            hint = "heavier bobs, more of them, a longer arm, or speeds that begin higher"
+            raise SolveError(message, hint, part.path)
+        rows = tuple(
+            PendulumAtOrder(order, effective_inertia(record, order), *of_order)
+            for order, of_order in zip(orders, by_order, strict=True)
+            if order is not None
+        )
+        row = Pendulum(part.name, record.order, record.inertia, deflected, speed, rows)
+        pendulums.append(row)
     work.put(pendulums=Pendulums(tuple(pendulums), work.study.operation.speed))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
@@ -137,17 +136,15 @@ def by_magnitude(answers: Sequence[Answer]) -> Answer:
     """Return one answer of several whose phases to each other are any: magnitudes added, phases of the first."""
     if len(answers) == 1:
         return answers[0]
-
-    def added(name: str) -> ComplexArray:
-        values = np.array([getattr(answer, name) for answer in answers])
-        return np.asarray(np.abs(values).sum(axis=0) * np.exp(1j * np.angle(values[0])))
-
-    return Answer(
-        added("angle"),
-        added("torque"),
-        np.max([answer.residual for answer in answers], axis=0),
-        np.max([answer.status for answer in answers], axis=0),
+    angle, torque = (
+        np.abs(values).sum(axis=0) * np.exp(1j * np.angle(values[0]))
+        for values in (
+            np.array([answer.angle for answer in answers]),
+            np.array([answer.torque for answer in answers]),
+        )
     )
+    residual = np.max([answer.residual for answer in answers], axis=0)
+    return Answer(angle, torque, residual, np.max([answer.status for answer in answers], axis=0))
 
 
 def undamped(system: System) -> System:
@@ -182,10 +179,21 @@ def swept(
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
 
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
-    stiffness = tabled_stiffness(system, w) if stiffness is None else stiffness
-    changed = {span: secant for span, secant in added.items() if not secant.is_linear}
-    if stiffness or changed:
-        compliance = _changed_compliance(system, compliance, stiffness or {}, changed, len(w))
+    stiffness = (tabled_stiffness(system, w) if stiffness is None else stiffness) or {}
+    secants = {span: secant for span, secant in added.items() if not secant.is_linear}
+    if stiffness or secants:
+        shape = tree.size, len(w)
+        compliance = np.array(np.broadcast_to(compliance.reshape(tree.size, -1), shape), complex)
+    for span in {*stiffness, *secants}:
+        node = condensed.span[span]
+        if node < 0:
+            raise ValueError(f"'{system.spans[span].name}' closes a loop")
+        ratio2 = system.span_ratio[span] ** 2
+        if span in stiffness:
+            compliance[node] = 1.0 / (stiffness[span] * ratio2)
+        if span in secants:
+            extra = secants[span].extra * ratio2
+            compliance[node] /= secants[span].share + compliance[node] * extra
 
     acting: dict[str, Any] = {
         "twist": sources.twist,
@@ -229,33 +237,6 @@ def tabled_stiffness(
     from torsion.assembly.tabled_spans import complex_stiffness
 
     return complex_stiffness(system, w, mean, speed, vibratory or {})
-
-
-def _changed_compliance(
-    system: System,
-    compliance: NDArray[Any],
-    stiffness: Mapping[int, ComplexArray],
-    added: "Mapping[int, Secant]",
-    frequencies: int,
-) -> ComplexArray:
-    """Return the compliances (tree stations, frequencies) rad/(N m) with those of some spans changed.
-
-    Raises ValueError where such a span closes a loop.
-    """
-    for span in (*stiffness, *added):
-        if system.condensed.span[span] < 0:
-            raise ValueError(f"'{system.spans[span].name}' closes a loop")
-    changed = np.empty((len(compliance), frequencies), dtype=complex)
-    changed[:] = compliance.reshape(len(compliance), -1)
-    for span, stiffness_of in stiffness.items():
-        changed[system.condensed.span[span]] = 1.0 / (stiffness_of * system.span_ratio[span] ** 2)
-    for span, secant in added.items():
-        extra = secant.extra * system.span_ratio[span] ** 2
-        stiffness_of = system.condensed.span[span]
-        changed[stiffness_of] = changed[stiffness_of] / (
-            secant.share + changed[stiffness_of] * extra
-        )
-    return changed
 
 
 def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> FloatArray:

@@ -40,33 +40,26 @@ def synthesis(response: Response) -> Synthesis:
     each other; `turns` is 0 then.
     Where the status of a line is not ok, the sum has no value: it is infinite.
     """
-    turns, harmonics = common_cycle(
-        [line.order for line in response.lines if line.order is not None]
-    )
-    turns = Fraction(0) if response.by_magnitude else turns
-    ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
+    orders = [line.order for line in response.lines]
     values = np.empty((4, *response.mean.shape))
     for part in blocks(len(response.mean), response.mean.shape[1], SMALL_BLOCK):
         torque = response.torque[part]
         mean = response.mean[part]
         size = np.abs(torque)
         bound = size.sum(axis=1)
-        fixed = size[:, ~ordered].sum(axis=1)
-        if turns == 0:
-            highest = size[:, ordered].sum(axis=1)
-            lowest = -highest
-        else:
-            phasors = np.moveaxis(torque[:, ordered], 1, 2).reshape(bound.size, len(harmonics))
-            highest, lowest = (
-                extreme.reshape(bound.shape) for extreme in extremes(phasors, harmonics)
-            )
+        phasors = np.moveaxis(torque, 1, 2).reshape(bound.size, len(orders))
+        highest, lowest, fixed = (
+            values.reshape(bound.shape) for values in _sums(orders, phasors, response.by_magnitude)
+        )
         peak = np.maximum(np.abs(mean + highest + fixed), np.abs(mean + lowest - fixed))
         rms = np.sqrt((size**2).sum(axis=1) / 2.0)
         answered = np.isfinite(bound) & (response.status[part] == Status.OK).all(axis=1)[:, None]
         values[:, part] = np.where(
             answered, [(highest - lowest) / 2.0 + fixed, peak, rms, bound], np.inf
         )
-    return Synthesis(values[0], values[1], values[2], values[3], turns)
+    turns = common_cycle([order for order in orders if order is not None])[0]
+    half_range, peak, rms, bound = values
+    return Synthesis(half_range, peak, rms, bound, Fraction(0) if response.by_magnitude else turns)
 
 
 def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
@@ -86,13 +79,21 @@ def half_range_of(
     orders: Sequence[Fraction | None], phasors: ComplexArray, *, by_magnitude: bool = False
 ) -> FloatArray:
     """Return the half range (rows,) of the sum of `phasors` (rows, components), each of an order or a fixed frequency."""
+    highest, lowest, fixed = _sums(orders, phasors, by_magnitude)
+    return np.asarray(fixed + (highest - lowest) / 2.0)
+
+
+def _sums(
+    orders: Sequence[Fraction | None], phasors: ComplexArray, by_magnitude: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return largest and smallest sum (rows,) of the orders of `phasors` (rows, components), and that of the fixed."""
     turns, harmonics = common_cycle([order for order in orders if order is not None])
     ordered = np.array([order is not None for order in orders], dtype=bool)
-    half_ranges = np.abs(phasors[:, ~ordered]).sum(axis=1)
+    fixed = np.abs(phasors[:, ~ordered]).sum(axis=1)
     if turns == 0 or by_magnitude:
-        return np.asarray(half_ranges + np.abs(phasors[:, ordered]).sum(axis=1))
-    highest, lowest = extremes(phasors[:, ordered], harmonics)
-    return np.asarray(half_ranges + (highest - lowest) / 2.0)
+        bound = np.abs(phasors[:, ordered]).sum(axis=1)
+        return bound, -bound, fixed
+    return (*extremes(phasors[:, ordered], harmonics), fixed)
 
 
 def common_order(orders: Sequence[Fraction]) -> Fraction:
@@ -119,37 +120,26 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
     """
     if phasors.size == 0:
         return np.zeros(len(phasors)), np.zeros(len(phasors))
-    if phasors.shape[1] == 1:
-        highest = np.abs(phasors[:, 0])
-        return highest, -highest
-    acting = phasors.any(axis=1)
-    if not acting.all():
-        extremes_of = np.zeros((2, len(phasors)))
-        extremes_of[:, acting] = extremes(phasors[acting], harmonics)
-        return extremes_of[0], extremes_of[1]
     number = int(harmonics.max()) * SAMPLES
     turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
-    wave = (
-        turned.conj().view(np.float64).T.astype(np.float32)
-    )  # Re(a b*) is the product of both as real pairs
+    # Re(a b*) is the product of both as real pairs.
+    wave = turned.conj().view(np.float64).T.astype(np.float32)
     phase = math.pi / number * harmonics  # in half a step
     rounding = 3.0 * SINGLE * (len(harmonics) + 2)  # of the bound, at most: of two samples
-    expanded, upright = (
-        _expansion(phase),
-        len(phasors),
-    )  # rows: then come the same waves upside down
-    both = np.empty((upright + upright, len(harmonics)), dtype=np.complex128)
-    best = np.zeros(upright + upright)
-    both[:upright] = phasors
-    np.negative(both[:upright], out=both[upright:])
+    # From phasors at a sample, as real pairs, to the Taylor polynomial of their sum in a cell, -1..1.
+    power = np.arange(DEGREE + 1)[:, None]
+    expanded = phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
+    expanded = (np.array([1, -1j, -1, 1j])[power % 4] * expanded).view(np.float64)
+    upright = len(phasors)  # rows: then come the same waves upside down
+    both = np.concatenate([phasors, -phasors]).astype(np.complex128)
+    best = np.zeros(2 * upright)
     near: list[IntArray] = []
     rows = max(BLOCK_VALUES // number, 1)
     cells = 0
     with np.errstate(all="ignore"):
         size = np.abs(both[:upright])
-        bound = size.sum(
-            axis=1, keepdims=True
-        )  # without a value where that is 0: no extreme is to be found
+        # Without a value where that is 0: no extreme is to be found.
+        bound = size.sum(axis=1, keepdims=True)
         loss = ((size @ (phase**2 / 2.0))[:, None] / bound + rounding).astype(np.float32)
         for start in range(0, upright, rows):
             part = slice(start, min(start + rows, upright))
@@ -169,16 +159,6 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
             near = []
             cells = 0
     return best[:upright], -best[upright:]
-
-
-def _expansion(phase: FloatArray) -> FloatArray:
-    """Return (powers, 2 harmonics): from phasors at a sample, as real pairs, to the Taylor polynomial of their sum.
-
-    phase: (harmonics,) rad in half a step; the polynomial is of a cell, -1..1.
-    """
-    power = np.arange(DEGREE + 1)[:, None]
-    size = phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
-    return np.asarray(np.array([1, -1j, -1, 1j])[power % 4] * size).view(np.float64)
 
 
 def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
