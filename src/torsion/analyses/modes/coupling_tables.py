@@ -26,12 +26,12 @@ class Table:
     over: str = result(
         "", "what the table is over: frequency, mean or vibratory torque of the coupling"
     )
-    at: FloatArray = result("", ("point",), "its points, Hz or N m")
+    at: FloatArray = result("", "point", "its points, Hz or N m")
     stiffness: FloatArray = result(
-        "N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed"
+        "N*m/rad", "point", "dynamic stiffness at each, at the coupling's own speed"
     )
-    loss_factor: FloatArray = result("1", ("point",), "loss factor of hysteresis at each")
-    viscous: FloatArray = result("N*m*s/rad", ("point",), "viscous damping at each")
+    loss_factor: FloatArray = result("1", "point", "loss factor of hysteresis at each")
+    viscous: FloatArray = result("N*m*s/rad", "point", "viscous damping at each")
     holds: bool = result("", "the values at its ends hold beyond them", key="holds_beyond")
     law: str | None = result("", "law that the points stand for; null: linear between them")
     steepest: float = result(
@@ -68,13 +68,17 @@ class CouplingTables:
     at_modes: tuple[AtMode, ...] = result("", "couplings and dampers at the modes")
     modal_loss_factor: FloatArray = result(
         "1",
-        ("mode",),
+        "mode",
         "sum over all couplings and shafts of share of the elastic energy times loss factor there",
     )
 
 
-def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
-    """Return the tables at the modes, each at its own stiffness; speed: rad/s at which mean torque was taken."""
+def run(work: Work) -> None:
+    """Put the tables at the modes, each at its own stiffness, where modes were computed."""
+    modes = work.get(Modes)
+    if modes is None:
+        work.log.without("couplings by table at the modes", "no modes")
+        return
     system = modes.system
     w = 2.0 * math.pi * modes.frequency
 
@@ -98,24 +102,15 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
         name = system.spans[span].name
         points = np.array(table.points)
         values = points / WORDS[table.over][1], *table.values(points)
-        law = table.words or None
-        tables.append(
-            Table(name, table.over, *values, table.holds, law, table.steepest, table.is_complex)
-        )
+        traits = table.holds, table.words or None, table.steepest, table.is_complex
+        tables.append(Table(name, table.over, *values, *traits))
         columns = modes.frequency, *stiffness_and_loss(span), modes.elastic[span]
         rows = np.transpose(columns).tolist()
         at_modes += [AtMode(name, mode, *row) for mode, row in enumerate(rows, 1)]
-    by_torque = any(table.over == "mean torque" for table in system.tables.values())
-    return CouplingTables(tuple(tables), speed if by_torque else None, tuple(at_modes), modal)
-
-
-def run(work: Work) -> None:
-    """Put the couplings by table where modes were computed."""
-    modes = work.get(Modes)
-    if modes is None:
-        work.log.without("couplings by table at the modes", "no modes")
-        return
-    work.put(coupling_tables=coupling_tables(modes, work.study.operation.speed))
+    # The reference speed at which mean torque was taken.
+    speed = work.study.operation.speed if system.tables_over("mean torque") else None
+    result = CouplingTables(tuple(tables), speed, tuple(at_modes), modal)
+    work.put(coupling_tables=result)
 
 
 def refuse_loops(system: System) -> None:

@@ -11,7 +11,6 @@ from torsion.findings import Work
 from torsion.kernels.ring_damper import magnification, tuned, viscous
 from torsion.primitives import Spring, tabled_spring
 from torsion.results import reported, result
-from torsion.train import Train
 
 SMALLEST_RATIO = 1e-2  # ring over modal inertia: below it no ring changes the mode by much
 
@@ -52,14 +51,12 @@ def run(work: Work) -> None:
         return
     system = train_modes.system
     count = len(train_modes.frequency)
+    optima = list[DamperOptimum]()
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
-        rings = [
-            spring
-            for spring in train.springs
-            if train.parts[spring.part].kind == "damper" and spring.flexibility
-        ]
-        optima = [optimum for ring in rings for optimum in _optima(system, ring, count)]
+        for ring in train.springs:
+            if train.parts[ring.part].kind == "damper" and ring.flexibility:
+                optima += _optima(system, ring, count)
     work.put(dampers=Dampers(tuple(optima)))
 
 
@@ -69,13 +66,21 @@ def _optima(system: System, ring: Spring, count: int) -> Iterator[DamperOptimum]
     inertia = sum(lump.inertia for lump in train.inertias if lump.station == ring.driven)
     if not inertia or not count:
         return
-    bare = modes(of_train(system, without(train, ring)), count)
+    # A ring of no inertia does nothing: its angle is that of the housing.
+    flexibility = ring.flexibility if math.isfinite(ring.flexibility) else 1.0
+    idle = replace(ring, table=None, flexibility=flexibility)
+    without = replace(
+        train,
+        inertias=tuple(lump for lump in train.inertias if lump.station != ring.driven),
+        springs=tuple(idle if spring is ring else spring for spring in train.springs),
+    )
+    bare = modes(of_train(system, without), count)
     angles = bare.shape[ring.driving].tolist()
     for mode, (hertz, angle) in enumerate(zip(bare.frequency.tolist(), angles, strict=True), 1):
         ratio = inertia * angle**2
-        omega = 2.0 * math.pi * hertz
         if ratio < SMALLEST_RATIO:
             continue
+        omega = 2.0 * math.pi * hertz
         plain = viscous(ratio)
         best = tuned(ratio)
         given = ring
@@ -96,14 +101,3 @@ def _optima(system: System, ring: Spring, count: int) -> Iterator[DamperOptimum]
             best.magnification,
             magnification(ratio, tuning, given.viscous / critical, given.loss_factor),
         )
-
-
-def without(train: Train, ring: Spring) -> Train:
-    """Return the train with a ring of no inertia, which then does nothing: its angle is that of the housing."""
-    flexibility = ring.flexibility if math.isfinite(ring.flexibility) else 1.0
-    idle = replace(ring, table=None, flexibility=flexibility)
-    return replace(
-        train,
-        inertias=tuple(lump for lump in train.inertias if lump.station != ring.driven),
-        springs=tuple(idle if spring is ring else spring for spring in train.springs),
-    )

@@ -39,17 +39,15 @@ class StiffnessOverSpeed:
     """A coupling with a table over mean torque."""
 
     coupling: str = result("", "its name")
-    torque: FloatArray = result(
-        "N*m", ("speed",), "its mean torque, at its driving station's speed"
-    )
-    stiffness: FloatArray = result("N*m/rad", ("speed",), "tangent stiffness there")
+    torque: FloatArray = result("N*m", "speed", "its mean torque, at its driving station's speed")
+    stiffness: FloatArray = result("N*m/rad", "speed", "tangent stiffness there")
 
 
 @reported
 class FrequenciesOverSpeed:
     """Natural frequencies at the stiffness that each speed and its mean torque give."""
 
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
     frequency: FloatArray = result(
         "Hz", ("mode", "speed"), "undamped natural frequencies at each speed"
     )

@@ -83,32 +83,25 @@ class HolzerTable:
             is_chord = bool(self.is_chord[row])
             inertia = float(self.inertia[row])
             name = system.stations[int(self.station[row])].name
-            before = None
-            through = None
-            torques = (None, None, None)
-            flexibility = None
-            constants: tuple[float | None, ...] = (None, None, None, None)
+            into, out, twist = ends[:, row].tolist()
+            of_link: tuple[int | None, str | None, float | None] = None, None, None
+            torques: tuple[float | None, ...] = None, None, None
+            constants: tuple[float | None, ...] = None, None, None, None
             if link is not None:
-                before = int(self.before[row]) + 1
-                through = link.name
-                torques = ends[:, row].tolist()
-                flexibility = float(self.flexibility[row])
-                if np.isfinite(self.transfer[row]).all():
-                    (a, h), (b, d) = self.transfer[row].tolist()
-                    constants = (a, -h, b, d)
-                    flexibility = None
+                (a, h), (b, d) = self.transfer[row].tolist()
+                has_inertia = math.isfinite(a)
+                flexibility = None if has_inertia else float(self.flexibility[row])
+                of_link = int(self.before[row]) + 1, link.name, into
+                torques = flexibility, twist, out
+                constants = (a, -h, b, d) if has_inertia else constants
             yield HolzerRow(
                 row + 1,
                 f"{name}, closing a loop" if is_chord else name,
                 None if is_chord else inertia,
                 float(station[0, row]),
                 None if is_chord or math.isinf(inertia) else float(station[1, row]),
-                before,
-                through,
-                torques[0],
-                flexibility,
-                torques[2],
-                torques[1],
+                *of_link,
+                *torques,
                 *constants,
             )
 
@@ -155,7 +148,15 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     ends = np.zeros((len(rows), 2))
     flexibility = np.zeros(len(rows))
     transfer = np.full((len(rows), 2, 2), np.nan)
-    chains = _Chains(system, square)
+    # Every span is a flexibility between two inertias.
+    inertia = system.lumped_inertia * system.speed_ratio**2
+    pi = np.zeros((3, len(at_rest)))
+    pi[0] = at_rest
+    if (bars := system.bars) is not None:
+        number = np.arange(len(bars.span))
+        ratio = system.span_ratio[bars.span]
+        laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
+        pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
     for row, (_, _, link, _) in enumerate(rows):
         if link is None:
             continue
@@ -163,15 +164,16 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
         torques = torque[[first, last]]
         is_turned = link.driven != station[row]
         flexibility[row] = at_rest[first : last + 1].sum()
-        matrix, has_driven_end = chains.transfer(link)
+        matrix = _transfer(pi[:, first : last + 1], inertia[system.driven[first:last]], square)
         if matrix is not None:
             transfer[row] = matrix[::-1, ::-1].T if is_turned else matrix
-            if not has_driven_end:
+            # Without inertia at the driven end the last span reports the torque there.
+            if pi[1:, last].any():
                 driving = row if is_turned else before[row]
                 torques[1] = matrix[1] @ (angle[driving], torques[0])
         ends[row] = -torques[::-1] if is_turned else torques
 
-    inertia = (system.lumped_inertia * system.speed_ratio**2)[station]
+    inertia = inertia[station]
     inertia_torque = np.where(np.isinf(inertia), 0.0, inertia) * square * angle
     # The twist of a spring may be far smaller than the angles of its ends.
     between = np.where(before >= 0, angle[before], angle) - angle
@@ -198,8 +200,11 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     )
 
 
-def _links(system: System) -> list[Link]:
-    """Return springs, meshes, joints and whole shafts; not those of no stiffness, which carry no torque of a mode."""
+def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
+    """Yield station, row before, link, and whether it closes a loop; each branch to its end before the next.
+
+    Links are springs, meshes, joints and whole shafts; not those of no stiffness, which carry no torque of a mode.
+    """
     bars = {bar.part: bar for bar in system.train.bars}
     links = list[Link]()
     shafts = dict[int, list[int]]()
@@ -215,17 +220,10 @@ def _links(system: System) -> list[Link]:
     for part, spans in shafts.items():
         bar = bars[part]
         links.append(Link(bar.name, bar.driving, bar.driven, (spans[0], spans[-1])))
-    return links
 
-
-def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
-    """Yield station, row before, link, and whether it closes a loop; each branch to its end before the next."""
     # Last the `links` of the file, which close loops.
-    parts = system.train.parts
-    links = sorted(
-        _links(system),
-        key=lambda link: parts[int(system.span_part[link.spans[0]])].path[:1] == ("links",),
-    )
+    paths = [part.path[:1] for part in system.train.parts]
+    links.sort(key=lambda link: paths[int(system.span_part[link.spans[0]])] == ("links",))
     neighbours: dict[int, list[tuple[int, Link]]] = {}
     for link in links:
         neighbours.setdefault(link.driving, []).append((link.driven, link))
@@ -248,40 +246,20 @@ def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
             yield chord.driven, row_of[chord.driving], chord, True
 
 
-class _Chains:
-    """The spans of a whole system at one frequency, each a flexibility between two inertias, all referred."""
+def _transfer(pi: FloatArray, between: FloatArray, square: float) -> FloatArray | None:
+    """Return [[A, -H], [B, D]] of spans in a row, from the driving to the driven end; None without inertia between.
 
-    def __init__(self, system: System, square: float) -> None:
-        """Refer all spans of a system at a squared circular frequency (rad2/s2)."""
-        self.system = system
-        self.square = square
-        self.inertia = system.lumped_inertia * system.speed_ratio**2  # (stations,) kg m2
-        self.pi = np.zeros((3, len(system.flexibility)))  # flexibility, inertia at both ends
-        self.pi[0] = system.flexibility / system.span_ratio**2
-        if (bars := system.bars) is not None:
-            number = np.arange(len(bars.span))
-            ratio = system.span_ratio[bars.span]
-            laws = bars.laws(number, ratio, np.zeros(len(number), dtype=bool))
-            self.pi[:, bars.span] = [values[:, 0] for values in laws.at(np.array([square]))]
-
-    def transfer(self, link: Link) -> tuple[FloatArray | None, bool]:
-        """Return [[A, -H], [B, D]] of a link from its driving to its driven end, and whether the end has no inertia.
-
-        None where no inertia lies between the ends. Without inertia at the driven end the last span reports the torque
-        there.
-        """
-        first, last = link.spans
-        h, driving, driven = self.pi[:, first : last + 1]
-        has_driven_end = not self.pi[1:, last].any()
-        inside = np.append(self.inertia[self.system.driven[first:last]], 0.0)
-        if not (driving.any() or driven.any() or inside.any()):
-            return None, has_driven_end
-        w2 = self.square
-        matrices = np.empty((len(h), 2, 2))
-        matrices[:, 0, 0] = 1.0 - h * w2 * driving
-        matrices[:, 0, 1] = -h
-        matrices[:, 1, 0] = w2 * (driving + driven - h * w2 * driving * driven)
-        matrices[:, 1, 1] = 1.0 - h * w2 * driven
-        matrices[:, 1] += (w2 * inside)[:, None] * matrices[:, 0]
-        product = reduce(lambda total, matrix: matrix @ total, matrices)
-        return product, has_driven_end
+    pi: (3, spans) flexibility and the inertias at both ends of each, referred; between: (spans - 1,) kg m2 where they
+    meet; square: squared circular frequency (rad2/s2).
+    """
+    h, driving, driven = pi
+    inside = np.append(between, 0.0)
+    if not (driving.any() or driven.any() or inside.any()):
+        return None
+    matrices = np.empty((len(h), 2, 2))
+    matrices[:, 0, 0] = 1.0 - h * square * driving
+    matrices[:, 0, 1] = -h
+    matrices[:, 1, 0] = square * (driving + driven - h * square * driving * driven)
+    matrices[:, 1, 1] = 1.0 - h * square * driven
+    matrices[:, 1] += (square * inside)[:, None] * matrices[:, 0]
+    return reduce(lambda total, matrix: matrix @ total, matrices)

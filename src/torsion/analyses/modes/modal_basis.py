@@ -52,9 +52,8 @@ def beside_modes(system: System) -> tuple[BoolArray, BoolArray]:
 
 
 JUST_ABOVE = 1e-3  # relative
-LARGEST_DENSE = (
-    2000  # unknowns of finite elements that are solved at once where counts cannot reach
-)
+# Unknowns of finite elements that are solved at once where counts cannot reach.
+LARGEST_DENSE = 2000
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
 
@@ -72,7 +71,9 @@ def reach(tree: Tree, highest: float = math.inf) -> Reach:
     Linear elements have no unknowns inside, and resolve all the modes that they have.
     """
     motions = rigidity(tree.static)
-    top = min(highest * ABOVE, SHARE_OF_LIMIT * _limit(tree))
+    # The angular frequency from which counts would need a correction.
+    limit = math.inf if tree.shafts is None else tree.shafts.limit
+    top = min(highest * ABOVE, SHARE_OF_LIMIT * limit)
     if not math.isfinite(top):
         return Reach(motions.elastic, math.inf)
     return Reach(int(count_below(tree, np.array([top]))[0]) - len(motions.free_roots), top)
@@ -91,8 +92,7 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
     Raises SolveError where the pieces of a continuum are too long.
     """
     resolved = reach(tree)
-    beyond = count is not None and count > resolved.count and math.isfinite(resolved.frequency)
-    if count is not None and beyond:
+    if count is not None and count > resolved.count and math.isfinite(resolved.frequency):
         from torsion.kernels.distributed.finite_elements import CondensedElements, dense_modes
 
         # Angles and unknowns inside of finite elements; infinite for a continuum.
@@ -101,8 +101,3 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
         if tree.size + sum(inner) <= LARGEST_DENSE:
             return dense_modes(tree, count)
     return tree_modes(tree, resolved.count if count is None else count)
-
-
-def _limit(tree: Tree) -> float:
-    """Return the angular frequency (rad/s) from which counts would need a correction."""
-    return math.inf if tree.shafts is None else tree.shafts.limit

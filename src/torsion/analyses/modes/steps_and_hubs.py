@@ -8,7 +8,6 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.findings import Work
-from torsion.primitives import Bar
 from torsion.results import reported, result
 from torsion.train import Train
 
@@ -34,11 +33,9 @@ class SharpSteps:
 
     steps: tuple[SharpStep, ...] = result("", "the steps")
     frequency: FloatArray = result(
-        "Hz", ("mode",), "natural frequencies with sharp corners at all of them"
+        "Hz", "mode", "natural frequencies with sharp corners at all of them"
     )
-    change: FloatArray = result(
-        "1", ("mode",), "relative to those without, as the train is computed"
-    )
+    change: FloatArray = result("1", "mode", "relative to those without, as the train is computed")
 
 
 @reported
@@ -51,9 +48,9 @@ class HubMove:
     twisting: float = result("m", "length of the shaft that twists as much as the seat and the hub")
     error: float | None = result("m", "its error by finite elements; null by formula")
     frequency: FloatArray = result(
-        "Hz", ("mode",), "natural frequencies if the shaft twisted in all of this seat"
+        "Hz", "mode", "natural frequencies if the shaft twisted in all of this seat"
     )
-    change: FloatArray = result("1", ("mode",), "of the train as computed, relative to those")
+    change: FloatArray = result("1", "mode", "of the train as computed, relative to those")
 
 
 @reported
@@ -63,84 +60,68 @@ class HubMoves:
     each: tuple[HubMove, ...] = result("", "hubs", key="")
 
 
-def sharp_steps(modes: Modes) -> SharpSteps | None:
-    """Return the steps of a train whose modes are known; None where its shafts have none.
+def run_steps(work: Work) -> None:
+    """Put the steps where modes were computed, and shafts have steps.
 
     Only the table of junctions is read; a step that it does not have is reported as left out. The shafts are divided as
     those of the modes, so that the errors of both discretisations go out of the change.
     """
-    from torsion.assembly.junction.stepped_shafts import stepped
-
-    plain = modes.system.train
-    train = stepped(plain, "sharp", [], by_table=True)
-    added = {spring.part: spring.flexibility for spring in train.springs[len(plain.springs) :]}
-    beginning = {bar.driving: bar.name for bar in plain.bars}
-    bars = {bar.part: bar for bar in plain.bars}
-    steps = tuple(
-        SharpStep(bar.name, beginning[bar.driven], added.get(number), part.remark)
-        for number, (part, before) in enumerate(zip(train.parts, plain.parts, strict=True))
-        if part.remark != before.remark and (bar := bars.get(number)) is not None
-    )
-    if not steps:
-        return None
-    hertz = _frequencies_of(train, modes) if added else modes.frequency
-    return SharpSteps(steps, hertz, np.asarray(hertz / modes.frequency[: hertz.size] - 1.0))
-
-
-def hub_moves(modes: Modes) -> HubMoves:
-    """Return the modes again without each hub of a train whose modes are known, the shafts divided alike."""
-    from torsion.assembly.junction.hubs import seat_length
-
-    train = modes.system.train
-    segments = modes.system.segments
-    moves = list[HubMove]()
-    for position, bar in enumerate(train.bars):
-        record = train.parts[bar.part].shaft
-        for hub in record.hubs if record is not None else ():
-            twisting, error = seat_length(train, bar, hub)
-            modulus = train.materials[train.shaft(bar).material].shear_modulus
-            added = (hub.length - twisting) / bar.length / modulus
-            flexible: Bar = replace(
-                bar,
-                shear_modulus=1.0 / (1.0 / bar.shear_modulus + added),
-                segments=segments.get(bar.name, bar.segments),
-            )
-            bars = (*train.bars[:position], flexible, *train.bars[position + 1 :])
-            hertz = _frequencies_of(replace(train, bars=bars), modes)
-            change = np.asarray(modes.frequency[: hertz.size] / hertz - 1.0)
-            moves.append(HubMove(bar.name, hub.end, hub.length, twisting, error, hertz, change))
-    return HubMoves(tuple(moves))
-
-
-def _frequencies_of(train: Train, modes: Modes) -> FloatArray:
-    """Return as many frequencies (Hz) of a train that differs in flexibilities alone, assembled as that of the modes."""
-    system = assemble(train, modes.system.model, **vars(modes.system.requested))
-    return modes_as_discretised(system, modes.frequency.size).frequency
-
-
-def run_steps(work: Work) -> None:
-    """Put the steps where modes were computed, and shafts have steps."""
-    from torsion.assembly.junction.stepped_shafts import has_unstated
+    from torsion.assembly.junction.stepped_shafts import has_unstated, stepped
 
     modes = work.get(Modes)
     if modes is None or not modes.frequency.size or not has_unstated(work.study.train):
         return
     reason = "shafts of unlike diameter meet, and no `step` is stated"
     with work.log.step("steps between shafts", reason) as step:
-        steps = sharp_steps(modes)
+        plain = modes.system.train
+        train = stepped(plain, "sharp", [], by_table=True)
+        added = {spring.part: spring.flexibility for spring in train.springs[len(plain.springs) :]}
+        beginning = {bar.driving: bar.name for bar in plain.bars}
+        steps = list[SharpStep]()
+        for bar in sorted(plain.bars, key=lambda bar: bar.part):
+            remark = train.parts[bar.part].remark
+            if remark != plain.parts[bar.part].remark:
+                flexibility = added.get(bar.part)
+                steps.append(SharpStep(bar.name, beginning[bar.driven], flexibility, remark))
         step.method = "each as a spring from the table of finite elements; the modes again"
-        step.size = f"{0 if steps is None else len(steps.steps)} steps"
-    if steps is not None:
-        work.put(sharp_steps=steps)
+        step.size = f"{len(steps)} steps"
+        hertz = _frequencies_of(train, modes) if added else modes.frequency
+    if steps:
+        change = np.asarray(hertz / modes.frequency[: hertz.size] - 1.0)
+        work.put(sharp_steps=SharpSteps(tuple(steps), hertz, change))
 
 
 def run_hubs(work: Work) -> None:
-    """Put the hubs where modes were computed."""
+    """Put the modes again without each hub where modes were computed, the shafts divided alike."""
     modes = work.get(Modes)
     if modes is None or not modes.frequency.size:
         return
+    from torsion.assembly.junction.hubs import seat_length
+
     with work.log.step("hubs on shafts", "a shaft has a `hub`") as step:
-        moves = hub_moves(modes)
+        train = modes.system.train
+        moves = list[HubMove]()
+        for position, bar in enumerate(train.bars):
+            record = train.parts[bar.part].shaft
+            for hub in record.hubs if record is not None else ():
+                twisting, error = seat_length(train, bar, hub)
+                modulus = train.materials[train.shaft(bar).material].shear_modulus
+                added = (hub.length - twisting) / bar.length / modulus
+                flexible = replace(
+                    bar,
+                    shear_modulus=1.0 / (1.0 / bar.shear_modulus + added),
+                    segments=modes.system.segments.get(bar.name, bar.segments),
+                )
+                bars = (*train.bars[:position], flexible, *train.bars[position + 1 :])
+                hertz = _frequencies_of(replace(train, bars=bars), modes)
+                change = np.asarray(modes.frequency[: hertz.size] / hertz - 1.0)
+                moves.append(HubMove(bar.name, hub.end, hub.length, twisting, error, hertz, change))
         step.method = "the modes again without each of them"
-        step.size = f"{len(moves.each)} hubs"
-    work.put(hubs=moves)
+        step.size = f"{len(moves)} hubs"
+    work.put(hubs=HubMoves(tuple(moves)))
+
+
+def _frequencies_of(train: Train, modes: Modes) -> FloatArray:
+    """Return as many frequencies (Hz) of a train that differs in flexibilities alone, assembled as that of the modes."""
+    system = assemble(train, modes.system.model, **vars(modes.system.requested))
+    return modes_as_discretised(system, modes.frequency.size).frequency

@@ -58,7 +58,15 @@ def tabled_modes(
             columns.append((last, mode))
         elif lowest <= low:
             if not holds:
-                _refuse_below(system, tables, mode, lowest / TAU)
+                ending = {span: table for span, table in tables.items() if not table.holds}
+                span = max(ending, key=lambda span: ending[span].at[0])
+                name = system.spans[span].name
+                begin = ending[span].at[0] / TAU
+                message = (
+                    f"mode {mode + 1} lies below {begin:.6g} Hz, where the table of '{name}' begins"
+                )
+                hint = f"extend the table (at its first stiffness the mode is at {lowest / TAU:.6g} Hz), or `beyond: hold`"
+                raise SolveError(message, hint, table_path(system, span))
             columns.append((first, mode))
         else:
 
@@ -74,13 +82,10 @@ def tabled_modes(
         values = (getattr(modes, name)[..., [mode]] for modes, mode in columns)
         return np.concatenate([none, *values], axis=-1)
 
+    names = ("frequency", "lower", "upper", "shape", "torque")
     result = replace(
         first,
-        frequency=combined("frequency"),
-        lower=combined("lower"),
-        upper=combined("upper"),
-        shape=combined("shape"),
-        torque=combined("torque"),
+        **{name: combined(name) for name in names},
         certified=all(modes.certified for modes in (first, *(modes for modes, _ in columns))),
         system=system,
         distributed=None,
@@ -88,16 +93,6 @@ def tabled_modes(
     # Shares and nodes are those at the stiffness of each mode.
     vars(result).update({name: combined(name) for name in ("kinetic", "elastic", "nodes")})
     return result
-
-
-def _refuse_below(system: System, tables: Tables, mode: int, hertz: float) -> None:
-    ending = {span: table for span, table in tables.items() if not table.holds}
-    span = max(ending, key=lambda span: ending[span].at[0])
-    name = system.spans[span].name
-    begin = ending[span].at[0] / TAU
-    message = f"mode {mode + 1} lies below {begin:.6g} Hz, where the table of '{name}' begins"
-    hint = f"extend the table (at its first stiffness the mode is at {hertz:.6g} Hz), or `beyond: hold`"
-    raise SolveError(message, hint, table_path(system, span))
 
 
 def _enclosed(tables: Tables, modes: Modes, mode: int, w: float) -> Modes:

@@ -7,7 +7,7 @@ mode has a frequency.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated
@@ -59,16 +59,14 @@ class CouplingReach:
 
     coupling: str = result("", "its name")
     tolerance: float = result("1", "of its stiffness; 0 if the file has none")
-    lower: FloatArray = result(
-        "Hz", ("mode",), "natural frequencies at the soft end of its tolerance"
-    )
-    upper: FloatArray = result("Hz", ("mode",), "natural frequencies at the stiff end")
-    softest: FloatArray = result("Hz", ("mode",), "natural frequencies without it")
+    lower: FloatArray = result("Hz", "mode", "natural frequencies at the soft end of its tolerance")
+    upper: FloatArray = result("Hz", "mode", "natural frequencies at the stiff end")
+    softest: FloatArray = result("Hz", "mode", "natural frequencies without it")
     stiffest: FloatArray = result(
-        "Hz", ("mode",), "natural frequencies with it rigid; null if the mode disappears"
+        "Hz", "mode", "natural frequencies with it rigid; null if the mode disappears"
     )
     change: FloatArray = result(
-        "1", ("mode",), "(stiff - soft) / natural frequency with the nominal parameters"
+        "1", "mode", "(stiff - soft) / natural frequency with the nominal parameters"
     )
 
 
@@ -95,11 +93,11 @@ class RankedFigure:
     tolerance: float = result("1", "relative, either way")
     sensitivity: FloatArray = result(
         "1",
-        ("mode",),
+        "mode",
         "relative change of each natural frequency / relative change of the parameter",
     )
     change: FloatArray = result(
-        "1", ("mode",), "by how much the tolerance moves each either way, to first order"
+        "1", "mode", "by how much the tolerance moves each either way, to first order"
     )
 
 
@@ -108,18 +106,18 @@ class Tolerances:
     """Bands of the natural frequencies over the tolerances of the file, each independent of the others."""
 
     frequency: FloatArray = result(
-        "Hz", ("mode",), "undamped natural frequencies with the nominal parameters"
+        "Hz", "mode", "undamped natural frequencies with the nominal parameters"
     )
     lower: FloatArray = result(
-        "Hz", ("mode",), "minimum natural frequency within all tolerances, a guaranteed bound"
+        "Hz", "mode", "minimum natural frequency within all tolerances, a guaranteed bound"
     )
     upper: FloatArray = result(
-        "Hz", ("mode",), "maximum natural frequency within all tolerances, a guaranteed bound"
+        "Hz", "mode", "maximum natural frequency within all tolerances, a guaranteed bound"
     )
     critical_lower: FloatArray = result(
-        "rad/s", ("critical speed",), "least critical speed, as `critical_speeds`"
+        "rad/s", "critical speed", "least critical speed, as `critical_speeds`"
     )
-    critical_upper: FloatArray = result("rad/s", ("critical speed",), "greatest critical speed")
+    critical_upper: FloatArray = result("rad/s", "critical speed", "greatest critical speed")
     figures: tuple[RankedFigure, ...] = result(
         "",
         "every parameter with a tolerance, the dominant one first; none if a stiffness follows the "
@@ -128,11 +126,11 @@ class Tolerances:
     couplings: tuple[CouplingReach, ...] = result("", "what each coupling alone does")
     aims: tuple[AimedStiffness, ...] = result("", "stiffnesses that give the target frequencies")
 
-    @derived("1", ("mode",), "lower bound / natural frequency - 1")
+    @derived("1", "mode", "lower bound / natural frequency - 1")
     def down(self) -> FloatArray:
         return self.lower / self.frequency - 1.0
 
-    @derived("1", ("mode",), "upper bound / natural frequency - 1")
+    @derived("1", "mode", "upper bound / natural frequency - 1")
     def up(self) -> FloatArray:
         return self.upper / self.frequency - 1.0
 
@@ -179,41 +177,30 @@ class _Varied:
             return None, softest, stiffest
 
         def mismatch(log_factor: float) -> float:
-            return math.log(
-                float(self.solved(((span, math.exp(log_factor)),))[0][mode]) / frequency
-            )
+            factors = ((span, math.exp(log_factor)),)
+            return math.log(float(self.solved(factors)[0][mode]) / frequency)
 
-        low = high = 0.0
-        step = 1.0
-        while mismatch(low) > 0.0 and low > -FARTHEST:
-            high = low
-            low = low - step
-            step = 2.0 * step
-        while mismatch(high) < 0.0 and high < FARTHEST:
-            low = high
-            high = high + step
-            step = 2.0 * step
-        if mismatch(low) * mismatch(high) > 0.0:
+        # Each step doubles, away from the stiffness of the file and toward the side on which the root lies.
+        begin = end = 0.0
+        step = -1.0 if mismatch(0.0) > 0.0 else 1.0
+        while mismatch(end) * step < 0.0 and abs(end) < FARTHEST:
+            begin, end, step = end, end + step, 2.0 * step
+        if mismatch(begin) * mismatch(end) > 0.0:
             return None, softest, stiffest
-        return (
-            math.exp(float(find_root(mismatch, low, high, tolerance=1e-16, relative=1e-15))),
-            softest,
-            stiffest,
-        )
+        root = find_root(mismatch, *sorted((begin, end)), tolerance=1e-16, relative=1e-15)
+        return math.exp(float(root)), softest, stiffest
 
 
 def scaled(system: System, factors: Mapping[int, float]) -> System:
     """The system with the stiffness of some spans (and of their tables) times a factor; 0 takes a span out."""
     values = {}
+    tables = dict(system.tables)
     for span, factor in factors.items():
         flexibility = float(system.flexibility[span])
         taken = math.inf if factor == 0.0 else 0.0 if math.isinf(factor) else flexibility / factor
         values[span] = taken, float(system.viscous[span]), float(system.loss_factor[span])
-    tables = dict(system.tables)
-    for span in factors.keys() & tables.keys():
-        table = tables.pop(span)
-        factor = factors[span]
-        if 0.0 < factor < math.inf:
+        table = tables.pop(span, None)
+        if table is not None and 0.0 < factor < math.inf:
             tables[span] = table.times(factor)
     return with_springs(system, values, tables)
 
@@ -222,34 +209,23 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
 def ranked(modes: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
     system = modes.system
-    figures = list[RankedFigure]()
+    rows = list[tuple[str, float, FloatArray]]()
     if system.tables_over("frequency"):
         return ()
     parts = system.train.parts
     moved = np.zeros((len(parts), modes.frequency.size))
     for lump in system.train.inertias:
-        if parts[lump.part].inertia_tolerance and math.isfinite(
-            lump.inertia
-        ):  # but for the ground of a disc on a spring
+        # But for the ground of a disc on a spring.
+        if parts[lump.part].inertia_tolerance and math.isfinite(lump.inertia):
             moved[lump.part] -= 0.5 * lump.inertia * np.square(modes.shape[lump.station])
-    for number, part in enumerate(parts):
+
+    for part, sensitivity in zip(parts, moved, strict=True):
         if part.inertia_tolerance:
-            wide = part.inertia_tolerance
-            figures.append(
-                RankedFigure(
-                    f"{part.name}.inertia", wide, moved[number], np.abs(moved[number]) * wide
-                )
-            )
+            rows.append((f"{part.name}.inertia", part.inertia_tolerance, sensitivity))
         if part.stiffness_tolerance and part.name in spans:
-            sensitivity = 0.5 * modes.elastic[spans[part.name]]
-            figures.append(
-                RankedFigure(
-                    f"{part.name}.stiffness",
-                    part.stiffness_tolerance,
-                    sensitivity,
-                    sensitivity * part.stiffness_tolerance,
-                )
-            )
+            share = 0.5 * modes.elastic[spans[part.name]]
+            rows.append((f"{part.name}.stiffness", part.stiffness_tolerance, share))
+    figures = [RankedFigure(*row, np.abs(row[2]) * row[1]) for row in rows]
     return tuple(sorted(figures, key=lambda figure: -float(figure.change.max(initial=0.0))))
 
 
@@ -274,19 +250,15 @@ def tolerances(
     ]:
         raise InputError(faults)
 
-    def band_end(
-        factor: Callable[[float], float], *names: str, end: int = 0
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return varied.solved(
-            tuple((spans[name], factor(width[name])) for name in names if width[name]), end
-        )
+    def band_end(sign: float, *names: str, end: int = 0) -> tuple[FloatArray, ...]:
+        changed = ((spans[name], 1.0 + sign * width[name]) for name in names if width[name])
+        return varied.solved(tuple(changed), end)
 
-    lower = band_end(lambda t: 1.0 - t, *spans, end=1)[1]
-    upper = band_end(lambda t: 1.0 + t, *spans, end=-1)[2]
+    lower = band_end(-1.0, *spans, end=1)[1]
+    upper = band_end(1.0, *spans, end=-1)[2]
     reaches = []
     for name, span in spans.items():
-        soft = band_end(lambda t: 1.0 - t, name)[0]
-        stiff = band_end(lambda t: 1.0 + t, name)[0]
+        soft, stiff = (band_end(sign, name)[0] for sign in (-1.0, 1.0))
         without, rigid = (varied.solved(((span, factor),))[0] for factor in (0.0, math.inf))
         change = (stiff - soft) / modes.frequency
         reaches.append(CouplingReach(name, width[name], soft, stiff, without, rigid, change))
@@ -321,20 +293,14 @@ def run(work: Work) -> None:
     aims = settings.aim if isinstance(settings, TolerancesSettings) else ()
     follows = work.study.train.has_tables_over("mean torque")
     if follows:
-        work.log.without(
-            "bands of the critical speeds", "the stiffness of a coupling follows the mean torque"
-        )
+        why = "the stiffness of a coupling follows the mean torque"
+        work.log.without("bands of the critical speeds", why)
     if modes.system.tables_over("frequency"):
-        work.log.without(
-            "which figure matters", "the stiffness of a coupling follows the frequency"
-        )
+        why = "the stiffness of a coupling follows the frequency"
+        work.log.without("which figure matters", why)
     with work.log.step("bands of the natural frequencies", "figures have tolerances") as step:
         made = tolerances(work.study, modes, None if follows else work.get(CriticalSpeeds), aims)
-        step.method = (
-            "every frequency rises with every stiffness and falls with every inertia: two corners"
-        )
-        step.method += (
-            ", certified by counts" if modes.certified else ", with the error bound of the method"
-        )
+        bounds = "certified by counts" if modes.certified else "with the error bound of the method"
+        step.method = f"every frequency rises with every stiffness and falls with every inertia: two corners, {bounds}"
         step.size = f"{len(made.couplings)} couplings"
     work.put(tolerances=made)
