@@ -1,7 +1,7 @@
 """How far a model is from the reference: relative errors of frequencies, of mode shapes and of response torques."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -45,21 +45,6 @@ def relative_errors(
     return error
 
 
-def shape_weights(system: System) -> FloatArray:
-    """Return (own stations,) kg m2 at own speed: inertias, and at either end of a shaft the half next to it.
-
-    The same for every model of a train: the stations between the pieces of shafts are left out.
-    """
-    own_stations = len(system.train.stations)
-    weight = np.zeros(own_stations)
-    for lump in system.train.inertias:
-        weight[lump.station] += lump.inertia
-    for bar in system.train.bars:
-        weight[[bar.driving, bar.driven]] += bar_segments(bar, 1)[1]
-    weight[system.held[:own_stations]] = 0.0
-    return weight
-
-
 @source("AllemangBrown1982")
 def shape_errors(
     shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray
@@ -78,23 +63,18 @@ def shape_errors(
     for mode in range(shape.shape[1]):
         close = np.abs(frequency - frequency[mode]) <= TOGETHER * frequency[mode]
         size = float(np.linalg.norm(ours[:, mode]))
-        space = _space(theirs[:, close])
-        if size == 0 or space.shape[1] == 0:
+        sizes = np.linalg.norm(theirs, axis=0)
+        moving = theirs[:, close & (sizes > 0)] / sizes[close & (sizes > 0)]
+        if size == 0 or moving.shape[1] == 0:
             continue
+        # Orthonormal columns that span the same space.
+        space, singular, _ = np.linalg.svd(moving, full_matrices=False)
+        smallest = max(moving.shape) * np.finfo(float).eps * singular[0]
+        space = space[:, singular > smallest]
         vector = ours[:, mode] / size
         remainder = vector - space @ (space.T @ vector)
         errors[mode] = min(float(remainder @ remainder), 1.0)
     return errors
-
-
-def _space(columns: FloatArray) -> FloatArray:
-    """Return (rows, rank) orthonormal columns that span the same space."""
-    size = np.linalg.norm(columns, axis=0)
-    moving: FloatArray = columns[:, size > 0] / size[size > 0]
-    if moving.shape[1] == 0:
-        return moving
-    u, singular, _ = np.linalg.svd(moving, full_matrices=False)
-    return u[:, singular > max(moving.shape) * np.finfo(float).eps * singular[0]]
 
 
 def over_largest(torque: ComplexArray, exact: ComplexArray) -> FloatArray:
@@ -134,27 +114,20 @@ class Ends:
 
 def driving_ends(system: System) -> Ends:
     """Return one end for each shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
-    ends = sorted([*_links(system), *_shafts(system)], key=itemgetter(0))
-    _, names, spans, stations, lumps = zip(*ends, strict=True) if ends else ((),) * 5
-    return Ends(names, np.array(spans, int), np.array(stations, int), np.array(lumps, float))
-
-
-def _links(system: System) -> Iterator[tuple[int, str, int, int, float]]:
-    """Yield component, name, span, station and lump of every span that is no shaft; these are the first."""
-    for k in range(len(system.train.springs) + len(system.train.constraints)):
-        span = system.spans[k]
-        if not system.train.parts[span.part].is_point or system.flexibility[k] != 0:
-            yield span.part, span.name, k, span.driving, 0.0
-
-
-def _shafts(system: System) -> Iterator[tuple[int, str, int, int, float]]:
-    """Yield the same of the driving end of every shaft."""
-    for bar in system.train.bars:
+    train = system.train
+    ends = list[tuple[int, str, int, int, float]]()
+    for k, span in enumerate(system.spans[: len(train.springs) + len(train.constraints)]):
+        if not train.parts[span.part].is_point or system.flexibility[k] != 0:
+            ends.append((span.part, span.name, k, span.driving, 0.0))
+    for bar in train.bars:
         spans = (k for k, span in enumerate(system.spans) if span.part == bar.part)
         first = next(k for k in spans if system.spans[k].driving == bar.driving)
         is_lumped = system.bars is None and bar.density > 0
         lump = float(bar_segments(bar, system.segments[bar.name])[1][0]) if is_lumped else 0.0
-        yield bar.part, bar.name, first, bar.driving, lump
+        ends.append((bar.part, bar.name, first, bar.driving, lump))
+    ends.sort(key=itemgetter(0))
+    _, names, spans_of, stations, lumps = zip(*ends, strict=True) if ends else ((),) * 5
+    return Ends(names, np.array(spans_of, int), np.array(stations, int), np.array(lumps, float))
 
 
 @dataclass(frozen=True)
@@ -200,16 +173,11 @@ def loaded(
     """
     mean = steady_if_known(study, system, speed)
     ground = ground_damping(system, speed, mean)
-    loads = tuple(
-        Load(
-            excitation.line,
-            excitation.line.circular_frequency(speed),
-            sources(system, excitation, speed, mean),
-            ground,
-        )
-        for excitation in excitations(system, orders)
-    )
-    return Loaded(system, driving_ends(system), loads)
+    loads = list[Load]()
+    for excitation in excitations(system, orders):
+        w = excitation.line.circular_frequency(speed)
+        loads.append(Load(excitation.line, w, sources(system, excitation, speed, mean), ground))
+    return Loaded(system, driving_ends(system), tuple(loads))
 
 
 def response_torques(given: Loaded) -> list[Torques]:
@@ -248,11 +216,10 @@ def plain(study: Study) -> Study:
 
 def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
     """Return the train with so many segments a shaft (or by its name); a massless shaft is a spring and stays as it is."""
-
-    def of(name: str) -> int | None:
-        return number[name] if isinstance(number, Mapping) else number
-
-    bars = (replace(bar, segments=of(bar.name)) if bar.density > 0 else bar for bar in train.bars)
+    numbers = number if isinstance(number, Mapping) else {bar.name: number for bar in train.bars}
+    bars = (
+        replace(bar, segments=numbers[bar.name]) if bar.density > 0 else bar for bar in train.bars
+    )
     return replace(train, bars=tuple(bars))
 
 
@@ -308,8 +275,6 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     solved_modes = modes(system, count)
-    finer = ready(
-        divided(study.train, {name: 2 * n for name, n in solved_modes.system.segments.items()}),
-        "exact",
-    )
+    doubled = {name: 2 * number for name, number in solved_modes.system.segments.items()}
+    finer = ready(divided(study.train, doubled), "exact")
     return solved_modes, modes_as_discretised(finer, count)

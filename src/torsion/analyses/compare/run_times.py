@@ -3,6 +3,7 @@
 import os
 import platform
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from importlib import metadata
@@ -141,19 +142,16 @@ def machine(
 ) -> tuple[tuple[str, str], ...]:
     """Return on what the times were taken: system, threads, interpreter and the versions of packages."""
     threads = ", ".join(f"{name}={os.environ[name]}" for name in THREADS if name in os.environ)
+    versions = dict.fromkeys(packages, "absent")
+    for name in packages:
+        with suppress(metadata.PackageNotFoundError):
+            versions[name] = metadata.version(name)
     return (
         ("System", f"{platform.system()}, {platform.machine()}, {os.cpu_count()} processors"),
         ("Threads of the libraries", threads or "as they choose"),
         ("Python", platform.python_version()),
-        *((name, _version(name)) for name in packages),
+        *versions.items(),
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "absent"
 
 
 def timed_torques(
@@ -168,7 +166,18 @@ def timed_torques(
         raise SolveError("a response over speed needs the speeds; give `operation: speeds`")
     coarse, fine = (solved_modes.system for solved_modes in reference(study, highest, 1))
     speed = np.linspace(speeds.first, speeds.last, effort.speeds)
-    largest, is_sound = _largest(response_torques(loaded(fine, study, speed)))
+    # The harmonics with the largest torques, at speeds at which all of them have a solution to be trusted.
+    solutions = response_torques(loaded(fine, study, speed))
+    good = [solution.status == Status.OK for solution in solutions]
+    sizes = [
+        float(np.abs(solution.torque[is_good]).max(initial=0.0))
+        for solution, is_good in zip(solutions, good, strict=True)
+    ]
+    largest = sorted(sorted(range(len(sizes)), key=lambda k: -sizes[k])[:LINES])
+    is_sound = np.all([good[k] for k in largest], axis=0)
+    if not np.any(is_sound):
+        message = "at none of the compared speeds the response is beyond doubt; give the damping of the train"
+        raise SolveError(message)
     speed = speed[is_sound]
 
     def load(assemble: Callable[[], System]) -> Loaded:
@@ -206,19 +215,3 @@ def timed_torques(
         rows,
         remarks,
     )
-
-
-def _largest(solutions: Sequence[Torques]) -> tuple[list[int], np.ndarray]:
-    """Return the harmonics with the largest torques, and (speeds,) whether all of them have a solution to be trusted."""
-    good = [solution.status == Status.OK for solution in solutions]
-    sizes = [
-        float(np.abs(solution.torque[is_good]).max(initial=0.0))
-        for solution, is_good in zip(solutions, good, strict=True)
-    ]
-    largest = sorted(sorted(range(len(sizes)), key=lambda k: -sizes[k])[:LINES])
-    is_sound = np.all([good[k] for k in largest], axis=0)
-    if not np.any(is_sound):
-        raise SolveError(
-            "at none of the compared speeds the response is beyond doubt; give the damping of the train"
-        )
-    return largest, is_sound

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
 from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
@@ -19,7 +18,6 @@ from torsion.analyses.compare.model_errors import (
     relative_errors,
     response_torques,
     shape_errors,
-    shape_weights,
 )
 from torsion.analyses.compare.timing import Candidate, run
 from torsion.analyses.discretisation import assembled, discretisation_words
@@ -28,6 +26,7 @@ from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.arrays import FloatArray
 from torsion.assembly.lumped import SHARE_OF_ERROR
+from torsion.assembly.spans import bar_segments
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, Quantity, given, refuse
@@ -76,9 +75,7 @@ class TorquesCompared:
     Both are compared equally far from their own resonances: peaks with peaks.
     """
 
-    error: FloatArray = result(
-        "1", ("speed",), "relative, the largest of all orders; null if unknown"
-    )
+    error: FloatArray = result("1", "speed", "relative, the largest of all orders; null if unknown")
     largest: float  # of all; NaN where there is none
     worst_speed: int | None = result("", "position of the speed of the largest error, or null")
     worst_order: Fraction | None = result("", "its order of the reference, or null")
@@ -94,14 +91,12 @@ class ModelCompared:
     model: str = result("", "exact (first), lumped or fem")
     division: str = result("", "segments, elements or pieces of the shafts, in words")
     certified: bool = result("", "counts prove the frequencies", key="is_certified")
-    frequency: FloatArray = result("Hz", ("mode",), "null if the model has no such mode")
-    frequency_error: FloatArray = result(
-        "1", ("mode",), "signed; null if the model has no such mode"
-    )
+    frequency: FloatArray = result("Hz", "mode", "null if the model has no such mode")
+    frequency_error: FloatArray = result("1", "mode", "signed; null if the model has no such mode")
     shape_error: FloatArray = (
         result(  # infinite where it has no such mode, NaN where no station has a shape
             "1",
-            ("mode",),
+            "mode",
             "1 - MAC at the stations of the train, weighted by inertia; null for none",
         )
     )
@@ -155,7 +150,7 @@ class Compared:
         default=0.0,
     )
     speed: FloatArray | None = result(
-        "rad/s", ("speed",), "reference speeds at which torques are compared, or null", default=None
+        "rad/s", "speed", "reference speeds at which torques are compared, or null", default=None
     )
     same: str = result("", "why all models are the same; empty if they were compared", default="")
     no_torques: str = result("", "why no torques were compared", default="")
@@ -194,11 +189,8 @@ def check(
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
     speed, top, lacking = operating_speeds(study, assembled(replace(study, model="lumped")))
-    names = [
-        name
-        for name in get_args(Model)
-        if name != "exact" and name in (settings.models or get_args(Model))
-    ]
+    requested_models = settings.models or get_args(Model)
+    names = [name for name in get_args(Model) if name in requested_models and name != "exact"]
     progress("check: exact", 0.0)
     exact = _solved(replace(study, model="exact"), count, top, speed)
     excited = _frequencies(exact.modes, _count_below(exact.modes, top))
@@ -252,53 +244,40 @@ def _solved(
     """Return the modes and torques of a model, its shafts divided as a study of that model alone would have it.
 
     exact: natural frequencies (modes,) Hz of the exact model, all of those that are excited; None of that model itself.
+    Both models are compared as far from resonance as each other: how far resonances lie apart is the error of the
+    frequency, which at one speed would count once more, over half the width of the peak. Between two natural
+    frequencies the ratio of both models goes from that of the one to that of the other.
     """
 
-    def assemble(highest: float, number: int) -> Modes:
-        return modes(assembled(study, highest), number)
-
     def solve(solved_modes: Modes) -> tuple[Modes, Loaded | None, list[Torques]]:
-        given = None
-        if speed is not None:
-            given = loaded(solved_modes.system, study, speed, requested_orders(study))
-        if given is not None and exact is not None:
-            given = _as_far_from_resonance(given, _frequencies(solved_modes, exact.size), exact)
-        return solved_modes, given, [] if given is None else response_torques(given)
+        if speed is None:
+            return solved_modes, None, []
+        given = loaded(solved_modes.system, study, speed, requested_orders(study))
+        if exact is not None:
+            frequency = _frequencies(solved_modes, exact.size)
+            number = min(frequency.size, exact.size)
+            ratio = frequency[:number] / exact[:number]
+            exact_w = 2.0 * math.pi * exact[:number]
+            loads = (
+                replace(load, w=load.w * np.interp(load.w, exact_w, ratio)) for load in given.loads
+            )
+            given = replace(given, loads=tuple(loads)) if number else given
+        return solved_modes, given, response_torques(given)
 
-    assemble(0.0, 1)  # imports what the model needs, which is no time of its own
+    modes(assembled(study, 0.0), 1)  # imports what the model needs, which is no time of its own
     candidate = Candidate(
-        study.model, "", 0, partial(assemble, top, count + 1), solve, lambda solved_modes: ()
+        study.model, "", 0, lambda: modes(assembled(study, top), count + 1), solve, lambda _: ()
     )
     (solved_modes, given, torques), modes_seconds, torques_seconds = run(candidate)
-    return _Solved(
-        solved_modes, given, torques, modes_seconds, 0.0 if speed is None else torques_seconds
-    )
+    seconds = modes_seconds, 0.0 if speed is None else torques_seconds
+    return _Solved(solved_modes, given, torques, *seconds)
 
 
 def _frequencies(solved_modes: Modes, number: int) -> FloatArray:
     """Return the natural frequencies (modes,) Hz of a model, so many at least where it has them."""
-    enough = number <= solved_modes.frequency.size
-    return (
-        solved_modes.frequency
-        if enough
-        else modes_as_discretised(solved_modes.system, number).frequency
-    )
-
-
-def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArray) -> Loaded:
-    """Return the harmonics at circular frequencies that lie to the natural frequencies of a model as to the exact ones.
-
-    A resonance is then compared with the same resonance: how far they lie apart is the error of the frequency, which
-    at one speed would count once more, over half the width of the peak. Between two natural frequencies (modes,) Hz the
-    ratio of both models goes from that of the one to that of the other.
-    """
-    number = min(frequency.size, exact.size)
-    ratio = frequency[:number] / exact[:number]
-    loads = (
-        replace(load, w=load.w * np.interp(load.w, 2.0 * math.pi * exact[:number], ratio))
-        for load in given.loads
-    )
-    return replace(given, loads=tuple(loads)) if number else given
+    if number <= solved_modes.frequency.size:
+        return solved_modes.frequency
+    return modes_as_discretised(solved_modes.system, number).frequency
 
 
 def _compared(
@@ -311,18 +290,22 @@ def _compared(
     frequency = np.full(count, math.nan)
     shape = np.full(count, math.inf)
     frequency[:known_modes] = model.modes.frequency[:known_modes]
-    weights = shape_weights(exact.modes.system)
+    # Inertias, and at either end of a shaft the half next to it: the same for every model of a train.
+    weights = np.zeros(own_stations)
+    for lump in train.inertias:
+        weights[lump.station] += lump.inertia
+    for bar in train.bars:
+        weights[[bar.driving, bar.driven]] += bar_segments(bar, 1)[1]
+    weights[exact.modes.system.held[:own_stations]] = 0.0
     shape[:known_modes] = shape_errors(
         model.modes.shape[:own_stations, :known_modes],
         exact.modes.shape[:own_stations],
         exact.modes.frequency,
         weights,
     )
-    torques = (
-        None
-        if model.loaded is None or exact.loaded is None
-        else _torques(model, exact, exact.loaded)
-    )
+    torques = None
+    if model.loaded is not None and exact.loaded is not None:
+        torques = _torques(model, exact, exact.loaded)
     return ModelCompared(
         system.model,
         discretisation_words(system),
@@ -342,16 +325,11 @@ def _torques(compared: _Solved, exact: _Solved, given: Loaded) -> TorquesCompare
     """Return the relative difference at every speed and order, where both answers can be trusted."""
     # referred to the reference speed, so that the torques of all ends are of one size
     ratio = given.system.span_ratio[given.ends.span]
-    torques, wanted = (
-        np.array([line.torque * ratio for line in model.torques]) for model in (compared, exact)
-    )
-    uncertain = np.any(
-        [[line.status != Status.OK for line in model.torques] for model in (compared, exact)],
-        axis=0,
-    ).T
-    error = np.array(
-        [over_largest(*pair) for pair in zip(torques, wanted, strict=True)]
-    ).T  # (speeds, lines)
+    models = compared.torques, exact.torques
+    torques, wanted = (np.array([line.torque * ratio for line in lines]) for lines in models)
+    uncertain = np.any([[line.status != Status.OK for line in lines] for lines in models], axis=0).T
+    errors = [over_largest(*pair) for pair in zip(torques, wanted, strict=True)]
+    error = np.array(errors).T  # (speeds, lines)
     error[uncertain] = np.nan
     over_lines = np.fmax.reduce(error, axis=1)
     left_out = int(np.count_nonzero(uncertain))
@@ -377,22 +355,18 @@ def _count_below(solved_modes: Modes, highest: float) -> int:
     from torsion.analyses.modes.modal_basis import reach
 
     reached = reach(tree, w)
-    return (
-        reached.count
-        if reached.frequency >= w
-        else int(np.count_nonzero(solved_modes.frequency < highest))
-    )
+    if reached.frequency >= w:
+        return reached.count
+    return int(np.count_nonzero(solved_modes.frequency < highest))
 
 
 def run_check(work: Work) -> None:
     """Return the models of the shafts side by side."""
     with work.log.step("comparison of the models", "requested") as step:
-        comparison = check(
-            work.study, work.settings("check", CheckSettings), progress=work.progress
-        )
-        step.method = (
-            ", ".join(model.model for model in comparison.all_models) or "all models are the same"
-        )
+        settings = work.settings("check", CheckSettings)
+        comparison = check(work.study, settings, progress=work.progress)
+        names = ", ".join(model.model for model in comparison.all_models)
+        step.method = names or "all models are the same"
         step.size = "; ".join(f"{model.model}: {model.division}" for model in comparison.all_models)
     if comparison.no_torques:
         work.log.without("comparison of response torques", comparison.no_torques)

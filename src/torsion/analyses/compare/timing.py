@@ -169,18 +169,6 @@ class _Trial:
     first: tuple[float, float]  # s, assembly and solve of the run that warmed up
     runs: list[tuple[float, float]] = field(default_factory=list)  # the same of all others
 
-    @property
-    def seconds(self) -> float:
-        """Seconds of the first run."""
-        return sum(self.first)
-
-    def row(self) -> TimedRow:
-        """Return the row of all runs, or of the first alone if there is no other."""
-        candidate, (assembly, solve) = self.candidate, zip(*self.runs or [self.first], strict=True)
-        return TimedRow(
-            candidate.curve, candidate.division, candidate.size, self.errors, assembly, solve
-        )
-
 
 def timed(
     curves: Sequence[Sequence[Candidate]], pace: Pace, what: str = "", progress: Progress = silent
@@ -194,15 +182,32 @@ def timed(
     remarks = list[str]()
     for number, curve in enumerate(curves):
         progress(f"{what}: errors", 0.3 * number / len(curves))
-        of_curve, remark = _first_runs(curve, pace)
+        of_curve = list[_Trial]()
+        for candidate in curve:
+            try:
+                answer, *first = run(candidate, pace.clock)
+                if sum(first) > pace.longest:  # the first run of all loads what a method needs
+                    answer, *first = run(candidate, pace.clock)
+            except (SolveError, np.linalg.LinAlgError) as error:
+                remarks.append(f"{candidate.curve}, {candidate.division}: {error}")
+                break
+            of_curve.append(_Trial(candidate, candidate.errors(answer), (first[0], first[1])))
+            unrun = len(curve) - len(of_curve)
+            remark = f"{candidate.curve}: finer discretisations are not run ({unrun}), as "
+            if unrun and sum(first) > pace.longest:
+                remarks.append(f"{remark}one run of {candidate.division} takes {sum(first):.2g} s.")
+                break
+            last_two = of_curve[-2:]
+            if unrun and len(last_two) > 1 and all(max(t.errors) < ROUNDING for t in last_two):
+                remarks.append(f"{remark}only rounding is left.")
+                break
         trials += of_curve
-        remarks += [remark] if remark else []
 
     start = pace.clock()
     turn = 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [
-            trial for trial in trials if turn < pace.slow_rounds or trial.seconds <= pace.slow
+            trial for trial in trials if turn < pace.slow_rounds or sum(trial.first) <= pace.slow
         ]
         if not turning:
             break
@@ -211,11 +216,16 @@ def timed(
             share = (turn + number / len(turning)) / pace.rounds
             progress(f"{what}: times", min(0.3 + 0.7 * share, 1.0))
             # A fast candidate runs as often as fits into its turn.
-            fitting = int(pace.turn / max(trial.seconds, 1e-9))
+            fitting = int(pace.turn / max(sum(trial.first), 1e-9))
             for _ in range(max(1, min(pace.runs, fitting))):
                 trial.runs.append(run(trial.candidate, pace.clock)[1:])
         turn += 1
-    return tuple(trial.row() for trial in trials), tuple(remarks)
+    rows = list[TimedRow]()
+    for trial in trials:  # of all runs, or of the first alone if there is no other
+        assembly, solve = zip(*trial.runs or [trial.first], strict=True)
+        of = trial.candidate
+        rows.append(TimedRow(of.curve, of.division, of.size, trial.errors, assembly, solve))
+    return tuple(rows), tuple(remarks)
 
 
 def run(
@@ -233,24 +243,3 @@ def run(
     finally:
         if was:
             gc.enable()
-
-
-def _first_runs(curve: Sequence[Candidate], pace: Pace) -> tuple[list[_Trial], str]:
-    """Return what was run of a curve, and why it ends before its end."""
-    trials = list[_Trial]()
-    for candidate in curve:
-        try:
-            answer, *first = run(candidate, pace.clock)
-            if sum(first) > pace.longest:  # the first run of all loads what a method needs
-                answer, *first = run(candidate, pace.clock)
-        except (SolveError, np.linalg.LinAlgError) as error:
-            return trials, f"{candidate.curve}, {candidate.division}: {error}"
-        trials.append(_Trial(candidate, candidate.errors(answer), (first[0], first[1])))
-        if len(trials) == len(curve):
-            break
-        unrun = f"{candidate.curve}: finer discretisations are not run ({len(curve) - len(trials)})"
-        if sum(first) > pace.longest:
-            return trials, f"{unrun}, as one run of {candidate.division} takes {sum(first):.2g} s."
-        if len(trials) > 1 and all(max(trial.errors) < ROUNDING for trial in trials[-2:]):
-            return trials, f"{unrun}, as only rounding is left."
-    return trials, ""
