@@ -74,12 +74,12 @@ def _ascending(
         if (order := line.order) is None:
             continue
         for mode, speed, hertz in crossings(order):
-            inside = speeds is not None and speeds.first <= speed <= speeds.last
+            is_inside = speeds is not None and speeds.first <= speed <= speeds.last
             near = None if operation.rated is None else operation.rated.speed
             if near is None and speeds is not None:
                 near = min(speeds.first, speeds.last, key=lambda end: abs(end - speed))
             margin = None if near is None else (speed - near) / near
-            values = hertz, speed, inside, margin
+            values = hertz, speed, is_inside, margin
             rows.append(CriticalSpeed(mode, order, line.sources, *values, line.own_orders))
     return tuple(sorted(rows, key=lambda crossing: (crossing.speed, crossing.mode)))
 

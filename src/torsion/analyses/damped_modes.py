@@ -7,11 +7,7 @@ import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.undamped_modes import (
-    modes_as_discretised,
-    modes_settings,
-    span_torques,
-)
+from torsion.analyses.undamped_modes import modes_as_discretised, modes_settings, span_torques
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
@@ -24,6 +20,7 @@ if TYPE_CHECKING:
 
 MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling
 ONLY_REAL = "a table gives stiffness and damping only at real frequencies"
+TAU = 2.0 * math.pi
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once
 
 
@@ -31,12 +28,12 @@ LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once
 class DampedModes:
     """Oscillating modes of the damped train at one operating point."""
 
-    frequency: FloatArray = result("Hz", ("mode",), "imaginary part / 2 pi, ascending")
-    damping_ratio: FloatArray = result("1", ("mode",), "share of critical damping")
-    eigenvalue: ComplexArray = result("1/s", ("mode",), "complex")
+    frequency: FloatArray = result("Hz", "mode", "imaginary part / 2 pi, ascending")
+    damping_ratio: FloatArray = result("1", "mode", "share of critical damping")
+    eigenvalue: ComplexArray = result("1/s", "mode", "complex")
     shape: ComplexArray  # (stations, modes) rad at own speed
     torque: ComplexArray  # (spans, modes) N m
-    overdamped: FloatArray = result("1/s", ("root",), "real roots, which are not frequencies")
+    overdamped: FloatArray = result("1/s", "root", "real roots, which are not frequencies")
     speed: float = result("rad/s", "reference speed at which damping was taken")
 
 
@@ -56,16 +53,14 @@ def damped(
     if system.train.modal_damping:
         modes = modes_as_discretised(system, count)
         ratio = system.modal_ratios(len(modes.frequency))
-        root = 2.0 * math.pi * modes.frequency * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
-        shape = modes.shape.astype(complex)
-        torque = modes.torque.astype(complex)
-        hertz = root.imag / (2.0 * math.pi)
-        return DampedModes(hertz, ratio, root, shape, torque, np.empty(0), speed)
+        root = TAU * modes.frequency * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
+        shapes = modes.shape.astype(complex), modes.torque.astype(complex)
+        return DampedModes(root.imag / TAU, ratio, root, *shapes, np.empty(0), speed)
     condensed = system.condensed
     if condensed.extra.size:
-        message = "damped modes of a train with closed loops, or grounded through rigid spans at several points"
+        message = "damped modes of a train with closed loops, or grounded through rigid spans at several points, are not"
         raise SolveError(
-            f"{message}, are not built; request `modes: {{damped: false}}`, the response is right"
+            f"{message} built; request `modes: {{damped: false}}`, the response is right"
         )
     if condensed.tree.size > MOST_STATIONS:
         raise SolveError(_too_many_stations(system))
@@ -74,10 +69,16 @@ def damped(
     own_damping = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground[condensed.node] = own_damping * system.speed_ratio**2
     start = None
-    laws = _laws(system)
+    # Springs that follow a law, referred, by the tree station below.
+    laws = dict[int, "SpringLaw"]()
+    for span, table in system.tables_over("frequency").items():
+        if not table.is_complex:
+            raise SolveError(f"damped modes: {ONLY_REAL}")
+        law = cast("SpringLaw", table)
+        laws[int(condensed.span[span])] = law.times(float(system.span_ratio[span]) ** 2)
     has_power_law = any(law.exponent is not None for law in laws.values())
     if has_power_law or condensed.tree.size > LARGEST_FOR_ALL:
-        start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
+        start = TAU * modes_as_discretised(system, count).frequency
     viscous = condensed.viscous.copy()
     loss = condensed.loss_factor.copy()
     viscous[list(laws)] = 0.0
@@ -94,7 +95,7 @@ def damped(
     eigenvalue = roots.eigenvalue[lowest]
     torque = roots.torque[:, lowest]
     return DampedModes(
-        eigenvalue.imag / (2.0 * math.pi),
+        eigenvalue.imag / TAU,
         -eigenvalue.real / np.abs(eigenvalue),
         eigenvalue,
         roots.angle[condensed.node][:, lowest] * system.speed_ratio[:, None],
@@ -104,23 +105,10 @@ def damped(
     )
 
 
-def _laws(system: System) -> "dict[int, SpringLaw]":
-    """Return the springs that follow a law, referred, by the tree station below; raises SolveError for a table."""
-    laws = {}
-    for span, table in system.tables_over("frequency").items():
-        if not table.is_complex:
-            raise SolveError(f"damped modes: {ONLY_REAL}")
-        law = cast("SpringLaw", table)
-        laws[int(system.condensed.span[span])] = law.times(float(system.span_ratio[span]) ** 2)
-    return laws
-
-
-def _why_not(study: Study, system: System, *, is_refused: bool) -> str:
-    """Return why there are no damped modes; empty where there are. is_refused: the file says `damped: false`."""
+def _why_not(study: Study, system: System) -> str:
+    """Return why there are no damped modes though they are wanted; empty where there are."""
     needs_torque = any(damper.needs_torque for damper in system.dampers)
     needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
-    if is_refused:
-        return "`damped: false`"
     if not system.damps:
         return "nothing in the train damps"
     if any(not table.is_complex for table in system.tables_over("frequency").values()):
@@ -142,11 +130,11 @@ def run(work: Work) -> None:
     """Put the damped modes at the operating speed, where modes are requested and something damps."""
     study = work.study
     system = work.system
-    speed = work.study.operation.speed
+    speed = study.operation.speed
     settings = modes_settings(study, work.ruled)
     if settings is None:
         return
-    if why := _why_not(study, system, is_refused=settings.damped is False):
+    if why := "`damped: false`" if settings.damped is False else _why_not(study, system):
         if settings.damped and system.damps:
             hint = "leave `damped: true` out"
             raise SolveError(f"the damped modes are not found: {why}", hint)

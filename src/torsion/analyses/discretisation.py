@@ -38,9 +38,8 @@ def highest_excited(study: Study, system: System, ruled: Ruled) -> float:
 
 def response_is_requested(study: Study, ruled: Ruled) -> bool:
     """Return whether the file names a response, a rule reads it, or something excites and no analysis is named."""
-    if "response" in study.analyses or "response" in ruled:
-        return True
-    return (study.excites or bool(study.train.torques)) and not study.analyses
+    is_excited = study.excites or bool(study.train.torques)
+    return "response" in {*study.analyses, *ruled} or (is_excited and not study.analyses)
 
 
 def no_response(study: Study, system: System, ruled: Ruled) -> str:
@@ -56,9 +55,8 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
 
 def has_inertia(system: System) -> bool:
     """Return whether anything in the system can vibrate."""
-    if system.train.has_shafts:
-        return True
-    return bool(np.any(np.isfinite(system.inertia) & (system.inertia > 0)))
+    is_heavy = np.isfinite(system.inertia) & (system.inertia > 0)
+    return system.train.has_shafts or bool(is_heavy.any())
 
 
 def assembled(study: Study, frequency: float = 0.0) -> System:
@@ -79,11 +77,10 @@ def discretisation_words(system: System) -> str:
     what = {"lumped": "segments", "fem": "elements", "exact": "pieces"}[system.model]
     numbers = listed([f"{name} {number}" for name, number in system.segments.items()])
     error = system.bars.error if system.bars is not None else 0.0
+    estimate = f"; estimated error of the highest frequency {error:.1g}" if error else ""
     if error > LARGEST_ESTIMATE:
-        return f"{what}: {numbers}; too few for an estimate of their error"
-    return f"{what}: {numbers}" + (
-        f"; estimated error of the highest frequency {error:.1g}" if error else ""
-    )
+        estimate = "; too few for an estimate of their error"
+    return f"{what}: {numbers}{estimate}"
 
 
 def run_assembly(work: Work) -> None:
@@ -93,16 +90,14 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        words = {
+        degree = 0 if system.bars is None else system.bars.degree
+        step.method = {
             "lumped": "lumped, kept in factors",
             "exact": "exact: shafts as continua, no error of discretisation",
-        }
-        step.method = words.get(system.model, system.model)
-        if system.model == "fem" and system.bars is not None:
-            step.method += (
-                f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
-            )
-        step.size = _size(system)
+            "fem": "fem"
+            + (f": elements of degree {degree}, consistent inertia (scikit-fem)" if degree else ""),
+        }[system.model]
+        step.size = f"{len(system.stations)} stations, {len(system.spans)} spans"
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     if system.tables:
         from torsion.analyses.modes.coupling_tables import refuse_loops
@@ -110,13 +105,10 @@ def run_assembly(work: Work) -> None:
         refuse_loops(system)
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
-            why = (
-                f"its {100 * part.ratings.tolerance:.3g} % change only the frequencies; other results use the "
-                "nominal stiffness"
-            )
-            why += (
-                "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
-            )
+            why = f"its {100 * part.ratings.tolerance:.3g} % change only the frequencies"
+            why += "; other results use the nominal stiffness"
+            if work.study.case is None:
+                why += " (`cases: {from: tolerances}` varies them)"
             work.log.without(f"the tolerance of '{part.name}'", why)
         if part.nonlinear is not None:
             what = "all but the transient response takes" if part.is_clutch else "modes take"
@@ -124,12 +116,10 @@ def run_assembly(work: Work) -> None:
             why += "" if part.is_clutch else "; the response takes it by harmonic balance"
             work.log.without(f"what is nonlinear in '{part.name}'", why)
     if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
-        what = "the stiffness over mean torque in transient responses"
-        work.log.without(
-            what, "the coupling has there the stiffness of the rated, else of the highest speed"
-        )
+        why = "the coupling has there the stiffness of the rated, else of the highest speed"
+        work.log.without("the stiffness over mean torque in transient responses", why)
     work.put(system=system)
-    if system.bars is not None and system.bars.degree:
+    if degree:
         work.log.libraries["scikit-fem"] = None
 
 
@@ -151,11 +141,9 @@ def run_modes(work: Work) -> None:
         system = result.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
         if chord_spans(system).size:
-            bounds = (
+            step.method = "closed loops: Jacobi rotations of a factor without differences, "
+            step.method += (
                 "certified by counts" if result.certified else "with the error bound of the method"
-            )
-            step.method = (
-                f"closed loops: Jacobi rotations of a factor without differences, {bounds}"
             )
         if tables := system.tables_over("frequency"):
             steepest = max(table.steepest for table in tables.values())
@@ -172,12 +160,9 @@ def run_modes(work: Work) -> None:
             step.method = (
                 "dense problem of all unknowns, not certified: the elements are too few for counts"
             )
-        step.size = f"{result.frequency.size} of {_size(system)}; {discretisation_words(system)}"
+        size = f"{len(system.stations)} stations, {len(system.spans)} spans"
+        step.size = f"{result.frequency.size} of {size}; {discretisation_words(system)}"
     work.put(system=system, modes=result)
-
-
-def _size(system: System) -> str:
-    return f"{len(system.stations)} stations, {len(system.spans)} spans"
 
 
 def run_sections(work: Work) -> None:

@@ -69,7 +69,7 @@ class EnergyShare:
     """Share of the energy of every mode in a station, in the inner segments of a shaft, or in an elastic element."""
 
     component: str = result("", "station, shaft or element, and the kind of energy")
-    share: FloatArray = result("1", ("mode",), "share of the kinetic or elastic energy")
+    share: FloatArray = result("1", "mode", "share of the kinetic or elastic energy")
 
 
 @reported
@@ -107,7 +107,7 @@ class Modes(Displayed, Keyed):
     """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
 
     frequency: FloatArray = result(
-        "Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending"
+        "Hz", "mode", "undamped natural frequencies of the elastic modes, ascending"
     )
     shape: FloatArray = result(
         "rad",
@@ -122,9 +122,9 @@ class Modes(Displayed, Keyed):
         printed=("mode", "span"),
     )
     lower: FloatArray = result(
-        "Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both"
+        "Hz", "mode", "lower bound of each: counts prove that the mode lies between both"
     )
-    upper: FloatArray = result("Hz", ("mode",), "upper bound of each")
+    upper: FloatArray = result("Hz", "mode", "upper bound of each")
     rigid: int = result("", "number of motions of exactly 0 Hz", key="rigid_motions")
     certified: bool = result("", "counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
@@ -193,26 +193,23 @@ class Modes(Displayed, Keyed):
         system = self.system
         stations = self.system.train.stations
         inner = by_part(system.station_part[len(stations) :])
-        kinetic = {station.name: [k] for k, station in enumerate(stations)} | {
-            f"{bar.name} (inner segments)": (len(stations) + inner[bar.part]).tolist()
-            for bar in system.train.bars
-            if bar.part in inner
+        groups = {
+            f"kinetic: {station.name}": self.kinetic[[k]] for k, station in enumerate(stations)
         }
-        elastic = {element.name: list(element.spans) for element in elements(system)}
-        groups = ("kinetic", kinetic, self.kinetic), ("elastic", elastic, self.elastic)
-        return tuple(
-            EnergyShare(f"{kind}: {name}", energy[indices].sum(axis=0))
-            for kind, named, energy in groups
-            for name, indices in named.items()
-        )
+        for bar in system.train.bars:
+            if bar.part in inner:
+                name = f"kinetic: {bar.name} (inner segments)"
+                groups[name] = self.kinetic[len(stations) + inner[bar.part]]
+        for element in elements(system):
+            groups[f"elastic: {element.name}"] = self.elastic[list(element.spans)]
+        return tuple(EnergyShare(name, energy.sum(axis=0)) for name, energy in groups.items())
 
-    @derived("", ("mode",), "sign changes of the shape over elastic spans")
+    @derived("", "mode", "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
         """Number of nodes (modes,) of each shape."""
-        tree = undamped_tree(self.system)
-        chords = chord_spans(self.system)
         square = np.square(2.0 * math.pi * self.frequency)
-        return nodes(self.system, tree, chords, self.shape, square)
+        tree = undamped_tree(self.system)
+        return nodes(self.system, tree, chord_spans(self.system), self.shape, square)
 
     @property
     def enclosure(self) -> FloatArray:
@@ -360,16 +357,11 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
 
         referred = tree_modes(tree, count)
     outer = referred.torque if referred.shafts is None else referred.shafts.torque_outer
-    torque = span_torques(system, referred.torque, outer, chords, referred.loop_torque)
-    shape = _rows(referred.angle, node)
     hertz = 1.0 / (2.0 * math.pi)
-    ratio = system.speed_ratio
-    if not (ratio == 1.0).all():
-        shape = np.asarray(shape * ratio[:, None])
     return Modes(
         referred.frequency * hertz,
-        shape,
-        torque,
+        referred.angle[node] * system.speed_ratio[:, None],
+        span_torques(system, referred.torque, outer, chords, referred.loop_torque),
         referred.lower * hertz,
         referred.upper * hertz,
         referred.rigid,
@@ -414,21 +406,8 @@ def span_torques(
         at_driving = outer.copy()
         at_driving[from_parent] = torque[from_parent]
         torque = at_driving
-    stated = _rows(torque, condensed.span)
-    scale = condensed.sign * system.span_ratio
-    if condensed.extra.size:
-        stated = stated.copy()
-        stated[condensed.extra] = 0.0
+    stated = torque[condensed.span]
+    stated[condensed.extra] = 0.0
     if chords.size:
         stated[chords] = chord_torque * condensed.sign[chords, None]
-    return stated if (scale == 1.0).all() else np.asarray(stated / scale[:, None])
-
-
-def _rows(values: np.ndarray, index: IntArray) -> np.ndarray:
-    """Return values[index] with the memory laid out as that of `values`; a view where `index` counts up by one."""
-    if index.size and index[0] >= 0:
-        first = int(index[0])
-        end = int(index[0]) + index.size
-        if np.array_equal(index, np.arange(first, end)):
-            return values[first:end]
-    return values[index] if values.flags.c_contiguous else np.take(values.T, index, axis=1).T
+    return np.asarray(stated / (condensed.sign * system.span_ratio)[:, None])
