@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -62,37 +62,29 @@ class FrequenciesOverSpeed:
         """
         for mode in range(len(self.frequency)):
 
-            def distance(speed: float, row: int = mode) -> float:
-                return float(order) * speed / TAU - float(self.at(speed)[row])
+            def distance(speed: float, row: int = mode, sign: float = 1.0) -> float:
+                return sign * (float(order) * speed / TAU - float(self.at(speed)[row]))
 
-            for speed in _roots(distance, self.speed.tolist(), has_minima=bool(self.couplings)):
+            marks = [(speed, distance(speed)) for speed in self.speed.tolist()]
+            triples = zip(marks, marks[1:], marks[2:], strict=False) if self.couplings else ()
+            for (left, before), (_, middle), (right, after) in list(triples):
+                has_one_sign = min(before * middle, middle * after) > 0.0
+                if has_one_sign and abs(middle) <= min(abs(before), abs(after)):
+                    sign = math.copysign(1.0, middle)
+                    lowest, value = find_minimum(partial(distance, sign=sign), left, right)
+                    marks.append((float(lowest), sign * float(value)))
+            marks.sort()
+            roots = list[float]()
+            for (left, before), (right, after) in pairwise(marks):
+                if before == 0.0:
+                    roots.append(left)
+                elif before * after < 0.0:
+                    root = find_root(distance, left, right, tolerance=ROUNDING * right)
+                    roots.append(float(root))
+            if marks[-1][1] == 0.0:
+                roots.append(marks[-1][0])
+            for speed in roots:
                 yield mode + 1, speed, float(order) * speed / TAU
-
-
-def _roots(
-    distance: Callable[[float], float], points: list[float], *, has_minima: bool
-) -> Iterator[float]:
-    """Yield every root that changes of sign between the points show, or between a point and a minimum next to it."""
-    marks = [(point, distance(point)) for point in points]
-    triples = zip(marks, marks[1:], marks[2:], strict=False) if has_minima else ()
-    for (left, before), (_, middle), (right, after) in list(triples):
-        has_one_sign = min(before * middle, middle * after) > 0.0
-        if has_one_sign and abs(middle) <= min(abs(before), abs(after)):
-            sign = math.copysign(1.0, middle)
-
-            def size(speed: float, sign: float = sign) -> float:
-                return sign * distance(speed)
-
-            lowest, value = find_minimum(size, left, right)
-            marks.append((float(lowest), sign * float(value)))
-    marks.sort()
-    for (left, before), (right, after) in pairwise(marks):
-        if before == 0.0:
-            yield left
-        elif before * after < 0.0:
-            yield float(find_root(distance, left, right, tolerance=ROUNDING * right))
-    if marks[-1][1] == 0.0:
-        yield marks[-1][0]
 
 
 def frequencies_over_speed(study: Study, system: System, count: int) -> FrequenciesOverSpeed:

@@ -9,7 +9,13 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.power_balance import SAME_SPEED
-from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
+from torsion.analyses.response.amplitudes import (
+    FrequencyResponse,
+    Response,
+    blocks,
+    merged,
+    with_balance,
+)
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -161,10 +167,12 @@ def with_peaks(
     points: FloatArray,
     remark: str,
     refuse_too_many: Callable[[int], None],
+    unit: tuple[float, str],
 ) -> Answered:
     """Return the response at the points and wherever a peak shows between two of them; `remark` says what was left out.
 
     solve: the response at points, ascending. refuse_too_many: raises InputError where so many points are too many.
+    unit: factor and name with which the remark shows points.
     """
     refuse_too_many(len(points) + min(len(points), ROUNDS_FOR_PEAKS * MOST_PEAKS))
     response = solve(points)
@@ -194,7 +202,8 @@ def with_peaks(
         if jumps.size == 0:
             break
         response = merged(response, solve(jumps), response.points, jumps)
-    return replace(response, requested=np.isin(response.points, requested), remark=remark)
+    response = replace(response, requested=np.isin(response.points, requested), remark=remark)
+    return replace(response, remark=with_balance(response, *unit))
 
 
 def apart(points: FloatArray, added: FloatArray) -> FloatArray:

@@ -3,10 +3,11 @@
 Orders are exact, so that two sources of one order meet in one line and are added as phasors.
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import zip_longest
+from itertools import groupby, zip_longest
 
 import numpy as np
 
@@ -133,6 +134,7 @@ def _decimal(order: Fraction) -> str:
     return text if Fraction(text) == order else str(order)
 
 
+NUMBERED = re.compile(r"(.*?\D|)(0|[1-9]\d*)")
 SHORTEST_RUN = 3  # names that are written as one
 MOST_SOURCES = 4  # that are named
 
@@ -143,22 +145,19 @@ def in_runs(names: Iterable[str]) -> str:
     >>> in_runs(["cylinder 1", "cylinder 2", "cylinder 3", "joint-1", "joint-2"])
     'cylinder 1–3, joint-1, joint-2'
     """
-    runs: list[tuple[str, list[int]]] = []
-    for name in names:
-        stem = name.rstrip("0123456789")
-        digits = name[len(stem) :]
-        number = int(digits) if digits and str(int(digits)) == digits else -1
-        stem = stem if number >= 0 else name
-        if number > 0 and runs and (runs[-1][0], runs[-1][1][-1]) == (stem, number - 1):
-            runs[-1][1].append(number)
-        else:
-            runs.append((stem, [number]))
+    numbered = [(NUMBERED.fullmatch(name), name) for name in names]
     words: list[str] = []
-    for stem, run in runs:
-        if len(run) >= SHORTEST_RUN:
-            words.append(f"{stem}{run[0]}–{run[-1]}")
+    runs = groupby(
+        enumerate(numbered),
+        lambda row: (row[1][0][1], int(row[1][0][2]) - row[0]) if row[1][0] else row,
+    )
+    for _, rows in runs:
+        run = [(match, name) for _, (match, name) in rows]
+        first, last = run[0], run[-1][0]
+        if last is not None and len(run) >= SHORTEST_RUN:
+            words.append(f"{first[1]}–{last[2]}")
         else:
-            words += [f"{stem}{number if number >= 0 else ''}" for number in run]
+            words += [name for _, name in run]
     return listed(words, most=MOST_SOURCES)
 
 

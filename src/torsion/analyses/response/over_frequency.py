@@ -1,7 +1,6 @@
 """Forced response over frequency: the torques that act at every frequency, at one operating point."""
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,7 +11,6 @@ from torsion.analyses.response.amplitudes import (
     Components,
     FrequencyResponse,
     refuse_too_large,
-    with_balance,
 )
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.over_speed import solve_components
@@ -67,25 +65,16 @@ def frequency_response(
     def solve(hertz: FloatArray) -> FrequencyResponse:
         columns = (1, len(hertz))
         w = 2.0 * math.pi * hertz
-        components = Components(
-            [None],
-            [w],
-            [[Sources(np.tile(force, columns), None)]],
-            np.tile(ground, columns),
-            np.tile(torque, columns),
-            np.broadcast_to(speeds, w.shape),
-        )
+        acting = [[Sources(np.tile(force, columns), None)]]
+        around = np.tile(ground, columns), np.tile(torque, columns), np.tile(speeds, len(hertz))
+        components = Components([None], [w], acting, *around)
         answers, balance, following = solve_components(system, components)
-        (answer,) = answers
         return FrequencyResponse(
             frequency=hertz,
             requested=np.zeros(len(hertz), dtype=bool),
             sources=excitation.line.sources,
             speed=float(speeds[0]),
-            angle=answer.angle,
-            torque=answer.torque,
-            residual=answer.residual,
-            status=answer.status,
+            **vars(next(answers)),
             system=system,
             balanced=balance,
             following=following,
@@ -102,8 +91,7 @@ def frequency_response(
     )
     points, remark = grid.refined(requested, *places)
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
-    result = grid.with_peaks(solve, requested, points, remark, refuse)
-    return replace(result, remark=with_balance(result, 1.0, "Hz"))
+    return grid.with_peaks(solve, requested, points, remark, refuse, (1.0, "Hz"))
 
 
 def run(work: Work) -> None:

@@ -24,7 +24,6 @@ from torsion.analyses.response.amplitudes import (
     joined,
     merged,
     refuse_too_large,
-    with_balance,
 )
 from torsion.analyses.response.harmonic_components import (
     Excitation,
@@ -132,10 +131,10 @@ def response(
     path = ("operation", "speeds")
     refuse = partial(refuse_too_large, system, len(excited), study.memory, path, "speeds")
     solve = partial(_solve, study, system, excited, progress or silent)
-    result = grid.with_peaks(solve, requested, points, remark, refuse)
-    remark = with_balance(result, 30.0 / math.pi, "rpm")
+    unit = 30.0 / math.pi, "rpm"
+    result = grid.with_peaks(solve, requested, points, remark, refuse, unit)
     left_out = tuple(line for line in lines(system) if line.order not in solved_orders)
-    return replace(result, remark=remark, left_out=left_out)
+    return replace(result, left_out=left_out)
 
 
 def response_of_orders(

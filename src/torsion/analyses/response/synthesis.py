@@ -131,7 +131,7 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
     expanded = phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
     expanded = (np.array([1, -1j, -1, 1j])[power % 4] * expanded).view(np.float64)
     upright = len(phasors)  # rows: then come the same waves upside down
-    both = np.concatenate([phasors, -phasors]).astype(np.complex128)
+    both = np.ascontiguousarray(np.concatenate([phasors, -phasors]), dtype=np.complex128)
     best = np.zeros(2 * upright)
     near: list[IntArray] = []
     rows = max(BLOCK_VALUES // number, 1)
