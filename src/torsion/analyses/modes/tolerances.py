@@ -7,9 +7,9 @@ mode has a frequency.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Annotated
 
 import numpy as np
@@ -33,6 +33,7 @@ from torsion.study import Study
 FARTHEST = 46.0  # ln of the factor to which a stiffness is sought: 1e20
 WHAT = "tolerances"
 Factors = tuple[tuple[int, float], ...]  # span, its stiffness over that of the file
+Solution = tuple[FloatArray, FloatArray, FloatArray]  # (modes,) Hz: frequency and its bounds
 
 
 class Aim(Declared):
@@ -135,60 +136,51 @@ class Tolerances:
         return self.upper / self.frequency - 1.0
 
 
-class _Varied:
-    """Modes of the train with the stiffness of some spans scaled, as its shafts are divided."""
+def _solved(modes: Modes, factors: Factors, end: int = 0) -> Solution:
+    """Return frequency (modes,) Hz and its proven bounds, with the stiffness of some spans scaled, the shafts divided alike.
 
-    def __init__(self, modes: Modes) -> None:
-        self.system = modes.system
-        self.nominal = modes
-        self.count = modes.frequency.size
-        self.solved = lru_cache(maxsize=256)(self._solve)
-
-    def _solve(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left.
-
-        end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
-        """
-        system = self.system
-        train = system.train
-        tolerances = [part.inertia_tolerance or 0.0 for part in train.parts]
-        if end and any(tolerances):
-            inertias = tuple(
-                replace(lump, inertia=lump.inertia * (1.0 + end * tolerances[lump.part]))
-                for lump in train.inertias
-            )
-            system = of_train(system, replace(train, inertias=inertias))
-        varied = modes_as_discretised(scaled(system, dict(factors)), self.count)
-        loose = max(varied.rigid - self.nominal.rigid, 0)
-        rows = np.array([varied.frequency, varied.lower, varied.upper])
-        padded = np.pad(rows, ((0, 0), (loose, 0)))
-        missing = np.full((3, self.count), np.inf)
-        frequency, lower, upper = np.hstack([padded, missing])[:, : self.count]
-        return frequency, lower, upper
-
-    def stiffness(
-        self, span: int, mode: int, frequency: float
-    ) -> tuple[float | None, float, float]:
-        """Return the factor of a span's stiffness at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
-        softest, stiffest = (
-            float(self.solved(((span, factor),))[0][mode]) for factor in (0.0, math.inf)
+    0 of what no longer vibrates, infinite where no mode is left. end: 1 with all inertias at the high end of their
+    tolerance, -1 at the low one.
+    """
+    system = modes.system
+    train = system.train
+    count = modes.frequency.size
+    tolerances = [part.inertia_tolerance or 0.0 for part in train.parts]
+    if end and any(tolerances):
+        inertias = tuple(
+            replace(lump, inertia=lump.inertia * (1.0 + end * tolerances[lump.part]))
+            for lump in train.inertias
         )
-        if not softest < frequency < stiffest:
-            return None, softest, stiffest
+        system = of_train(system, replace(train, inertias=inertias))
+    varied = modes_as_discretised(scaled(system, dict(factors)), count)
+    loose = max(varied.rigid - modes.rigid, 0)
+    rows = np.array([varied.frequency, varied.lower, varied.upper])
+    padded = np.pad(rows, ((0, 0), (loose, 0)))
+    missing = np.full((3, count), np.inf)
+    frequency, lower, upper = np.hstack([padded, missing])[:, :count]
+    return frequency, lower, upper
 
-        def mismatch(log_factor: float) -> float:
-            factors = ((span, math.exp(log_factor)),)
-            return math.log(float(self.solved(factors)[0][mode]) / frequency)
 
-        # Each step doubles, away from the stiffness of the file and toward the side on which the root lies.
-        begin = end = 0.0
-        step = -1.0 if mismatch(0.0) > 0.0 else 1.0
-        while mismatch(end) * step < 0.0 and abs(end) < FARTHEST:
-            begin, end, step = end, end + step, 2.0 * step
-        if mismatch(begin) * mismatch(end) > 0.0:
-            return None, softest, stiffest
-        root = find_root(mismatch, *sorted((begin, end)), tolerance=1e-16, relative=1e-15)
-        return math.exp(float(root)), softest, stiffest
+def _aimed(
+    solved: Callable[..., Solution], span: int, mode: int, frequency: float
+) -> tuple[float | None, float, float]:
+    """Return the factor of a span's stiffness at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
+    softest, stiffest = (float(solved(((span, factor),))[0][mode]) for factor in (0.0, math.inf))
+    if not softest < frequency < stiffest:
+        return None, softest, stiffest
+
+    def mismatch(log_factor: float) -> float:
+        return math.log(float(solved(((span, math.exp(log_factor)),))[0][mode]) / frequency)
+
+    # Each step doubles, away from the stiffness of the file and toward the side on which the root lies.
+    begin = end = 0.0
+    step = -1.0 if mismatch(0.0) > 0.0 else 1.0
+    while mismatch(end) * step < 0.0 and abs(end) < FARTHEST:
+        begin, end, step = end, end + step, 2.0 * step
+    if mismatch(begin) * mismatch(end) > 0.0:
+        return None, softest, stiffest
+    root = find_root(mismatch, *sorted((begin, end)), tolerance=1e-16, relative=1e-15)
+    return math.exp(float(root)), softest, stiffest
 
 
 def scaled(system: System, factors: Mapping[int, float]) -> System:
@@ -235,7 +227,7 @@ def tolerances(
     """Return the bands of a study with its modes; raises InputError for an aim at a mode that was not computed."""
     train = study.train
     system = modes.system
-    varied = _Varied(modes)
+    solved = lru_cache(maxsize=256)(partial(_solved, modes))
     spans = {
         train.parts[span.part].name: number
         for number, span in enumerate(system.own_spans)
@@ -252,20 +244,20 @@ def tolerances(
 
     def band_end(sign: float, *names: str, end: int = 0) -> tuple[FloatArray, ...]:
         changed = ((spans[name], 1.0 + sign * width[name]) for name in names if width[name])
-        return varied.solved(tuple(changed), end)
+        return solved(tuple(changed), end)
 
     lower = band_end(-1.0, *spans, end=1)[1]
     upper = band_end(1.0, *spans, end=-1)[2]
     reaches = []
     for name, span in spans.items():
         soft, stiff = (band_end(sign, name)[0] for sign in (-1.0, 1.0))
-        without, rigid = (varied.solved(((span, factor),))[0] for factor in (0.0, math.inf))
+        without, rigid = (solved(((span, factor),))[0] for factor in (0.0, math.inf))
         change = (stiff - soft) / modes.frequency
         reaches.append(CouplingReach(name, width[name], soft, stiff, without, rigid, change))
     aimed = []
     for aim in aims:
         for name, span in spans.items():
-            factor, *ends = varied.stiffness(span, aim.mode - 1, aim.frequency)
+            factor, *ends = _aimed(solved, span, aim.mode - 1, aim.frequency)
             stiffness = None if factor is None else factor / float(system.flexibility[span])
             aimed.append(AimedStiffness(aim.mode, aim.frequency, name, stiffness, factor, *ends))
     crossings = () if critical is None else critical.crossings

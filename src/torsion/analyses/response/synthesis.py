@@ -49,7 +49,7 @@ def synthesis(response: Response) -> Synthesis:
         bound = size.sum(axis=1)
         phasors = np.moveaxis(torque, 1, 2).reshape(bound.size, len(orders))
         highest, lowest, fixed = (
-            values.reshape(bound.shape) for values in _sums(orders, phasors, response.by_magnitude)
+            total.reshape(bound.shape) for total in _sums(orders, phasors, response.by_magnitude)
         )
         peak = np.maximum(np.abs(mean + highest + fixed), np.abs(mean + lowest - fixed))
         rms = np.sqrt((size**2).sum(axis=1) / 2.0)
