@@ -321,8 +321,7 @@ def plan(file: str | Path, *, case: str | None = None) -> Planned:
     Raises InputError as `solve` does.
     """
     study = read(file)
-    planned = _planned(one_case(study, case))
-    cases = study.cases if case is None else {}
+    planned, cases = _planned(one_case(study, case)), study.cases if case is None else {}
     return replace(planned, cases={name: _planned(variant) for name, variant in cases.items()})
 
 

@@ -78,15 +78,13 @@ def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | 
 
     A word that is a part of one candidate alone stands for it.
     """
-    by_plain = {_plain(candidate): candidate for candidate in candidates}
-    close = difflib.get_close_matches(_plain(word), by_plain, 1, cutoff)
-    holding = [candidate for candidate in by_plain if _plain(word) in candidate.split("_")]
+    words = [word, *candidates]
+    plain, *spellings = (re.sub("[- ]", "_", spelling.casefold()) for spelling in words)
+    by_plain = dict(zip(spellings, words[1:], strict=True))
+    close = difflib.get_close_matches(plain, by_plain, 1, cutoff)
+    holding = [candidate for candidate in by_plain if plain in candidate.split("_")]
     close = close or (holding if len(holding) == 1 else [])
     return by_plain[close[0]] if close else None
-
-
-def _plain(word: str) -> str:
-    return word.casefold().replace("-", "_").replace(" ", "_")
 
 
 def without_controls(text: str) -> str:

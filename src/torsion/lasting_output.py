@@ -3,7 +3,7 @@
 import io
 import os
 import sys
-from typing import Any, TextIO
+from typing import Any
 
 from torsion.errors import without_controls
 
@@ -51,16 +51,10 @@ def make_streams_last() -> Output | None:
         or sys.stderr is None
     ):
         return None
-    sys.stderr, _ = _lasting(sys.stderr, 2)
-    sys.stdout, output = _lasting(sys.stdout, 1)
+    for number, name in ((2, "stderr"), (1, "stdout")):
+        getattr(sys, name).flush()
+        output = Output(number, "wb", closefd=False)
+        is_by_line, buffered = number == 2 or output.isatty(), io.BufferedWriter(output)
+        lasting = io.TextIOWrapper(buffered, "utf-8", "replace", line_buffering=is_by_line)
+        setattr(sys, name, lasting)
     return output
-
-
-def _lasting(stream: TextIO, number: int) -> tuple[io.TextIOWrapper, Output]:
-    """Return a standard stream that lasts, and what it writes to."""
-    stream.flush()
-    raw = Output(number, "wb", closefd=False)
-    buffered = io.BufferedWriter(raw)
-    return io.TextIOWrapper(
-        buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()
-    ), raw

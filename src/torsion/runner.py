@@ -65,10 +65,8 @@ def run(
         from torsion.assembly.junction.stepped_shafts import with_steps
 
         study = replace(study, train=with_steps(study.train))
-    if not study.cases:
-        return _solve_misfires(study, only, progress, answered)
     total, cases = 1 + len(study.cases), dict[str, Findings]()
-    part = _share(progress, f"case {NORMAL}", 0, total)
+    part = _share(progress, f"case {NORMAL}", 0, total) if study.cases else progress
     findings = _solve_misfires(study, only, part, answered)
     for position, (name, case) in enumerate(study.cases.items(), start=1):
         part = _share(progress, f"case {name}", position, total)
@@ -98,8 +96,7 @@ def _solve_misfires(
         return _solve_one(study, only, progress, answered)
     from torsion.model.engine.misfire_cases import misfire_cases
 
-    misfires = list(misfire_cases(study.train.parts, study.train.torques))
-    cases = {}
+    cases, misfires = {}, list(misfire_cases(study.train.parts, study.train.torques))
     for position, (name, parts, torques) in enumerate(misfires):
         case = replace(study, train=replace(study.train, parts=parts, torques=torques))
         part = _share(progress, name, position, len(misfires))

@@ -34,15 +34,10 @@ class Source:
     @property
     def bibtex(self) -> str:
         """The entry of a bibliography in BibTeX."""
-        fields = {
-            "author": self.authors.replace(", ", " and "),
-            "year": self.year,
-            "note": self.work,
-        }
-        lines = [
-            f"  {name} = {{{value}}}".replace("&", r"\&") for name, value in fields.items() if value
-        ]
-        return f"@misc{{{self.key},\n" + ",\n".join(lines) + "\n}"
+        authors = self.authors.replace(", ", " and ")
+        fields = {"author": authors, "year": self.year, "note": self.work}
+        lines = (f",\n  {name} = {{{value}}}" for name, value in fields.items() if value)
+        return f"@misc{{{self.key}{''.join(lines)}\n}}".replace("&", r"\&")
 
 
 RECORDS = """\
@@ -90,9 +85,7 @@ ZhuWang; Zhu, Wang; -; combination resonance of a misaligned shaft driven by a u
 
 _ROWS = (line.split("; ") for line in RECORDS.splitlines())
 SOURCES = {
-    key: Source(
-        key, authors, year.strip("-"), work, use.removesuffix(" (M)"), not use.endswith(" (M)")
-    )
+    key: Source(key, authors, year.strip("-"), work, use.removesuffix(" (M)"), "(M)" not in use)
     for key, authors, year, work, use in _ROWS
 }
 _USED: ContextVar[Citations | None] = ContextVar("sources used", default=None)

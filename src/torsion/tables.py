@@ -174,7 +174,11 @@ class Table:
         has_both = all(any(sign in cell.text for cell in cells) for sign in ".,")
         points, commas, marked = list[Mark](), list[Mark](), list[Mark]()
         for cell in cells:
-            for figure in _figures(cell.text):
+            # The number that a cell begins with, or those in its brackets, where semicolons part them.
+            is_list = cell.text[:1] in ("[", "{")
+            numbers = _FIGURE.finditer(cell.text) if ";" in cell.text else ()
+            for match in numbers if is_list else filter(None, [_FIGURE.match(cell.text)]):
+                figure = match[0]
                 if _POINT.fullmatch(figure):
                     points.append((cell, figure))
                 elif _COMMA.fullmatch(figure):
@@ -222,14 +226,6 @@ def _fault(message: str, hint: str, before: str) -> Fault:
     """The fault of what stands behind a text."""
     lines = _BREAK.split(before)
     return Fault((), message, hint, line=len(lines), column=len(lines[-1]) + 1)
-
-
-def _figures(text: str) -> Iterator[str]:
-    """The numbers of a cell: the one that it begins with, or those in its brackets, where semicolons part them."""
-    if text[:1] not in ("[", "{"):
-        yield from (figure[0] for figure in [_FIGURE.match(text)] if figure)
-    elif ";" in text:
-        yield from (figure[0] for figure in _FIGURE.finditer(text))
 
 
 @dataclass(frozen=True)

@@ -130,14 +130,20 @@ class UnitFault(ValueError):
 def to_si(text: str, unit: str) -> float:
     """The quantity `text` as a number in the SI unit `unit`, correctly rounded; raises UnitFault."""
     number, written = amount(text)
-    if not written:
-        if needs_unit(unit):
-            example = _KINDS[unit][1].split()[1]
-            hint = f"write '{text.strip()} {example}' or '{text.strip()} {unit}'"
-            raise UnitFault(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
-        return _rounded(number, text)
-    scale = 1 if written == unit else _COMMON.get(unit, {}).get(written)
-    return _rounded(number * scale if scale else _converted(number, written, unit, text), text)
+    if not written and needs_unit(unit):
+        example = _KINDS[unit][1].split()[1]
+        hint = f"write '{text.strip()} {example}' or '{text.strip()} {unit}'"
+        raise UnitFault(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
+    if written not in ("", unit):
+        scale = _COMMON.get(unit, {}).get(written)
+        number = number * scale if scale else _converted(number, written, unit, text)
+    try:
+        value = float(number)
+    except OverflowError:
+        raise UnitFault(f"{_quoted(text)} is too large for a number") from None
+    if number and not value:
+        raise UnitFault(f"{_quoted(text)} is too small for a number other than 0")
+    return value
 
 
 def written(text: str, unit: str) -> tuple[str, float]:
@@ -206,16 +212,6 @@ def amount(text: str) -> tuple[Fraction, str]:
         written = pattern.sub(replacement, written)
     unit = f"1{written}" if written.startswith("/") else written
     return Fraction(number[0].replace("_", "")), unit
-
-
-def _rounded(number: Fraction, text: str) -> float:
-    try:
-        value = float(number)
-    except OverflowError:
-        raise UnitFault(f"{_quoted(text)} is too large for a number") from None
-    if number and not value:
-        raise UnitFault(f"{_quoted(text)} is too small for a number other than 0")
-    return value
 
 
 @cache

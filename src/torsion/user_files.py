@@ -33,8 +33,7 @@ def read_file(file: str | Path, largest: int) -> bytes:
     check_file(file, largest)
     with open(file, "rb") as stream:
         content = stream.read(largest + 1)
-    if len(content) > largest:  # it has grown since, or states no size
-        raise _too_large(file, len(content), largest)
+    _refuse_larger(file, len(content), largest)  # it may have grown since, or state no size
     return content
 
 
@@ -42,19 +41,16 @@ def check_file(file: str | Path, largest: int) -> None:
     """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
     if (opened := OPENED.get()) is not None:
         opened.setdefault(os.path.abspath(file), stamp(file))
-    found = os.stat(file)
-    if stat.S_ISDIR(found.st_mode):
+    status = os.stat(file)
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "it is a device or a pipe, not a file", str(file))
-    if found.st_size > largest:
-        raise _too_large(file, found.st_size, largest)
+    _refuse_larger(file, status.st_size, largest)
 
 
-def _too_large(file: str | Path, size: int, largest: int) -> OSError:
-    unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
-    return OSError(
-        errno.EFBIG,
-        f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read",
-        str(file),
-    )
+def _refuse_larger(file: str | Path, size: int, largest: int) -> None:
+    if size > largest:
+        unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
+        words = f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read"
+        raise OSError(errno.EFBIG, words, str(file))

@@ -64,7 +64,6 @@ class Tried:
 class Case:
     """The nominal case, or a case of the file, with all that a candidate puts in before."""
 
-    study: Study
     work: Work
     variation: Variation  # of the figures that are chosen
     sampled: Variation  # and of those of the samples
@@ -230,7 +229,7 @@ class Candidates:
         for name, case in self.cases.items():
             only = analyses_of_variant(case.work, judged=self.judged)
             try:
-                findings = self.work.solve(bare(case.study), only=only)
+                findings = self.work.solve(bare(case.work.study), only=only)
             except (InputError, SolveError):
                 return None
             answers = Answers.of_findings(findings, self.modes)

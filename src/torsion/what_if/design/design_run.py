@@ -233,7 +233,7 @@ def _cases(work: Work, variation: Variation, sweep: Variation | None) -> Iterato
             case_work = replace(work, study=bare(study), results={}, ruled=ruled)
             chosen = variation.in_case(study)
         sampled = chosen if sweep is None else sweep.behind(chosen)
-        yield name, Case(study, case_work, chosen, sampled)
+        yield name, Case(case_work, chosen, sampled)
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:

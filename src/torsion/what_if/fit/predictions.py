@@ -91,7 +91,18 @@ class ExactSlopes:
         # A change of inertia acts as a torque, one of a compliance as an imposed twist.
         angle, torque = value.angle.T[:, None], value.torque.T[:, None]
         jump = w * w * self.inertia[..., None] * angle * system.speed_ratio[:, None, None]
-        change = _compliance_slopes(system, self.elastic, w)
+        flexibility, c, eta = (
+            values[:, None, None]
+            for values in (system.flexibility, system.viscous, system.loss_factor)
+        )
+        by_flexibility, by_viscous, by_loss = self.elastic[..., None]
+
+        # Of the compliance 1/((1 + i eta)/h + i w c) of a spring with flexibility h (spans, figures, points).
+        is_spring = np.isfinite(flexibility)
+        h = np.where(is_spring, flexibility, 1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            change = (1.0 + 1j * eta) * by_flexibility - 1j * h * (by_loss + w * h * by_viscous)
+            change /= (np.where(is_spring, 1.0, 0.0) * (1.0 + 1j * eta) + 1j * w * c * h) ** 2
         slip = np.where(torque == 0.0, 0.0, -change * torque / system.span_ratio[:, None, None])
         force, twist = np.zeros((2, condensed.tree.size, count, len(w)), dtype=np.complex128)
         np.add.at(force, condensed.node, jump)
@@ -105,23 +116,6 @@ class ExactSlopes:
         slopes = curve.of_response(system, speeds, changed.angle, changed.torque)
         values = curve.of_response(system, curve.speed, value.angle, value.torque)
         return (slopes.reshape(count, -1) / values).T
-
-
-def _compliance_slopes(system: System, slopes: FloatArray, w: FloatArray) -> ComplexArray:
-    """Return derivatives (spans, figures, points) of 1/((1 + i eta)/h + i w c) by each figure.
-
-    slopes: (3, spans, figures) of flexibility h, damper c and loss factor eta.
-    """
-    flexibility, viscous, loss = (
-        values[:, None, None] for values in (system.flexibility, system.viscous, system.loss_factor)
-    )
-    by_flexibility, by_viscous, by_loss = slopes[..., None]
-    is_spring = np.isfinite(flexibility)
-    h = np.where(is_spring, flexibility, 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(is_spring, 1.0, 0.0) * (1.0 + 1j * loss) + 1j * w * viscous * h
-        change = (1.0 + 1j * loss) * by_flexibility - 1j * h * by_loss - 1j * w * h * h * by_viscous
-        return np.asarray(change / share**2)
 
 
 STEP = 1e-5  # of the logarithm of a factor: a central difference errs by some 1e-10 of its square and 1e-11 of rounding
