@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from scipy import stats
 
 from torsion.what_if.variants.laws import SCRAMBLES, Law, factors, probability, uniform_samples
@@ -81,3 +82,9 @@ def test_intervals_cover_the_probability_of_a_closed_form(method: str) -> None:
         assert low <= share <= high
     assert covered >= 0.93 * 200
     assert np.mean(wide) < {"sobol": 0.012, "random": 0.029}[method]
+
+
+@pytest.mark.parametrize(("end", "missing"), [("from", "to"), ("to", "from")])
+def test_a_range_needs_both_of_its_ends(end: str, missing: str) -> None:
+    with pytest.raises(ValidationError, match=f"a range without `{missing}`"):
+        Law.model_validate({end: "80 mm"})
