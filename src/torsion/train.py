@@ -242,8 +242,10 @@ def lowered(
         first.setdefault(part.name, part.path)
 
     # Speeds count from that of the reference.
-    counted = reference and _named(build, reference, ("operation", "at"), point=False)
-    unit = counted.ratio if counted else Fraction(1)
+    counted = None
+    if reference is not None:
+        counted = _named(build, reference, ("operation", "at"), point=False)
+    unit = Fraction(1) if counted is None else counted.ratio
     parts = (
         replace(
             part,
