@@ -196,7 +196,7 @@ def test_a_solver_past_its_time_is_stopped_and_the_next_one_solves(
 def test_an_overtaken_picture_is_given_up_for_the_later_request(
     page: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn, ended = sessions.pictures.drawn, list[str]()
+    drawn, ended = sessions.drawn, list[str]()
 
     def waiting(study: Any, moved: Any, progress: Progress) -> Any:
         if dict(moved) != {"link.stiffness": 1.05}:
@@ -208,7 +208,7 @@ def test_an_overtaken_picture_is_given_up_for_the_later_request(
             ended.append("overtaken")
             raise
 
-    monkeypatch.setattr(sessions.pictures, "drawn", waiting)
+    monkeypatch.setattr(sessions, "drawn", waiting)
     page.move(link_stiffness=1.05)
     page.until(shown(1.08 * 12e3, 2, 3))
     page.until("solved", key="state")
@@ -223,7 +223,7 @@ def test_a_fault_of_the_program_is_said_and_the_next_picture_is_made(
         raise ZeroDivisionError("no number")
 
     with monkeypatch.context() as faulty:
-        faulty.setattr(sessions.pictures, "drawn", fail)
+        faulty.setattr(sessions, "drawn", fail)
         page.save(9)
         page.until("torsion has failed: ZeroDivisionError: no number", key="faults")
     page.save(9.5)
