@@ -144,7 +144,7 @@ def test_slope_that_stops_the_drift_everywhere():
     ask = search()
     orbit, _ = ask(283.4 * RPM)
     found = missing_slope(ask.mechanism, orbit, (250.0 * RPM, 700.0 * RPM), 0)
-    assert found == pytest.approx(DRIFT["slope_at_motor_that_stops_it_everywhere"], rel=2e-4)
+    assert found == pytest.approx(DRIFT["slope_at_motor_that_stops_it_everywhere"], rel=1e-5)
 
 
 def test_first_order_response_loses_the_torque_of_the_oracle():

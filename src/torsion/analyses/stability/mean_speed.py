@@ -5,7 +5,9 @@ of the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes o
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,7 +27,7 @@ PEAK = 2e-3  # of the interval in which the greatest drift is sought
 AROUND = 0.05  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
 SMOOTH = 1e-2  # of that: how closely it is sought, as its slope hardly changes there
 SHARP = 1e-4  # relative: how closely the slope that is missing is sought
-MOST_STEPS = 20  # of the secant method
+MOST_TURNS = 8  # of speed and slope
 
 
 @reported
@@ -51,11 +53,6 @@ class MeanSpeedDrift:
     )
 
 
-def lost_torque(motion: Orbit) -> float:
-    """Return the mean torque (N m at the reference) that the vibration costs beside that of the loads."""
-    return float(motion.balance.load[0] - motion.operation.load[0])
-
-
 def drift_slope(mechanism: Scene, speed: float, near: Orbit) -> tuple[float, Orbit | None]:
     """Return D (N m s/rad at the reference) at a speed (rad/s), from two motions beside it, and one of them.
 
@@ -66,7 +63,9 @@ def drift_slope(mechanism: Scene, speed: float, near: Orbit) -> tuple[float, Orb
         faster = orbit(mechanism, speed * (1.0 + STEP), slower)
     except SolveError:
         return np.nan, None
-    change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
+    # What the vibration costs beside the torque of the loads.
+    lost = [float(side.balance.load[0] - side.operation.load[0]) for side in (slower, faster)]
+    change = (lost[1] - lost[0]) / (2.0 * STEP * speed)
     return change + (mean_speed_damping(slower) + mean_speed_damping(faster)) / 2.0, faster
 
 
@@ -103,33 +102,34 @@ def missing_slope(
     before = start
     worst = start.operation.loading.speed
     reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
+    at_station = np.eye(len(mechanism.slopes))[station]
 
-    def lacking(slope: float) -> float:
-        """Return the largest -D within reach, with a slope at the station."""
+    def slope_of_all(speed: float, slope: float) -> float:
+        """Return D at a speed with a slope at the station; infinite where there is no motion."""
         nonlocal before
-        steadied = replace(
-            mechanism, slopes=mechanism.slopes + slope * np.eye(len(mechanism.slopes))[station]
+        steadied = replace(mechanism, slopes=mechanism.slopes + slope * at_station)
+        total, motion = drift_slope(steadied, float(speed), before)
+        before = motion or before
+        return float(np.nan_to_num(total, nan=np.inf))
+
+    # In turn the speed that lacks most and the slope that it lacks: the speed hardly moves with the slope, and what is
+    # lacking is flat about it, so that two or three turns suffice.
+    slope = 0.0
+    for _ in range(MOST_TURNS):
+        speed, least = find_minimum(
+            lambda speed, added=slope: slope_of_all(speed, added),
+            *reach,
+            tolerance=SMOOTH * (reach[1] - reach[0]),
         )
-
-        def drift(speed: float) -> float:
-            nonlocal before
-            slope_there, motion = drift_slope(steadied, float(speed), before)
-            before = motion or before
-            return float(np.nan_to_num(slope_there, nan=np.inf))
-
-        near = SMOOTH * (reach[1] - reach[0])
-        return -float(find_minimum(drift, *reach, tolerance=near)[1])
-
-    # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
-    without = lacking(0.0)
-    (lower, above), upper = (0.0, without), max(without, 0.0)
-    for _ in range(MOST_STEPS):
-        below = lacking(upper)
-        if abs(below) <= SHARP * without or not without > 0:
-            return upper
-        if below == above:
+        if abs(least) <= SHARP * slope or (least >= 0.0 and slope == 0.0):
+            return slope
+        try:
+            root = find_root(
+                partial(slope_of_all, speed), slope, slope - least, relative=SHARP / 10.0
+            )
+        except ValueError:  # the slope steadies nothing there
             break
-        lower, above, upper = upper, below, upper - below * (upper - lower) / (below - above)
+        slope = float(root)
     return np.nan
 
 
@@ -139,24 +139,15 @@ def drift_ends(
     """Return the lowest and the highest speed (rad/s) at which the drift reaches SLOW; speeds ascend."""
     fast = np.flatnonzero(np.nan_to_num(values, nan=-np.inf) > SLOW)
     ends = []
-    for row, neighbour in ((int(fast[0]), int(fast[0]) - 1), (int(fast[-1]), int(fast[-1]) + 1)):
-        if not 0 <= neighbour < len(speeds) or not np.isfinite(values[neighbour]):
-            ends.append(float(speeds[row]))
-            continue
-        inner = float(speeds[row])
-        outer = float(speeds[neighbour])
-        try:
-            ends.append(
-                float(
+    for row, neighbour in ((fast[0], fast[0] - 1), (fast[-1], fast[-1] + 1)):
+        end = float(speeds[row])
+        if 0 <= neighbour < len(speeds) and np.isfinite(values[neighbour]):
+            bounds = end, float(speeds[neighbour])
+            with suppress(ValueError):  # no drift was distinguished between them
+                end = float(
                     find_root(
-                        lambda speed: drift(speed) - SLOW,
-                        inner,
-                        outer,
-                        tolerance=2e-12,
-                        relative=BOUNDARY,
+                        lambda w: drift(w) - SLOW, *bounds, tolerance=2e-12, relative=BOUNDARY
                     )
                 )
-            )
-        except ValueError:  # no drift was distinguished between them
-            ends.append(inner)
+        ends.append(end)
     return ends[0], ends[1]
