@@ -16,12 +16,9 @@ from torsion.analyses.lateral.tilt_stability import (
     small_angle_part,
 )
 from torsion.kernels.periodic.hill import (
-    Couplings,
-    assembled,
-    couplings_of,
     harmonics_of,
-    hill_blocks,
     hill_exponents,
+    hill_matrices,
 )
 
 FloatArray = NDArray[np.float64]
@@ -148,7 +145,7 @@ def hill_growth(
     turned = _instants(count)
     rates = []
     for speed in at.tolist():
-        exponents = hill_exponents(_entries(shaft, turned, speed, model), 2.0 * speed, count, 2)
+        exponents = hill_exponents(*_samples(shaft, turned, speed, model), 2.0 * speed, count)
         rates.append(exponents.exponent.real.max())
     return np.array(rates)
 
@@ -162,8 +159,8 @@ def response(
     force, pull = harmonics_of(forcing(turned, shaft.tilt).T, count), shaft.pull_at(at)
     angle = np.empty((at.size, 2, count + 1), dtype=complex)
     for k, speed in enumerate(at.tolist()):
-        entries = _entries(shaft, turned, speed, model)
-        matrix = assembled(entries.row, entries.column, hill_blocks(entries, 2.0 * speed, count), 2)
+        samples = _samples(shaft, turned, speed, model)
+        matrix, _, _ = hill_matrices(*samples, 2.0 * speed, count)
         angle[k] = np.linalg.solve(matrix, pull[k] * force.ravel()).reshape(2, -1)[:, count:]
     angle[..., 1:] *= 2.0
     unstable = growth(shaft, at, model).rate > NEUTRAL * at
@@ -176,9 +173,12 @@ def _instants(count: int) -> FloatArray:
     return np.pi * np.arange(4 * count + 1) / (4 * count + 1)
 
 
-def _entries(shaft: MisalignedShaft, turned: FloatArray, speed: float, model: Model) -> Couplings:
+def _samples(
+    shaft: MisalignedShaft, turned: FloatArray, speed: float, model: Model
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """M, C and K (angles, 2, 2) of the linear equations."""
     damping, stiffness = coefficients(shaft, turned, np.array([speed]), model)
-    return couplings_of(np.broadcast_to(np.eye(2), stiffness[0].shape), damping[0], stiffness[0])
+    return np.broadcast_to(np.eye(2), stiffness[0].shape), damping[0], stiffness[0]
 
 
 def linear_rate(

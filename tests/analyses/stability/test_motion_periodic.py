@@ -59,7 +59,7 @@ def over(study: Study, system: System, speeds: np.ndarray) -> PeriodicResponse:
     """The periodic response at ascending speeds, each motion continued from the one before it."""
     at, found = scene(study, system), [(None, "")]
     for speed in speeds.tolist():
-        found.append(continued(at, speed, found[-1][0]))
+        found.append(continued(at, speed, filter(None, found[-1][:1])))
     return response_of(
         at, [there for there, _ in found[1:]], speeds, tuple(why for _, why in found[1:])
     )

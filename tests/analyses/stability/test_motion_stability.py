@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from torsion.analyses.stability.equations_of_motion import (
-    linearised,
+    equations,
     mean_angle,
     operating,
     scene,
@@ -89,9 +89,8 @@ def about_constant_speed(study: Study, system: System, speed: float) -> tuple[Va
     shapes = basis(at.layout)
     now = operating(at, speed)
     still = np.zeros((at.layout.free, 193))
-    mass, damping, stiffness = linearised(
-        at.layout, now.loading, Motion(still, still, still), now.load, 1
-    ).entries.full(at.layout.free)
+    _, derivatives = equations(at.layout, now.loading, Motion(still, still, still), now.load, 1)
+    mass, damping, stiffness = derivatives().entries.full(at.layout.free)
     bent = state(
         at.layout, now.loading, Motion(still, still, still), now.load, mean_angle(now.loading, 193)
     )

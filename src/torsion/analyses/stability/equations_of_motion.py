@@ -4,6 +4,7 @@ With every body's angle a function F of one coordinate q: sum over the bodies of
 R = J (F' q'' + F'' q'^2) + damping + springs - torques. Linearised about any motion: mass J F'^2, and so on.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import product
@@ -14,7 +15,7 @@ import numpy as np
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.response.synthesis import common_order
-from torsion.analyses.stability.mechanism import Layout, Turning, beyond, gathered, layout
+from torsion.analyses.stability.mechanism import Layout, error, gathered, layout
 from torsion.analyses.stability.straight_modes import at_bodies, at_coordinates
 from torsion.analyses.steady import reference_station, steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
@@ -51,6 +52,19 @@ class Loading:
 
 
 @dataclass(frozen=True)
+class Turning:
+    """Deviation of a body's angle from the mean motion, and the derivatives of its angle over its coordinate.
+
+    All at one speed (own angle / speed ratio).
+    """
+
+    deviation: FloatArray  # rad
+    first: FloatArray
+    second: FloatArray
+    third: FloatArray
+
+
+@dataclass(frozen=True)
 class State:
     """A motion of all bodies: (bodies, times), all at one speed."""
 
@@ -68,13 +82,16 @@ def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turnin
     turned: (times,) rad, the mean angle of the reference station.
     """
     start = _of_bodies(layout, deviation)
-    parts = [start, np.ones_like(start), np.zeros_like(start), np.zeros_like(start)]
+    parts = np.array([start, np.ones_like(start), np.zeros_like(start), np.zeros_like(start)])
     for step in layout.steps:
-        inner = Turning(*(part[step.inner] for part in parts))
-        for part, value in zip(
-            parts, vars(beyond(inner, step.joint, turned)).values(), strict=True
-        ):
-            part[step.outer] = value
+        r, s = step.joint.driving_ratio, step.joint.driven_ratio
+        before, f1, f2, f3 = parts[:, step.inner]
+        e0, e1, e2, e3 = error(step.joint, r * (turned + before))
+        g1 = 1.0 + e1 * r / s
+        g2 = e2 * r * r / s
+        g3 = e3 * r**3 / s
+        third = g3 * f1**3 + 3.0 * g2 * f1 * f2 + g1 * f3
+        parts[:, step.outer] = before + e0 / s, g1 * f1, g2 * f1**2 + g1 * f2, third
     return Turning(*parts)
 
 
@@ -149,55 +166,48 @@ def spring_torques(
     return force
 
 
-def linearised(
+def equations(
     layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int
-) -> Linearised:
-    """Return the equations at a motion over the common period, with their derivatives.
+) -> tuple[FloatArray, Callable[[], Linearised]]:
+    """Return the residual of the equations at a motion over the common period, and what returns their derivatives.
 
     Dampers are in them where the motion holds their twists: those are then further unknowns, and the matrix stays
     sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
     """
-    turned = mean_angle(loading, motion.deviation.shape[1])
-    moving = state(layout, loading, motion, load, turned)
+    moving = state(layout, loading, motion, load, mean_angle(loading, motion.deviation.shape[1]))
     free = layout.free
     first = moving.turning.first
-    residual = gathered(layout, first * moving.residual)
-    force = np.array([-gathered(layout, first * drive[:, None]) for drive in loading.drive])
-    force = force.reshape(len(loading.drive), *residual.shape)
-    linear = Linearised(
-        residual, entries(layout, loading, moving), force, _hysteretic(layout, first, count)
-    )
-    if len(motion.deviation) == free:
-        return linear
-    return _with_dampers(layout, linear, moving, motion.deviation[free:], loading.w0)
+    # Of the dampers' twists, w0 size (twist - that of the bodies) = 0; their torque is size times the twist's rate.
+    twist = motion.deviation[free:]
+    number, times = twist.shape
+    size = layout.dampers.size[:number, None]
+    missing = size * loading.w0 * (twist - (at_bodies(layout) @ moving.turning.deviation)[:number])
+    residual = np.concatenate([gathered(layout, first * moving.residual), missing])
 
+    def derivatives() -> Linearised:
+        force = np.zeros((len(loading.drive), *residual.shape))
+        for row, drive in zip(force, loading.drive, strict=True):
+            row[:free] = -gathered(layout, first * drive[:, None])
+        couplings = entries(layout, loading, moving)
+        hysteretic = _hysteretic(layout, first, count)
+        if not number:
+            return Linearised(residual, couplings, force, hysteretic)
+        pull = (size * at_coordinates(layout, first)).reshape(times, -1).T
+        alone = free + np.arange(number)
+        damper, coordinate = np.repeat(alone, free), np.tile(np.arange(free), number)
+        none, nothing = np.zeros_like(pull), np.zeros_like(twist)
+        back = [-loading.w0 * pull, size * loading.w0 + nothing]
+        grown = Couplings(
+            np.concatenate([couplings.row, coordinate, damper, alone]),
+            np.concatenate([couplings.column, damper, coordinate, alone]),
+            np.concatenate([couplings.mass, none, none, nothing]),
+            np.concatenate([couplings.damping, pull, none, nothing]),
+            np.concatenate([couplings.stiffness, none, *back]),
+            np.append(couplings.hysteretic, np.zeros(2 * len(pull) + number)),
+        )
+        return Linearised(residual, grown, force, hysteretic)
 
-def _with_dampers(
-    layout: Layout, linear: Linearised, moving: State, twist: FloatArray, w0: float
-) -> Linearised:
-    """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
-    size = layout.dampers.size
-    times = twist.shape[1]
-    free = layout.free
-    number = len(size)
-    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ moving.turning.deviation)
-    pull = (size[:, None] * at_coordinates(layout, moving.turning.first)).reshape(times, -1).T
-    damper = np.repeat(free + np.arange(number), free)
-    coordinate = np.tile(np.arange(free), number)
-    alone = free + np.arange(number)
-    none = np.zeros((number * free, times))
-    couplings = linear.entries
-    grown = Couplings(
-        np.concatenate([couplings.row, coordinate, damper, alone]),
-        np.concatenate([couplings.column, damper, coordinate, alone]),
-        np.concatenate([couplings.mass, none, none, np.zeros((number, times))]),
-        np.concatenate([couplings.damping, pull, none, np.zeros((number, times))]),
-        np.concatenate(
-            [couplings.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]
-        ),
-    )
-    force = np.pad(linear.force, ((0, 0), (0, number), (0, 0)))
-    return Linearised(np.concatenate([linear.residual, missing]), grown, force, linear.extra)
+    return residual, derivatives
 
 
 def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
@@ -215,7 +225,9 @@ def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
         + f2 * moving.residual
     )
     diagonal = np.arange(layout.free)
-    parts = [(diagonal, diagonal, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
+    coefficients = [gathered(layout, part) for part in (mass, damping, stiffness)]
+    parts = [(diagonal, diagonal, *coefficients, np.zeros(layout.free))]
+    steady = (f1 == f1[:, :1]).all(axis=1)
     ends = (layout.driving, 1.0), (layout.driven, -1.0)
     for (a, plus), (b, minus) in product(ends, ends):
         row = layout.coordinate[a]
@@ -228,6 +240,7 @@ def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
             np.zeros((len(a), f1.shape[1])),
             c * f1[a] * f1[b],
             f1[a] * (k * f1[b] + c * slip_slope[b]),
+            sign * layout.hysteretic * f1[a, 0] * f1[b, 0] * (steady[a] & steady[b]),
         )
         parts.append((row[inside], column[inside], *(part[inside] for part in between)))
     return Couplings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
@@ -236,30 +249,21 @@ def entries(layout: Layout, loading: Loading, moving: State) -> Couplings:
 def _hysteretic(
     layout: Layout, first: FloatArray, count: int
 ) -> list[tuple[int, int, ComplexArray]]:
-    """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
+    """Blocks of the loss factors where a ratio varies: i eta k sign(frequency) between the angles of a spring's sides."""
     out = []
     wide = np.arange(-2 * count, 2 * count + 1)
-    turn = 1j * np.sign(wide)
+    turn = 1j * np.sign(wide)[:, None]
     steady = (first == first[:, :1]).all(axis=1)
-    lossy = np.flatnonzero(layout.hysteretic).tolist()
-    bodies = {int(end[spring]) for spring in lossy for end in (layout.driving, layout.driven)}
-    shapes = {body: toeplitz(first[body], count, wide) for body in bodies if not steady[body]}
-    alone = np.diag(
-        turn[count : 3 * count + 1]
-    )  # of two bodies whose angles are their coordinates times a constant
-    for body in bodies & set(np.flatnonzero(steady)):
-        shapes[body] = first[body, 0] * np.eye(len(wide), 2 * count + 1, -count)
-    for spring in lossy:
-        ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
-        for (a, plus), (b, minus) in product(ends, ends):
-            i = int(layout.coordinate[a])
-            j = int(layout.coordinate[b])
-            if i < layout.free and j < layout.free:
-                size = plus * minus * layout.hysteretic[spring]
-                if steady[a] and steady[b]:
-                    out.append((i, j, size * first[a, 0] * first[b, 0] * alone))
-                else:
-                    out.append((i, j, size * (shapes[a].conj().T @ (turn[:, None] * shapes[b]))))
+    lossy = (layout.hysteretic != 0) & ~(steady[layout.driving] & steady[layout.driven])
+    for spring in np.flatnonzero(lossy).tolist():
+        bodies = [int(end[spring]) for end in (layout.driving, layout.driven)]
+        shapes = [toeplitz(first[body], count, wide) for body in bodies]
+        for a, b in product(range(2), repeat=2):
+            i, j = (int(layout.coordinate[bodies[side]]) for side in (a, b))
+            is_steady = steady[bodies[a]] and steady[bodies[b]]  # among the entries
+            if i < layout.free and j < layout.free and not is_steady:
+                size = layout.hysteretic[spring] * (1.0 if a == b else -1.0)
+                out.append((i, j, size * (shapes[a].conj().T @ (turn * shapes[b]))))
     return out
 
 
@@ -346,37 +350,29 @@ def operating(mechanism: Scene, speed: float) -> Operating:
         stated &= np.isin(np.arange(len(ratio)), absorbing)
         on_mean_speed = float((load - ground)[stated].sum())
     applied = np.zeros(len(ratio))
-    twist = np.zeros(layout.bodies)
+    twist = np.zeros(len(layout.inertia))
     if steady_state is not None:
         applied = mechanism.mean * steady_state.applied[:, 0] * ratio
         twist[layout.body] = mechanism.mean * steady_state.twist[:, 0] / ratio
     orders = sorted({order for order, _ in mechanism.torques})
     vibratory = np.zeros((len(ratio), len(orders)), dtype=np.complex128)
     for order, torque in mechanism.torques:
-        station = torque.station
-        vibratory[station, orders.index(order)] += (
-            ratio[station] * amplitude(system, torque, speeds, steady_state)[0]
-        )
+        at_station = ratio[torque.station] * amplitude(system, torque, speeds, steady_state)[0]
+        vibratory[torque.station, orders.index(order)] += at_station
     multiple = np.array([int(order / mechanism.order) for order in orders], dtype=np.int64)
     constant, drive, steady, load = _drive(mechanism, applied)
     stations = Loading(
         speed, damping, constant, multiple, vibratory, drive, steady, float(mechanism.order)
     )
+    onto = 1.0 * (layout.body == np.arange(len(layout.inertia))[:, None])  # (bodies, stations)
     bodies = replace(
         stations,
-        damping=_on_bodies(layout, damping),
-        torque=_on_bodies(layout, constant),
-        vibratory=_on_bodies(layout, vibratory),
-        drive=_on_bodies(layout, drive.T).T,
+        damping=onto @ damping,
+        torque=onto @ constant,
+        vibratory=onto @ vibratory,
+        drive=drive @ onto.T,
     )
     return Operating(bodies, stations, load, twist, on_mean_speed)
-
-
-def _on_bodies(layout: Layout, of_stations: np.ndarray) -> np.ndarray:
-    """(bodies, ...) sums of (stations, ...)."""
-    out = np.zeros((layout.bodies, *of_stations.shape[1:]), dtype=of_stations.dtype)
-    np.add.at(out, layout.body, of_stations)
-    return out
 
 
 def _drive(
@@ -384,35 +380,27 @@ def _drive(
 ) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
     """Known torques, unknown loads on the stations with the coordinates they keep, and a first guess of the loads."""
     layout = mechanism.layout
-    number = len(applied)
     reference = reference_station(mechanism.study.train, mechanism.study.operation)
     share = np.maximum(applied, 0.0)
     if not share.any():
         share[reference] = 1.0
     known_torque = applied.copy()
-    rows = list[FloatArray]()
-    steady = list[int]()
-    guess = list[float]()
-    coordinate = layout.coordinate[layout.body[int(np.argmax(share))]]
-    for group in layout.floating:
+    steady = np.array([group[0] for group in layout.floating], dtype=np.int64)
+    drive = np.zeros((len(steady), len(applied)))
+    guess = np.zeros(len(steady))
+    coordinate, at_reference = (
+        int(layout.coordinate[layout.body[station]])
+        for station in (int(np.argmax(share)), reference)
+    )
+    for row, group in enumerate(layout.floating):
         if coordinate in group:
-            rows.append(share / share.sum())
-            at_reference = int(layout.coordinate[layout.body[reference]])
-            steady.append(at_reference if at_reference in group else group[0])
-            guess.append(float(applied[applied > 0].sum()))
+            drive[row] = share / share.sum()
+            steady[row] = at_reference if at_reference in group else group[0]
+            guess[row] = applied[applied > 0].sum()
             known_torque = np.minimum(applied, 0.0)
         else:
-            slipping = np.zeros(number)
-            slipping[int(np.flatnonzero(layout.body == layout.root[group[0]])[0])] = 1.0
-            rows.append(slipping)
-            steady.append(group[0])
-            guess.append(0.0)
-    return (
-        known_torque,
-        np.array(rows).reshape(-1, number),
-        np.array(steady, dtype=np.int64),
-        np.array(guess),
-    )
+            drive[row, np.flatnonzero(layout.body == layout.root[group[0]])[0]] = 1.0
+    return known_torque, drive, steady, guess
 
 
 def rigid_deviation(

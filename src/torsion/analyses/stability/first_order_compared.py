@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import chain
 
 import numpy as np
 
@@ -46,13 +47,11 @@ class FirstOrderCompared:
 def compare_first_order(evidence: Results) -> FirstOrderCompared:
     """Return all orders together (where no torque has a fixed frequency), then each, of every element with torque."""
     nothing = rounding(evidence)
-    return FirstOrderCompared(
-        tuple(
-            row
-            for element in elements(evidence.system)
-            for row in _compare(evidence, element, nothing[list(element.spans)].min())
-        )
+    rows = (
+        _compare(evidence, element, nothing[list(element.spans)].min())
+        for element in elements(evidence.system)
     )
+    return FirstOrderCompared(tuple(chain.from_iterable(rows)))
 
 
 def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[ComparedTorque]:
@@ -68,12 +67,13 @@ def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[Co
     def row(order: Fraction | None, first: FloatArray | None, exact: FloatArray) -> ComparedTorque:
         largest = speed = None
         if first is not None:
-            place = int(np.argmax(values := np.where(first < nothing, 0.0, first)))
-            if np.isfinite(values[place]):  # of a value that is not known the largest is none
-                largest = float(values[place])
-                speed = float(response.speed[place])
+            values = np.where(first < nothing, 0.0, first)
+            place = int(np.argmax(values))  # the first value that is not known, where there is one
+            if np.isfinite(values[place]):
+                largest, speed = float(values[place]), float(response.speed[place])
         # Of the speeds with a periodic motion.
-        place = int(np.nanargmax(values := np.where(exact < nothing, 0.0, exact)))
+        values = np.where(exact < nothing, 0.0, exact)
+        place = int(np.nanargmax(values))
         return ComparedTorque(
             element.name,
             order,

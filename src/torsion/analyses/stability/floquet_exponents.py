@@ -15,19 +15,18 @@ from torsion.analyses.stability.equations_of_motion import (
 )
 from torsion.analyses.stability.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.stability.mechanism import gathered
-from torsion.analyses.stability.periodic_orbits import Orbit, continued, nearest
+from torsion.analyses.stability.periodic_orbits import Orbit, continued
 from torsion.analyses.stability.straight_modes import Basis, at_coordinates, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
-from torsion.kernels.periodic.hill import DOUBLE, couplings_of, harmonics_of, hill_exponents
+from torsion.kernels.periodic.hill import DOUBLE, harmonics_of, hill_exponents
 from torsion.kernels.periodic.monodromy import (
+    GONE,
     STAGES,
     exponents,
     monodromy,
-    mostly_rigid,
-    real_motions,
     rigid_motion,
     steps_for,
 )
@@ -57,11 +56,6 @@ class Variation:
     is_free: bool = False  # nothing holds the train: the first of these is its own motion
 
     @property
-    def size(self) -> int:
-        """Number of the coordinates, or of the modes."""
-        return int(self.mass.shape[1])
-
-    @property
     def w0(self) -> float:
         """Frequency of the common period, rad/s."""
         return 2.0 * np.pi / self.period
@@ -72,13 +66,13 @@ class Variation:
         Without that they would not quite repeat themselves, and seem to grow or to die out.
         """
         # Shapes of generalised inertia 1 for what the basis misses of the repeated motions.
+        size = len(reduced.inertia)
         heavy = np.sqrt(reduced.inertia)[:, None]
-        motions = self.repeated[:, : self.size]
-        weighted = heavy * np.concatenate([np.zeros((self.size, 0)), *motions], axis=1)
+        weighted = heavy * self.repeated[:, :size].swapaxes(0, 1).reshape(size, -1)
         within = heavy * reduced.shape
         missing = weighted - within @ (within.T @ weighted)
-        left, size, _ = np.linalg.svd(missing, full_matrices=False)
-        left = left[:, size > REST * np.linalg.norm(weighted)]
+        left, extent, _ = np.linalg.svd(missing, full_matrices=False)
+        left = left[:, extent > REST * np.linalg.norm(weighted)]
         missed = np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0)
 
         shape = np.column_stack([reduced.shape, missed])
@@ -94,11 +88,6 @@ class Variation:
         return Variation(
             mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free
         )
-
-    @property
-    def turning(self) -> FloatArray:
-        """(size,) deviation of a train whose mean motion goes on further; only of a free one."""
-        return np.asarray(self.repeated[0, : self.size].mean(axis=1))
 
 
 def variation(mechanism: Scene, orbit: Orbit) -> Variation:
@@ -137,9 +126,11 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
         turning = np.isin(diagonal, np.concatenate(layout.floating))[:, None]
         speed = loading.speed + motion.speed
         repeated.append(np.concatenate([turning * speed, turning * motion.acceleration]))
-    for group in layout.loose:
-        angle = np.repeat(group[:, None], times, axis=1)
-        repeated.append(np.concatenate([angle, np.zeros((free, times))]))
+    driven = {int(layout.coordinate[step.outer]) for step in layout.steps}
+    for group in layout.floating if len(layout.floating) > 1 else ():
+        if not driven & set(group):
+            angle = np.repeat(np.isin(diagonal, group)[:, None], times, axis=1)
+            repeated.append(np.concatenate([angle, np.zeros((free, times))]))
     return Variation(
         mass,
         damping,
@@ -166,29 +157,10 @@ class Multipliers:
     )  # 1/s: that one, where it was distinguished as the drift of the mean speed
     is_doubtful: bool = False
 
-    def distinguished(self, correction: float) -> "Multipliers":
-        """Return the torsional exponents, with the drift of the mean speed, corrected by so many 1/s, apart."""
-        torsional = np.arange(len(self.exponent)) != self.rigid
-        return replace(
-            self,
-            exponent=self.exponent[torsional],
-            vector=self.vector[:, torsional],
-            speed=self.speed[:, torsional],
-            rigid=None,
-            drift=float(self.exponent[self.rigid].real) + correction,
-        )
-
-    @property
-    def fastest(self) -> tuple[float, float]:
-        """Growth (1/s) of the fastest growing motion, negative where all die out, and its frequency (rad/s)."""
-        if not self.exponent.size:
-            return -np.inf, np.nan
-        return float(self.exponent[0].real), float(self.exponent[0].imag)
-
     @property
     def growth(self) -> float:
-        """Growth of the fastest growing motion, 1/s."""
-        return self.fastest[0]
+        """Growth of the fastest growing motion, 1/s; negative where all die out."""
+        return float(self.exponent[0].real) if self.exponent.size else -np.inf
 
     @property
     def multiplier(self) -> ComplexArray:
@@ -198,7 +170,7 @@ class Multipliers:
 
 def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Multipliers:
     """Return the exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
-    size = around.size
+    size = around.mass.shape[1]
     scale = np.repeat([1.0, around.w0], size)
     visited = list[FloatArray]()
     steps = steps_for(around.period, highest)
@@ -219,11 +191,26 @@ def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Mul
     order = np.argsort(-np.abs(value), kind="stable")
     shape = (basis_of_rest @ vector[:, order]) * scale[:, None]
 
-    rigid = None
-    if around.is_free:
-        mass = around.mass.mean(axis=0)
-        rigid = rigid_motion(full, np.array(visited), value[order], mass, around.turning, around.w0)
+    def share(place: int) -> float:
+        """Return the share of a turning of it all in the motion exp(growth t) p(t) of a multiplier, 0 to 1.
+
+        It is that of the mean of p along the turning in the mean square of p, both weighted with the mass; of what
+        dies out at once it is 0.
+        """
+        multiplier = float(value[order[place]].real)
+        if multiplier <= GONE:
+            return 0.0
+        mass, turning = around.mass.mean(axis=0), around.repeated[0, :size].mean(axis=1)
+        missing = full / scale[:, None] * scale - multiplier * np.eye(2 * size)
+        start = scale * np.linalg.svd(missing)[2][-1]
+        decay = multiplier ** (-np.arange(len(visited)) / len(visited))
+        motion = decay[:, None] * (np.array(visited) @ start)[:, :size]
+        mean_square = np.einsum("ti,ij,tj->", motion, mass, motion) / len(visited)
+        along = turning @ mass @ motion.mean(axis=0)
+        return float(along**2 / (turning @ mass @ turning * mean_square))
+
     exponent = exponents(value[order], around.period)
+    rigid = rigid_motion(np.angle(value[order]) / (2.0 * np.pi), share) if around.is_free else None
     return Multipliers(exponent, shape[:size], shape[size:], around.period, rigid)
 
 
@@ -234,31 +221,32 @@ def by_hill(
 
     fewest: harmonics of the common period, at least. Raises SolveError where it has more than `most` rows.
     """
-    size = around.size
+    size = around.mass.shape[1]
     w0 = around.w0
     count = int(max(fewest, np.ceil(highest / around.w0) + 4))
     if 2 * size * (2 * count + 1) > most_rows:
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
-    couplings = couplings_of(around.mass, around.damping, around.stiffness)
+    matrices = around.mass, around.damping, around.stiffness
     repeated = harmonics_of(around.repeated[:, :size], count)
-    solution = hill_exponents(couplings, w0, count, size, repeated)
+    solution = hill_exponents(*matrices, w0, count, repeated)
     order = np.argsort(-solution.exponent.real, kind="stable")
     value = solution.exponent[order]
     start = solution.vector[order]
     rate = (value[:, None, None] + 1j * w0 * np.arange(-count, count + 1)) * start
     within = value.real + 1j * (np.mod(value.imag / w0 + 0.5, 1.0) - 0.5) * w0
 
-    rigid = None
-    if around.is_free:
-        mass = around.mass.mean(axis=0)
-        turning = around.turning
-        places = real_motions(within.imag / w0)
-        mean_square = np.einsum("nik,ij,njk->n", start[places].conj(), mass, start[places]).real
-        along = np.abs(start[places][:, :, count] @ mass @ turning) ** 2
-        share = along / (turning @ mass @ turning * mean_square)
-        # The second of a double exponent 0 is that of the mean speed; its vector lacks the free turning.
-        rigid = mostly_rigid(places, np.where(np.abs(within[places]) < DOUBLE * w0, 1.0, share))
+    def share(place: int) -> float:
+        """Return the share of a turning of it all in the motion of an exponent."""
+        if abs(within[place]) < DOUBLE * w0:
+            # The second of a double exponent 0 is that of the mean speed; its vector lacks the free turning.
+            return 1.0
+        mass, motion = around.mass.mean(axis=0), start[place]
+        turning = around.repeated[0, :size].mean(axis=1)
+        mean_square = np.vdot(motion, mass @ motion).real * (turning @ mass @ turning)
+        return float(np.abs(motion[:, count] @ mass @ turning) ** 2 / mean_square)
+
+    rigid = rigid_motion(within.imag / w0, share) if around.is_free else None
     return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period, rigid)
 
 
@@ -279,7 +267,7 @@ class Search:
         """Return orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
         if speed not in self.known:
             orbits = (solved[0] for solved in self.known.values() if solved is not None)
-            orbit, _ = continued(self.mechanism, speed, nearest(speed, orbits))
+            orbit, _ = continued(self.mechanism, speed, orbits)
             if orbit is None or (self.unhelped is not None and self.unhelped(speed) is None):
                 self.known[speed] = None
             else:
@@ -314,7 +302,15 @@ class Search:
             if not growth > SLOW or agrees(
                 growth, drift_slope(self.mechanism, loading.speed, orbit)[0], inertia
             ):
-                multipliers = multipliers.distinguished(correction)
+                torsional = np.arange(len(multipliers.exponent)) != multipliers.rigid
+                multipliers = replace(
+                    multipliers,
+                    exponent=multipliers.exponent[torsional],
+                    vector=multipliers.vector[:, torsional],
+                    speed=multipliers.speed[:, torsional],
+                    rigid=None,
+                    drift=growth,
+                )
             else:
                 multipliers = replace(multipliers, rigid=None, is_doubtful=True)
         unhelped = None if self.unhelped is None else self.unhelped(loading.speed)

@@ -30,14 +30,6 @@ class JointMap:
     yoke: float  # rad
     series: tuple[tuple[int, complex], ...] = ()
 
-    @property
-    def strength(self) -> float:
-        """Half of the amplitude by which the ratio varies: q of a cross joint, order times error / 2 of a series."""
-        return (
-            abs(self.unevenness)
-            + sum(order * abs(amplitude) for order, amplitude in self.series) / 2.0
-        )
-
     def undone(self) -> "JointMap":
         """Return the map from the driven side back; raises SolveError where only a series is known."""
         if self.series:
@@ -57,61 +49,27 @@ def joint_map(system: System, span: Span) -> JointMap:
     return JointMap(*ratios, abs(amplitude), float(np.angle(1j * amplitude)) / 2.0)
 
 
-def error(
-    joint: JointMap, angle: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the transmission error (rad) and its derivatives over the driving angle, at driving angles at own speed.
+def error(joint: JointMap, angle: FloatArray) -> FloatArray:
+    """Return (4, ...) the transmission error (rad) and three derivatives over the driving angle, at own speed.
 
     With w = q z/(1 - q z): e' = 2 Re w, e'' = -4 Im(w + w^2), e''' = -8 Re(w (1 + w)(1 + 2 w)).
     """
     if joint.series:
-        sums = np.zeros((4, *angle.shape))
-        for order, amplitude in joint.series:
-            part = amplitude * np.exp(1j * order * angle)
-            for k in range(4):
-                sums[k] += ((1j * order) ** k * part).real
-        return sums[0], sums[1], sums[2], sums[3]
+        parts = [amplitude * np.exp(1j * order * angle) for order, amplitude in joint.series]
+        return np.array(
+            [
+                sum(
+                    ((1j * order) ** rank * part).real
+                    for (order, _), part in zip(joint.series, parts, strict=True)
+                )
+                for rank in range(4)
+            ]
+        )
     turned = joint.unevenness * np.exp(2j * (angle + joint.yoke))
     w = turned / (1.0 - turned)
     bent = w * (1.0 + w)
-    return (
-        -np.angle(1.0 - turned),
-        2.0 * w.real,
-        -4.0 * bent.imag,
-        -8.0 * (bent * (1.0 + 2.0 * w)).real,
-    )
-
-
-@dataclass(frozen=True)
-class Turning:
-    """Deviation of a station's angle from the mean motion, and the derivatives of its angle over its coordinate.
-
-    All at one speed (own angle / speed ratio).
-    """
-
-    deviation: FloatArray  # rad
-    first: FloatArray
-    second: FloatArray
-    third: FloatArray
-
-
-def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
-    """Return the turning of the station behind a joint; `turned` is the mean angle of the reference station, rad."""
-    r = joint.driving_ratio
-    s = joint.driven_ratio
-    e0, e1, e2, e3 = error(joint, r * (turned + before.deviation))
-    g1 = 1.0 + e1 * r / s
-    g2 = e2 * r * r / s
-    g3 = e3 * r**3 / s
-    f1 = before.first
-    f2 = before.second
-    f3 = before.third
-    return Turning(
-        before.deviation + e0 / s,
-        g1 * f1,
-        g2 * f1**2 + g1 * f2,
-        g3 * f1**3 + 3.0 * g2 * f1 * f2 + g1 * f3,
-    )
+    third = -8.0 * (bent * (1.0 + 2.0 * w)).real
+    return np.array([-np.angle(1.0 - turned), 2.0 * w.real, -4.0 * bent.imag, third])
 
 
 @dataclass(frozen=True)
@@ -154,27 +112,6 @@ class Layout:
         tuple[int, ...], ...
     ]  # coordinates that springs join to each other and to nothing fixed
     orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
-
-    @property
-    def bodies(self) -> int:
-        """Number of bodies of the whole train."""
-        return len(self.inertia)
-
-    @property
-    def loose(self) -> BoolArray:
-        """(groups, free) members of the floating groups that no joint is in and that others drive by damping alone.
-
-        No force depends on the angle of such a group.
-        """
-        if len(self.floating) < 2:
-            return np.zeros((0, self.free), dtype=bool)
-        driven = {int(self.coordinate[step.outer]) for step in self.steps}
-        groups = [
-            np.isin(np.arange(self.free), group)
-            for group in self.floating
-            if not driven & set(group)
-        ]
-        return np.array(groups, dtype=bool).reshape(-1, self.free)
 
 
 def gathered(layout: Layout, onto: FloatArray) -> FloatArray:

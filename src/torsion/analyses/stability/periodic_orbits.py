@@ -12,7 +12,7 @@ from torsion.analyses.stability.common_period import harmonics_needed, period_to
 from torsion.analyses.stability.equations_of_motion import (
     Operating,
     Scene,
-    linearised,
+    equations,
     mean_angle,
     operating,
     rigid_deviation,
@@ -23,7 +23,6 @@ from torsion.analyses.stability.equations_of_motion import (
 )
 from torsion.analyses.stability.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (
     MOST_UNKNOWNS,
@@ -31,7 +30,6 @@ from torsion.kernels.periodic.harmonic_balance import (
     balance,
     motion_of,
     points_in_time,
-    resized,
 )
 from torsion.kernels.periodic.hill import harmonics_of
 from torsion.results import derived, reported, result, words
@@ -136,38 +134,33 @@ class PeriodicResponse:
         return np.asarray(np.nan_to_num(self.growth * np.array(periods)) > GROWS)
 
 
-def nearest(speed: float, orbits: Iterable[Orbit]) -> Orbit | None:
-    """Return the orbit whose speed is nearest to a speed, rad/s; None of none."""
-    return min(orbits, key=lambda orbit: abs(orbit.operation.loading.speed - speed), default=None)
-
-
-def continued(mechanism: Scene, speed: float, neighbour: Orbit | None) -> tuple[Orbit | None, str]:
-    """Return the orbit at a speed (rad/s) from its neighbour, else from the rigid motion, else by smaller steps.
+def continued(mechanism: Scene, speed: float, orbits: Iterable[Orbit]) -> tuple[Orbit | None, str]:
+    """Return the orbit at a speed (rad/s) from the nearest one, else from the rigid motion, else by smaller steps.
 
     The text says why there is none.
     """
-    for start in (None,) if neighbour is None else (neighbour, None):
+    near = min(orbits, key=lambda orbit: abs(orbit.operation.loading.speed - speed), default=None)
+    for start in (None,) if near is None else (near, None):
         try:
             return orbit(mechanism, speed, start), ""
         except SolveError as fault:
             why = str(fault)
-    if neighbour is None:
+    if near is None:
         return None, why
 
-    reached = neighbour.operation.loading.speed
-    step = (speed - reached) / 2.0
+    step = (speed - near.operation.loading.speed) / 2.0
     smallest = abs(step) / 2.0**SUBDIVISIONS
     while abs(step) > smallest:
+        reached = near.operation.loading.speed
         ahead = reached + step if abs(speed - reached) > abs(step) * (1 + 1e-9) else speed
         try:
-            neighbour = orbit(mechanism, ahead, neighbour)
-            reached = ahead
+            near = orbit(mechanism, ahead, near)
         except SolveError as fault:
             step = step / 2.0
             why = str(fault)
             continue
-        if reached == speed:
-            return neighbour, ""
+        if ahead == speed:
+            return near, ""
     return None, why
 
 
@@ -189,7 +182,9 @@ def orbit(mechanism: Scene, speed: float, start: Orbit | None = None) -> Orbit:
     limit = min(MOST, 20_000 // max(1, mechanism.layout.free))
     while solution.truncation > ACCURACY and solution.count < limit:
         count = min(limit, int(np.ceil(GROWTH * solution.count)))
-        solution = _solve(mechanism, operation, resized(solution.harmonic, count), solution.load)
+        more = count - solution.count
+        wider = np.pad(solution.harmonic, ((0, 0), (more, more)))
+        solution = _solve(mechanism, operation, wider, solution.load)
 
     # A load that stands for a drive which is not there must come out as nothing.
     imagined = np.abs(np.where(operation.load == 0.0, solution.load, 0.0))[1:]
@@ -232,8 +227,8 @@ def _solve(
         )
         twist = at_bodies(mechanism.layout) @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
-    equations = partial(linearised, mechanism.layout, operation.loading)
-    solution = balance(equations, harmonic, load, operation.loading.steady, w0)
+    at_speed = partial(equations, mechanism.layout, operation.loading)
+    solution = balance(at_speed, harmonic, load, operation.loading.steady, w0)
     return replace(solution, harmonic=solution.harmonic[: mechanism.layout.free])
 
 
@@ -311,6 +306,7 @@ def _course(mechanism: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
     motion = motion_of(solved.balance.harmonic, loading.w0, times)
     moving = state(layout, solved.operation.loading, motion, load, turned)
     ratio = system.speed_ratio[:, None]
+    # What every station needs from its rigid spans, (stations, times) N m.
     inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
     need = (
         inertia * moving.acceleration[layout.body]
@@ -321,34 +317,22 @@ def _course(mechanism: Scene, solved: Orbit) -> tuple[FloatArray, FloatArray]:
     torque[layout.spring] = spring_torques(layout, moving.turning.deviation, moving.slip)
     np.add.at(need, system.driving[layout.spring], torque[layout.spring])
     np.subtract.at(need, system.driven[layout.spring], torque[layout.spring])
-    _fill_rigid_torques(system, torque, need, moving.turning.first[layout.body])
-    return moving.turning.deviation[layout.body] * ratio, torque / system.span_ratio[:, None]
 
-
-def _fill_rigid_torques(
-    system: System, torque: FloatArray, need: FloatArray, first: FloatArray
-) -> None:
-    """Fill in the torques (spans, times) of the rigid spans and joints, from the leaves of the tree to its root.
-
-    need: (stations, times) N m that a station needs from its rigid spans; summed up here on the way. A joint takes
-    power through: torque on either side times the speed there is the same, and the speeds go as `first`.
-    A span has the torque on its driven side.
-    """
+    # The rigid spans and joints, from the leaves of the tree to its root; a station's need sums up on the way. A joint
+    # takes power through: torque on either side times the speed there is the same. A span has the torque on its driven
+    # side.
+    first = moving.turning.first[layout.body]
     condensed = system.condensed
-    size = condensed.tree.size
     spans = np.flatnonzero(condensed.span >= 0)
-    span_of, station_of = np.full((2, size), -1)
+    span_of, station_of = np.full((2, condensed.tree.size), -1)
     span_of[condensed.span[spans]] = spans
     station_of[condensed.node] = np.arange(len(condensed.node))
-    for node in range(size - 1, -1, -1):
+    for node in range(condensed.tree.size - 1, -1, -1):
         span = int(span_of[node])
-        parent = int(condensed.tree.parent[node])
         if span < 0 or system.flexibility[span] != 0:
             continue
-        driving = int(system.driving[span])
-        driven = int(system.driven[span])
-        leaf = station_of[node]
-        root = station_of[parent]
+        driving, driven = int(system.driving[span]), int(system.driven[span])
+        leaf, root = station_of[node], station_of[int(condensed.tree.parent[node])]
         if leaf < 0:
             leaf = driven if condensed.sign[span] > 0 else driving
         if root < 0:
@@ -356,6 +340,7 @@ def _fill_rigid_torques(
         passed = need[leaf] * (first[leaf] / first[root])
         torque[span] = need[leaf] if leaf == driven else -passed
         need[root] = need[root] + passed
+    return moving.turning.deviation[layout.body] * ratio, torque / system.span_ratio[:, None]
 
 
 def further_motions(
@@ -366,6 +351,24 @@ def further_motions(
     A speed stands once for every further motion. They are sought from the rigid motion, and from motions a little
     slower and faster that were found from it.
     """
+
+    def carry(speed: float, start: Orbit | None) -> Orbit | None:
+        """Return a motion at the speed, carried there in steps from another one; None where the way breaks off."""
+        try:
+            if start is None:
+                return orbit(mechanism, speed)
+            for ahead in np.linspace(start.operation.loading.speed, speed, STEPS + 1)[1:].tolist():
+                start = orbit(mechanism, ahead, start)
+        except SolveError:
+            return None
+        return start
+
+    def differ(motion: Orbit, candidate: Orbit) -> bool:
+        """Return whether the largest torques of two motions at a speed do."""
+        both = response_of(mechanism, [motion, candidate], np.full(2, speed), ("", ""))
+        size = np.abs(both.torque)
+        return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))
+
     speeds = list[float]()
     orbits = list[Orbit | None]()
     for row in rows:
@@ -374,35 +377,13 @@ def further_motions(
         if reported is None:
             continue
         motions = [reported]
-        starts = [_carry(mechanism, speed * (1.0 + share), None) for share in ASIDE]
-        for start in (None, *(start for start in starts if start is not None)):
-            candidate = _carry(mechanism, speed, start)
-            if candidate is not None and all(
-                _differ(mechanism, motion, candidate) for motion in motions
-            ):
+        starts = [carry(speed * (1.0 + share), None) for share in ASIDE]
+        for start in (None, *filter(None, starts)):
+            candidate = carry(speed, start)
+            if candidate and all(differ(motion, candidate) for motion in motions):
                 motions.append(candidate)
         speeds += [speed] * (len(motions) - 1)
         orbits += motions[1:]
     if not orbits:
         return None
     return response_of(mechanism, orbits, np.array(speeds), ("",) * len(orbits), response.orders)
-
-
-def _carry(mechanism: Scene, speed: float, start: Orbit | None) -> Orbit | None:
-    """Return a motion at the speed, carried there in steps from another one; None where the way breaks off."""
-    try:
-        if start is None:
-            return orbit(mechanism, speed)
-        for ahead in np.linspace(start.operation.loading.speed, speed, STEPS + 1)[1:].tolist():
-            start = orbit(mechanism, ahead, start)
-    except SolveError:
-        return None
-    return start
-
-
-def _differ(mechanism: Scene, motion: Orbit, candidate: Orbit) -> bool:
-    both = response_of(
-        mechanism, [motion, candidate], np.full(2, motion.operation.loading.speed), ("", "")
-    )
-    size = np.abs(both.torque)
-    return bool(np.abs(size[0] - size[1]).max(initial=0.0) > SAME * size.max(initial=0.0))

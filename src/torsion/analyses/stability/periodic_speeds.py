@@ -16,7 +16,6 @@ from torsion.analyses.stability.periodic_orbits import (
     continued,
     further_motions,
     harmonics_at_least,
-    nearest,
     orbit,
     response_of,
 )
@@ -75,11 +74,20 @@ def periodic_over_speed(
             if speed not in solutions:
                 progress("harmonic balance", len(solutions) / number)
                 solved = (orbit for orbit, _ in solutions.values() if orbit is not None)
-                solutions[speed] = continued(mechanism, speed, nearest(speed, solved))
+                solutions[speed] = continued(mechanism, speed, solved)
         orbits, why = zip(*(solutions[speed] for speed in sorted(solutions)), strict=True)
         return response_of(mechanism, orbits, np.array(sorted(solutions)), why)
 
-    response = solve(start(study, first_order, number))
+    # To begin with: some of the speeds requested, the rated one, and the highest peaks of the first order.
+    requested = first_order.speed[first_order.requested]
+    few = max(2, int(EVERYWHERE * number))
+    rows = np.linspace(0, len(requested) - 1, min(few, len(requested))).round().astype(int)
+    size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
+    begun = [requested[rows], first_order.speed[_peak_rows(size)[: int(AT_PEAKS * number)]]]
+    rated = study.operation.rated
+    if rated is not None and requested[0] <= rated.speed <= requested[-1]:
+        begun.append(np.array([rated.speed]))
+    response = solve(np.unique(np.concatenate(begun)))
     while len(solutions) < number:
         more = around_peaks(response)[: number - len(solutions)]
         if not more.size:
@@ -125,20 +133,6 @@ def growths(mechanism: Scene, response: PeriodicResponse) -> FloatArray:
             continue
         growth[row] = search.exponents(damped_motion, "monodromy").growth
     return growth
-
-
-def start(study: Study, first_order: Response, number: int) -> FloatArray:
-    """Return (speeds,) rad/s to begin with: requested ones, the rated one, and the highest peaks of the first order."""
-    requested = first_order.speed[first_order.requested]
-    few = max(2, int(EVERYWHERE * number))
-    spread = requested
-    if len(requested) > few:
-        spread = requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
-    size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    highest = first_order.speed[_peak_rows(size)[: int(AT_PEAKS * number)]]
-    rated = study.operation.rated
-    inside = rated is not None and requested[0] <= rated.speed <= requested[-1]
-    return np.unique(np.concatenate([spread, highest, [rated.speed] if rated and inside else []]))
 
 
 def around_peaks(response: PeriodicResponse) -> FloatArray:

@@ -95,8 +95,19 @@ def requested_motion_faults(study: Study) -> list[Fault]:
         faults.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
     if study.setting(*path, "speeds") is None and study.operation.speeds is None:
         faults.append(Fault(path, "stability needs speeds", SPEEDS))
+
+    # A map needs a factor on something, or a joint whose angle changes the train.
     over = study.setting(*path, "map", "over")
-    if over is not None and not _varies(study, over):
+    train, table = study.train, study.operation.load.table
+    joints = [part.joint for part in train.parts if part.joint is not None]
+    springs = [spring for spring in train.springs if spring.viscous > 0 or spring.loss_factor > 0]
+    varies = {
+        None: True,
+        "torque": study.has_mean_torque and (not table or any(torque for _, torque in table)),
+        "damping": springs or train.dampers or any(bar.loss_factor > 0 for bar in train.bars),
+        "angle": any(joint.kind == "cross" and joint.angle > 0 for joint in joints),
+    }
+    if not varies[over]:
         message, hint = NOTHING_VARIES[over]
         faults.append(Fault((*path, "map", "over"), f"the map varies {message}", hint))
     return [*faults, *motion_faults(study, path)]
@@ -116,20 +127,6 @@ NOTHING_VARIES = {
         "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map",
     ),
 }
-
-
-def _varies(study: Study, over: Over) -> bool:
-    """Whether a factor on something, or the angle of joints, changes the train."""
-    train = study.train
-    table = study.operation.load.table
-    if over == "torque":
-        is_flat = bool(table) and not any(torque for _, torque in table)
-        return study.has_mean_torque and not is_flat
-    if over == "damping":
-        lossy = any(spring.viscous > 0 or spring.loss_factor > 0 for spring in train.springs)
-        return lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
-    joints = [part.joint for part in train.parts if part.joint is not None]
-    return any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
 
 
 def run_periodic(work: Work) -> None:
@@ -188,18 +185,17 @@ def _reasons(work: Work) -> tuple[str, str]:
         return "", "no response over speed" if requested else ""
     if method == "first-order":
         return "", "`method: first-order`"
-    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
-    reason = "requested"
-    if not requested:
-        if not is_large and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR:
-            return "", SMALL
-        reason = "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
     refused = "; ".join(fault.message for fault in motion_faults(work.study, ()))
-    if not refused and not requested:
+    if requested:
+        return "requested", refused
+    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
+    if not is_large and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR:
+        return "", SMALL
+    if not refused:
         from torsion.analyses.stability.periodic_speeds import too_long
 
         refused = too_long(work.study, system)
-    return reason, refused
+    return "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %", refused
 
 
 def exciting_joints(system: System) -> list[JointRecord]:
@@ -234,10 +230,9 @@ def run_stability(work: Work) -> None:
         )
         step.method = METHODS[settings.method]
         requested = int(result.requested.sum())
-        kept = "all modes"
-        if result.kept is not None:
-            kept = f"{result.kept} of {result.modes.size} elastic modes"
-        step.size = f"{requested} speeds requested, {result.speed.size - requested} more around zones and boundaries; {kept}"
+        more = f"{result.speed.size - requested} more around zones and boundaries"
+        kept = f"{result.kept} of {result.modes.size} elastic" if result.kept is not None else "all"
+        step.size = f"{requested} speeds requested, {more}; {kept} modes"
     if number := result.unsolved.size:
         log.without(
             f"stability at {number} speed{'' if number == 1 else 's'}",

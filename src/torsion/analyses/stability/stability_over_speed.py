@@ -1,5 +1,6 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import Literal
 
@@ -153,25 +154,20 @@ def stability(
 
     speed = np.array(sorted(search.known))
     solved = [search.known[w] for w in speed.tolist()]
-    fastest = [(np.nan, np.nan) if pair is None else pair[1].fastest for pair in solved]
-    growth, frequency = np.array(fastest).T
+    growth = np.array([np.nan if pair is None else pair[1].growth for pair in solved])
+    exponents = [[] if pair is None else pair[1].exponent for pair in solved]
+    frequency = np.array(
+        [next(iter(exponent), complex(0.0, np.nan)).imag for exponent in exponents]
+    )
     with np.errstate(over="ignore"):
         factor = np.exp(growth * 2.0 * np.pi / speed)
     left_out = 0.0
     if modes is not None:
         # At the fastest growth and at both ends, with more modes.
         wide = growth_search(study, system, modes=min(MORE * modes, len(elastic)))
-        solved_rows = np.flatnonzero(np.isfinite(growth))
-        rows = (
-            {
-                *solved_rows[:1],
-                *solved_rows[-1:],
-                *solved_rows[np.argmax(growth[solved_rows])][None],
-            }
-            if solved_rows.size
-            else set()
-        )
-        changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in sorted(rows)]
+        rows = np.flatnonzero(np.isfinite(growth))
+        rows = rows[[0, int(growth[rows].argmax()), -1]] if rows.size else rows
+        changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in np.unique(rows)]
         left_out = float(np.nanmax(changes)) if changes else np.nan
     return Stability(
         speed,
@@ -195,7 +191,10 @@ def stability(
 
 def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
     """Search around each combination resonance for zones that fall between the speeds."""
-    uneven = max((step.joint.strength for step in search.mechanism.layout.steps), default=0.0)
+    # Half of the amplitude by which a ratio varies: q of a cross joint, order times error / 2 of a series.
+    joints = [step.joint for step in search.mechanism.layout.steps]
+    strengths = [sum(order * abs(error) for order, error in joint.series) / 2.0 for joint in joints]
+    uneven = max(np.add(strengths, [abs(joint.unevenness) for joint in joints]), default=0.0)
     if uneven == 0.0 or len(requested) < 2:
         return
     first = float(requested[0])
@@ -218,8 +217,6 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
 
 def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
-    if not any(np.isfinite(search.drift(speed)) for speed in list(search.known)):
-        return ()
 
     def height(speed: float) -> float:
         return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
@@ -237,7 +234,7 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
 
     worst = min(search.known, key=height)
     start = search(worst)
-    if start is None or search.drift(worst) <= SLOW:
+    if start is None or not search.drift(worst) > SLOW:
         return ()
     speeds = np.array(sorted(search.known))
     drifts = np.array([search.drift(speed) for speed in speeds.tolist()])
@@ -256,16 +253,14 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
 def _compare_methods(search: Search, requested: FloatArray) -> float:
     """Return the largest difference (1/s) between the growth rates of both methods at a few speeds."""
     second_method: Method = "monodromy" if search.method == "hill" else "hill"
-    solved = [pair for speed in requested.tolist() if (pair := search(speed)) is not None]
-    solved = solved or [pair for pair in search.known.values() if pair is not None]
+    pairs = map(search, requested.tolist()), search.known.values()
+    solved = next(filter(None, ([*filter(None, some)] for some in pairs)), [])
     differences = list[float]()
     for row in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):
         motion, multipliers = solved[row]
-        try:
+        with suppress(SolveError):
             growth = search.exponents(motion, second_method, MOST_CHECKED).growth
-        except SolveError:
-            continue
-        differences.append(abs(growth - multipliers.growth))
+            differences.append(abs(growth - multipliers.growth))
     return max(differences, default=np.nan)
 
 
@@ -294,20 +289,13 @@ def vary_scene(mechanism: Scene, over: Over, value: float) -> Scene:
     """Return the scene with another angle (rad) of its cross joints, or a factor on damping or mean torque."""
     layout = mechanism.layout
     if over == "angle":
-        steps = tuple(
-            step
-            if step.joint.series
-            # The inverse of a joint, which a fixed station makes, stays an inverse.
-            else replace(
-                step,
-                joint=replace(
-                    step.joint,
-                    unevenness=float(np.copysign(unevenness(value), step.joint.unevenness)),
-                ),
-            )
-            for step in layout.steps
-        )
-        return replace(mechanism, layout=replace(layout, steps=steps))
+        steps = list(layout.steps)
+        for number, step in enumerate(steps):
+            if not step.joint.series:
+                # The inverse of a joint, which a fixed station makes, stays an inverse.
+                uneven = float(np.copysign(unevenness(value), step.joint.unevenness))
+                steps[number] = replace(step, joint=replace(step.joint, unevenness=uneven))
+        return replace(mechanism, layout=replace(layout, steps=tuple(steps)))
     if over == "damping":
         dampers = replace(layout.dampers, size=layout.dampers.size * value)
         layout = replace(

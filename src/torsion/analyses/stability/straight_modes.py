@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import block_diag, eigh
 
 from torsion.analyses.stability.mechanism import Dampers, Layout, gathered
 from torsion.arrays import FloatArray
@@ -53,58 +53,45 @@ def reduced(layout: Layout, shapes: Basis, count: int) -> Basis:
     What a joint's varying ratio adds to the equations of the straight train acts at its coordinate and at those that
     its springs lead to. The deflection of the modes left out under forces there is taken along.
     """
-    if count >= len(shapes.frequency):
-        return _with_light(shapes)
-    bodies = [step.outer for step in layout.steps]
-    near = np.isin(layout.driving, bodies) | np.isin(layout.driven, bodies)
-    touched = np.concatenate(
-        [
-            layout.coordinate[bodies],
-            layout.coordinate[layout.driving[near]],
-            layout.coordinate[layout.driven[near]],
+    light = np.flatnonzero(shapes.inertia == 0)
+    frequency, choice = shapes.frequency, np.eye(len(shapes.frequency))
+    if count < len(frequency):
+        bodies = [step.outer for step in layout.steps]
+        near = np.isin(layout.driving, bodies) | np.isin(layout.driven, bodies)
+        touched = layout.coordinate[
+            np.concatenate([bodies, layout.driving[near], layout.driven[near]]).astype(int)
         ]
-    )
-    touched = np.unique(touched[touched < layout.free])
-    beyond = shapes.shape[:, count:]
-    onto = (beyond[touched] / shapes.frequency[count:] ** 2).T
-    left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
-    left = left[:, size > SAME * size[0]]
-    square, turned = eigh(left.T @ (shapes.frequency[count:, None] ** 2 * left))
-    choice = np.zeros((len(shapes.frequency), count + len(square)))
-    choice[:count, :count] = np.eye(count)
-    choice[count:, count:] = left @ turned
-    frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square)])
-    return _with_light(
-        Basis(
-            frequency, shapes.shape @ choice, shapes.inertia, choice.T @ shapes.loss @ choice, count
-        )
-    )
+        touched = np.unique(touched[touched < layout.free])
+        square = frequency[count:] ** 2
+        onto = (shapes.shape[touched, count:] / square).T
+        left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
+        left = left[:, size > SAME * size[0]]
+        static_square, turned = eigh(left.T @ (square[:, None] * left))
+        choice = block_diag(np.eye(count), left @ turned)
+        frequency = np.concatenate([frequency[:count], np.sqrt(static_square)])
 
-
-def _with_light(some: Basis) -> Basis:
-    """The same with the coordinates without inertia as they are, which turning joints let move by themselves."""
-    light = np.flatnonzero(some.inertia == 0)
-    alone = np.zeros((len(some.inertia), len(light)))
-    alone[light, np.arange(len(light))] = 1.0
+    # The coordinates without inertia as they are: turning joints let them move by themselves.
     return Basis(
-        np.append(some.frequency, np.full(len(light), np.nan)),
-        np.column_stack([some.shape, alone]),
-        some.inertia,
-        np.pad(some.loss, (0, len(light))),
-        some.modes,
+        np.append(frequency, np.full(len(light), np.nan)),
+        np.column_stack([shapes.shape @ choice, np.eye(len(shapes.inertia))[:, light]]),
+        shapes.inertia,
+        np.pad(choice.T @ shapes.loss @ choice, (0, len(light))),
+        min(count, shapes.modes),
     )
 
 
 def basis(layout: Layout) -> Basis:
     """Return all modes of finite frequency; coordinates without inertia follow the others statically."""
-    free = layout.free
     mass = gathered(layout, layout.inertia)
-    stiffness, lossy = (_assembled(layout, part) for part in (layout.stiffness, layout.hysteretic))
+    twists = _twists(layout)
+    stiffness, lossy = (
+        twists.T @ (part[:, None] * twists) for part in (layout.stiffness, layout.hysteretic)
+    )
     heavy = np.flatnonzero(mass > 0)
     light = np.flatnonzero(mass == 0)
     if not heavy.size:
         raise SolveError("no component has an inertia; nothing can vibrate")
-    follow = np.zeros((free, len(heavy)))
+    follow = np.zeros((layout.free, len(heavy)))
     follow[heavy, np.arange(len(heavy))] = 1.0
     if light.size:
         pull = stiffness[np.ix_(light, heavy)]
@@ -119,15 +106,11 @@ def basis(layout: Layout) -> Basis:
     return Basis(frequency, shape, mass, loss, len(frequency))
 
 
-def _assembled(layout: Layout, spring: FloatArray) -> FloatArray:
-    """(free, free) sum over the springs."""
-    number = len(layout.root)
-    out = np.zeros((number, number))
-    a = layout.coordinate[layout.driving]
-    b = layout.coordinate[layout.driven]
-    for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
-        np.add.at(out, (row, column), sign * spring)
-    return out[: layout.free, : layout.free]
+def _twists(layout: Layout) -> FloatArray:
+    """(springs, free) twist of each spring of the straight train over the free coordinates."""
+    coordinates = np.arange(layout.free)
+    driving, driven = layout.coordinate[layout.driving], layout.coordinate[layout.driven]
+    return 1.0 * (driving[:, None] == coordinates) - (driven[:, None] == coordinates)
 
 
 def viscous(layout: Layout, shapes: Basis) -> Layout:
@@ -139,9 +122,7 @@ def viscous(layout: Layout, shapes: Basis) -> Layout:
     if not layout.hysteretic.any():
         return layout
     elastic = np.flatnonzero(shapes.frequency > 0)
-    shape = np.zeros((len(layout.root), len(elastic)))
-    shape[: layout.free] = shapes.shape[:, elastic]
-    twist = shape[layout.coordinate[layout.driving]] - shape[layout.coordinate[layout.driven]]
+    twist = _twists(layout) @ shapes.shape[:, elastic]
     value, vector = eigh(shapes.loss[np.ix_(elastic, elastic)])
     acts = value > NOTHING * value[-1]
     share = vector[:, acts] * np.sqrt(value[acts])
@@ -156,7 +137,7 @@ def viscous(layout: Layout, shapes: Basis) -> Layout:
 
 def at_bodies(layout: Layout) -> FloatArray:
     """Return (dampers, bodies): twist of each damper = sum over the bodies times their angles."""
-    out = np.zeros((layout.bodies, layout.dampers.onto.shape[1]))
+    out = np.zeros((len(layout.inertia), layout.dampers.onto.shape[1]))
     np.add.at(out, layout.driving, layout.dampers.onto)
     np.subtract.at(out, layout.driven, layout.dampers.onto)
     return out.T

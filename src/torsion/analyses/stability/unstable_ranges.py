@@ -1,9 +1,9 @@
 """Unstable ranges of speed: where they end, how fast small deviations grow within, and what they are called."""
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, pairwise
+from operator import attrgetter, itemgetter
 from typing import Literal
 
 import numpy as np
@@ -31,9 +31,8 @@ PARTS = 8  # of a range: in each of them the growth is evaluated before the grea
 PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
 Kind = Literal["principal", "sum", "difference", "unexplained"]
-Combination = tuple[
-    Kind, tuple[int, ...], float
-]  # modes, and what is to be a multiple of w0 (rad/s)
+# Modes, what is to be a multiple of w0 (rad/s), and its cost.
+Combination = tuple[Kind, tuple[int, ...], float, float]
 
 
 @reported
@@ -66,25 +65,27 @@ def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
     w = shapes.frequency
     taking = [int(k) for k in np.argsort(-energy) if energy[k] > TAKES_PART]
     strong = [k for k in taking if energy[k] > ALONE]
-    single: list[Combination] = [("principal", (k,), 2.0 * w[k]) for k in strong]
+    mixed = MIXED_COSTS if len(strong) > 1 else 0.0
+    single: list[Combination] = [("principal", (k,), 2.0 * w[k], mixed) for k in strong]
     pairs: list[Combination] = []
     for i, j in combinations(sorted(taking), 2):
-        pairs += [("sum", (i, j), w[i] + w[j]), ("difference", (i, j), w[j] - w[i])]
+        pairs += [("sum", (i, j), w[i] + w[j], 0.0), ("difference", (i, j), w[j] - w[i], 0.0)]
 
-    def numbers(modes: Iterable[int]) -> tuple[int, ...]:
-        return tuple(max(0, k - shapes.rigid + 1) for k in modes)
-
-    def near(resonances: list[Combination], cost: float = 0.0) -> Iterator[tuple[float, Zone]]:
-        for kind, modes, combination in resonances:
+    def choose(resonances: list[Combination]) -> Zone | None:
+        """Return the resonance that costs least; None where all are too far away."""
+        choices = []
+        for kind, modes, combination, cost in resonances:
             rank = max(1, round(combination / w0))
             away = abs(combination / w0 - rank)
             if away < DETUNED:
-                yield away + RANK_COSTS * rank + cost, Zone(kind, numbers(modes), rank)
+                numbers = tuple(max(0, k - shapes.rigid + 1) for k in modes)
+                choices.append((away + RANK_COSTS * rank + cost, Zone(kind, numbers, rank)))
+        return min(choices, key=itemgetter(0), default=(0.0, None))[1]
 
-    choices = list(near(single)) if len(strong) < 2 else []
-    choices = choices or [*near(single, MIXED_COSTS), *near(pairs)]
-    unexplained = np.inf, Zone("unexplained", numbers(taking[:1]), 0)
-    return min(choices, key=lambda choice: choice[0], default=unexplained)[1]
+    # One mode that explains it alone is believed before any two.
+    alone = choose(single) if len(strong) < 2 else None
+    unexplained = tuple(max(0, k - shapes.rigid + 1) for k in taking[:1])
+    return alone or choose([*single, *pairs]) or Zone("unexplained", unexplained, 0)
 
 
 def candidates(
@@ -150,24 +151,17 @@ class End:
 def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ...]:
     """Return every range around the unstable speeds that are known; speeds without a periodic motion part them."""
     ranges = list[UnstableRange]()
-    while True:
-        speeds = sorted(search.known)
-        seed = next(
-            (
-                speed
-                for speed in speeds
-                if search.is_unstable(speed)
-                and not any(
-                    band.first * (1.0 - NEAR_BOUNDARY) <= speed <= band.last * (1.0 + NEAR_BOUNDARY)
-                    for band in ranges
-                )
-            ),
-            None,
-        )
-        if seed is None:
-            return tuple(sorted(ranges, key=lambda band: band.first))
+
+    def is_new(speed: float) -> bool:
+        """Return whether a speed is unstable, and in none of the ranges."""
+        near = 1.0 - NEAR_BOUNDARY, 1.0 + NEAR_BOUNDARY
+        within = (band.first * near[0] <= speed <= band.last * near[1] for band in ranges)
+        return search.is_unstable(speed) and not any(within)
+
+    while (seed := next(filter(is_new, speeds := sorted(search.known)), None)) is not None:
         report("boundaries", 0.8 + 0.2 * speeds.index(seed) / len(speeds))
         ranges.append(_find_range(search, seed))
+    return tuple(sorted(ranges, key=attrgetter("first")))
 
 
 def _find_range(search: Search, seed: float) -> UnstableRange:
@@ -180,14 +174,15 @@ def _find_range(search: Search, seed: float) -> UnstableRange:
         if all(search.is_unstable(speed) for speed in inside):
             break
     multipliers = _multipliers(search, worst)
+
     # The energy of the fastest growing motion in each mode at reference angle zero, largest 1.
     shapes = search.shapes
     onto = shapes.shape.T * shapes.inertia
     if search.reduced is not None:
         onto = onto @ search.reduced.shape
-    number = onto.shape[1]
-    angle = onto @ multipliers.vector[:number, 0]
-    speed = onto @ multipliers.speed[:number, 0]
+    angle, speed = (
+        onto @ part[: onto.shape[1], 0] for part in (multipliers.vector, multipliers.speed)
+    )
     energy = (shapes.frequency * np.abs(angle)) ** 2 + np.abs(speed) ** 2
     energy = energy / max(float(energy.max()), np.finfo(float).tiny)
     named = zone(energy, shapes, 2.0 * np.pi / multipliers.period)

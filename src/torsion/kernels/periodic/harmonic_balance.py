@@ -10,11 +10,12 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.hill import (
     Couplings,
-    from_real_parts,
+    Scattered,
     harmonics_of,
-    hill_blocks,
     real_blocks,
     real_parts,
+    scattered_apart,
+    toeplitz,
 )
 
 OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not aliased
@@ -62,8 +63,8 @@ class Balance:
         return int(self.harmonic.shape[1] - 1) // 2
 
 
-Entries = tuple[IntArray, IntArray, FloatArray]  # row and column (entries,), and the block of each
-Equations = Callable[[Motion, FloatArray, int], Linearised]  # (motion, loads, harmonics kept)
+# Of a motion, the loads and how many harmonics are kept: the residual, and what returns it with its derivatives.
+Equations = Callable[[Motion, FloatArray, int], tuple[FloatArray, Callable[[], Linearised]]]
 
 
 def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
@@ -73,14 +74,6 @@ def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
     half[..., : count + 1] = harmonic[..., count:]
     rate = 1j * w0 * np.arange(half.shape[-1])
     return Motion(*(np.fft.irfft(half * rate**k, times) * times for k in range(3)))
-
-
-def resized(harmonic: ComplexArray, count: int) -> ComplexArray:
-    """Return the harmonics up to `count`: those that are missing are 0, those beyond are left out."""
-    old = (harmonic.shape[1] - 1) // 2
-    if count <= old:
-        return harmonic[:, old - count : old + count + 1]
-    return np.pad(harmonic, ((0, 0), (count - old, count - old)))
 
 
 def points_in_time(count: int) -> int:
@@ -106,36 +99,24 @@ def balance(
         )
     times = points_in_time(count)
     harmonic, load = np.array(start, dtype=complex), np.array(load, dtype=float)
-    linear = equations(motion_of(harmonic, w0, times), load, count)
-    size = _norm(linear, count)
+    residual, derivatives = equations(motion_of(harmonic, w0, times), load, count)
+    size = np.linalg.norm(harmonics_of(residual, count))
     last = False
     for step in range(1, MOST_NEWTON + 1):
-        # One step of Newton's method: the change of the harmonics and of the loads.
-        row, column = linear.entries.row, linear.entries.column
-        blocks = hill_blocks(linear.entries, w0, count, np.arange(count + 1))
-        if linear.extra:
-            row = np.append(row, [block[0] for block in linear.extra])
-            column = np.append(column, [block[1] for block in linear.extra])
-            blocks = np.concatenate([blocks, [block[2][count:] for block in linear.extra]])
-        right = -real_parts(harmonics_of(linear.residual, count)).ravel()
-        force = real_parts(harmonics_of(linear.force, count)).reshape(len(held), start.size).T
-        solution = _solve((row, column, real_blocks(blocks)), force, held * (2 * count + 1), right)
-        move = from_real_parts(solution[: start.size].reshape(start.shape))
-        change = solution[start.size :]
-        part, accepted = 1.0, None
+        move, change = _newton(derivatives(), held, w0, count)
+        part = 1.0
         for _ in range(HALVINGS):
             trial, trial_load = harmonic + part * move, load + part * change
-            tried = equations(motion_of(trial, w0, times), trial_load, count)
-            reached = _norm(tried, count)
+            residual, derivatives = equations(motion_of(trial, w0, times), trial_load, count)
+            reached = np.linalg.norm(harmonics_of(residual, count))
             if last or reached < size or _is_small(part * move, trial):
-                accepted = tried
                 break
             part /= 2.0
-        if accepted is None:
+        else:
             break
-        harmonic, load, linear, size = trial, trial_load, accepted, reached
+        harmonic, load, size = trial, trial_load, reached
         if last:
-            return Balance(harmonic, load, step, _truncation(linear, harmonic, w0, count))
+            return Balance(harmonic, load, step, _truncation(derivatives(), harmonic, w0, count))
         last = _is_small(move, harmonic) and part == 1.0
     raise SolveError(
         "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
@@ -153,31 +134,64 @@ def _amplitude(harmonic: ComplexArray) -> float:
     return float(np.abs(np.delete(harmonic, harmonic.shape[1] // 2, axis=1)).max(initial=0.0))
 
 
-def _norm(linear: Linearised, count: int) -> float:
-    return float(np.linalg.norm(harmonics_of(linear.residual, count)))
+def _newton(
+    linear: Linearised, held: IntArray, w0: float, count: int
+) -> tuple[ComplexArray, FloatArray]:
+    """One step of Newton's method: the change of the harmonics and of the loads."""
+    size, number, loads = len(linear.residual), 2 * count + 1, len(held)
+    entries = linear.entries
+
+    # Coefficients that do not change over the period couple each harmonic with itself alone.
+    coefficients = np.array([entries.mass, entries.damping, entries.stiffness])
+    steady = (coefficients == coefficients[..., :1]).all(axis=(0, 2))
+    mass, damping, stiffness = coefficients[:, steady, :1]
+    harmonics = np.arange(count + 1)
+    w = w0 * harmonics
+    lossy = entries.hysteretic[steady, None] * np.sign(harmonics)
+    factors = stiffness + 1j * (w * damping + lossy) - w**2 * mass
+    matrix = [scattered_apart(entries.row[steady], entries.column[steady], factors)]
+
+    # The others are full blocks, of which the rows of the harmonics 0..count tell all.
+    w = w0 * np.arange(-count, count + 1)
+    inert, damp, stiff = toeplitz(coefficients[:, ~steady], count, harmonics)
+    blocks = [*(stiff + 1j * w * damp - w**2 * inert)]
+    blocks += [block[count:] for _, _, block in linear.extra]
+    if blocks:
+        row, column = (
+            np.append(part[~steady], [block[side] for block in linear.extra]).astype(int)
+            for side, part in enumerate((entries.row, entries.column))
+        )
+        full = real_blocks(np.array(blocks))
+        entry, above, along = np.nonzero(full)
+        places = row[entry] * number + above, column[entry] * number + along
+        matrix.append((full[entry, above, along], *places))
+    right = -real_parts(harmonics_of(linear.residual, count)).ravel()
+    force = real_parts(harmonics_of(linear.force, count)).reshape(loads, size * number).T
+    move = _solve(matrix, force, held * number, right)
+    parts = move[: size * number].reshape(size, number)
+    above_mean = parts[:, 1 : count + 1] + 1j * parts[:, count + 1 :]
+    change = np.concatenate([above_mean[:, ::-1].conj(), parts[:, :1], above_mean], axis=1)
+    return change, move[size * number :]
 
 
 def _solve(
-    entries: Entries, force: FloatArray, held_means: IntArray, right: FloatArray
+    matrix: list[Scattered], force: FloatArray, held_means: IntArray, right: FloatArray
 ) -> FloatArray:
     """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
     total, loads = force.shape
-    row, column, blocks = entries
-    size = float(np.abs(blocks).max())
-    entry, above, along = np.nonzero(blocks)
-    number = blocks.shape[-1]
-    row, column = row[entry] * number + above, column[entry] * number + along
-    values = blocks[entry, above, along] / size
+    values, row, column = (np.concatenate(part) for part in zip(*matrix, strict=True))
+    size = float(np.abs(values).max())
     rows, load = np.nonzero(force)
-    values = np.concatenate([values, force[rows, load], np.ones(loads)])
+    values = np.concatenate([values / size, force[rows, load], np.ones(loads)])
     row = np.concatenate([row, rows, total + np.arange(loads)])
     column = np.concatenate([column, total + load, held_means])
-    matrix = sparse.csc_matrix((values, (row, column)), shape=(total + loads, total + loads))
+    form = total + loads, total + loads
+    joined = sparse.csc_matrix((values, (row, column)), shape=form)
     try:
-        solution = np.asarray(splu(matrix).solve(np.append(right / size, np.zeros(loads))))
+        solution = np.asarray(splu(joined).solve(np.append(right / size, np.zeros(loads))))
     except (np.linalg.LinAlgError, RuntimeError):
         solution = np.full(total + loads, np.nan)
     solution[total:] *= size

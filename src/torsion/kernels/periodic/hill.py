@@ -25,6 +25,7 @@ class Couplings:
     mass: FloatArray  # (entries, times) at evenly spaced times of one period
     damping: FloatArray  # (entries, times)
     stiffness: FloatArray  # (entries, times)
+    hysteretic: FloatArray  # (entries,) adds i sign(frequency) times it; 0 where the others vary
 
     def full(self, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return M, C and K, each (times, size, size)."""
@@ -33,14 +34,6 @@ class Couplings:
             np.add.at(total, self.row * size + self.column, part)
         mass, damping, stiffness = sums.transpose(0, 2, 1).reshape(3, -1, size, size)
         return mass, damping, stiffness
-
-
-def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> Couplings:
-    """Return the entries of full matrices, each (times, size, size)."""
-    size = mass.shape[1]
-    row, column = np.divmod(np.arange(size * size), size)
-    flat = (part.reshape(len(part), -1).T for part in (mass, damping, stiffness))
-    return Couplings(row, column, *flat)
 
 
 def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
@@ -69,19 +62,6 @@ def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> C
     return np.asarray(harmonics_of(samples, widest)[..., between + widest])
 
 
-def hill_blocks(
-    entries: Couplings, w0: float, count: int, rows: IntArray | None = None
-) -> ComplexArray:
-    """Return (entries, rows, 2 count + 1): K_{r-c} + i w_c C_{r-c} - w_c^2 M_{r-c} of each entry; rows as in `toeplitz`."""
-    w = w0 * np.arange(-count, count + 1)
-    blocks = toeplitz(entries.stiffness, count, rows) + 1j * w * toeplitz(
-        entries.damping, count, rows
-    )
-    heavy = np.flatnonzero(entries.mass.any(axis=1))
-    blocks[heavy] -= w**2 * toeplitz(entries.mass[heavy], count, rows)
-    return blocks
-
-
 def real_blocks(upper: ComplexArray) -> FloatArray:
     """Return (..., 2 count + 1, 2 count + 1) acting on what `real_parts` makes, from rows 0..count (..., rows, harmonics)."""
     count = upper.shape[-1] // 2
@@ -108,19 +88,24 @@ def real_parts(harmonic: ComplexArray) -> FloatArray:
     return np.concatenate([harmonic[..., count:].real, harmonic[..., count + 1 :].imag], axis=-1)
 
 
-def from_real_parts(parts: FloatArray) -> ComplexArray:
-    """Return (..., 2 count + 1) harmonics from what `real_parts` makes of them."""
-    count = parts.shape[-1] // 2
-    above = parts[..., 1 : count + 1] + 1j * parts[..., count + 1 :]
-    return np.concatenate([above[..., ::-1].conj(), parts[..., :1], above], axis=-1)
+Scattered = tuple[FloatArray, IntArray, IntArray]  # values, rows and columns of a sparse matrix
 
 
-def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) -> np.ndarray:
-    """Return (size * harmonics, size * harmonics) with `blocks` (entries, harmonics, harmonics) at their places, summed."""
-    number = blocks.shape[-1]
-    full = np.zeros((size, size, number, number), dtype=blocks.dtype)
-    np.add.at(full, (row, column), blocks)
-    return np.ascontiguousarray(full.transpose(0, 2, 1, 3)).reshape(size * number, size * number)
+def scattered_apart(row: IntArray, column: IntArray, factors: ComplexArray) -> Scattered:
+    """Return blocks that multiply each harmonic 0..count by a factor (entries, count + 1), on what `real_parts` makes."""
+    count = factors.shape[1] - 1
+    number = 2 * count + 1
+    cosine, sine = np.arange(count + 1), np.arange(count + 1, number)
+    above = np.concatenate([cosine, sine, cosine[1:], sine])
+    along = np.concatenate([cosine, sine, sine, cosine[1:]])
+    real, imaginary = factors.real, factors.imag[:, 1:]
+    values = np.concatenate([real, real[:, 1:], -imaginary, imaginary], axis=1)
+    entry, rank = np.nonzero(values)
+    return (
+        values[entry, rank],
+        row[entry] * number + above[rank],
+        column[entry] * number + along[rank],
+    )
 
 
 @dataclass(frozen=True)
@@ -131,28 +116,44 @@ class Exponents:
     vector: ComplexArray  # (exponents, size, harmonics)
 
 
+def hill_matrices(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, w0: float, count: int
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return H0, H1, H2, each (size (2 count + 1),) square: (H0 + s H1 + s^2 H2) u = 0 for harmonics -count..count.
+
+    M, C, K: (times, size, size) at even times of the period.
+    """
+    w = 1j * w0 * np.arange(-count, count + 1)
+    stiff, damp, inert = (
+        toeplitz(np.moveaxis(part, 0, -1), count) for part in (stiffness, damping, mass)
+    )
+    total = len(w) * len(stiff)
+    constant, linear, square = (
+        blocks.swapaxes(1, 2).reshape(total, total)
+        for blocks in (stiff + w * damp + w**2 * inert, damp + 2.0 * w * inert, inert)
+    )
+    return constant, linear, square
+
+
 def hill_exponents(
-    entries: Couplings, w0: float, count: int, size: int, repeated: ComplexArray | None = None
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    w0: float,
+    count: int,
+    repeated: ComplexArray | None = None,
 ) -> Exponents:
     """Return the Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
 
-    known: (motions, size, 2 count + 1) harmonics of what may solve the equations with s = 0. Those that do, to KEPT,
+    repeated: (motions, size, 2 count + 1) harmonics of what may solve the equations with s = 0. Those that do, to KEPT,
     and no combinations of others, are taken out beforehand: the exponent 0 is often a double one, that splits.
 
     Of the copies s + i k w0 of each, the one with its vector centred in the middle is kept: the truncation leaves it
     accurate.
     """
-    number = 2 * count + 1
+    number, size = 2 * count + 1, mass.shape[1]
     total = size * number
-    w = 1j * w0 * np.arange(-count, count + 1)
-    damp, mass = toeplitz(entries.damping, count), toeplitz(entries.mass, count)
-    constant, linear, inert = (
-        assembled(entries.row, entries.column, blocks, size)
-        for blocks in (hill_blocks(entries, w0, count), damp + 2.0 * w * mass, mass)
-    )
-    is_diagonal = entries.row == entries.column
-    heavy = np.zeros(size)
-    np.add.at(heavy, entries.row[is_diagonal], entries.mass[is_diagonal].min(axis=1))
+    constant, linear, inert = hill_matrices(mass, damping, stiffness, w0, count)
     left = np.zeros((2 * total, 2 * total), dtype=complex)
     left[:total, total:] = w0 * np.eye(total)
     left[total:, :total], left[total:, total:] = -constant / w0, -linear
@@ -160,7 +161,7 @@ def hill_exponents(
         constant, np.abs(np.diag(constant)) + w0**2 * np.abs(np.diag(inert)), repeated
     )
     right: ComplexArray | None = None
-    if np.all(heavy > 0):
+    if np.all(np.diagonal(mass, axis1=1, axis2=2) > 0):
         left[total:] = np.linalg.solve(inert, left[total:])
     else:  # a coordinate without inertia has infinite exponents
         right = np.eye(2 * total, dtype=complex)
@@ -197,30 +198,25 @@ def _eigen(
     left: ComplexArray, right: ComplexArray | None, solving: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Values and vectors (columns) of left x = value right x (right None: 1), without the null vectors `apart`."""
+    from scipy.linalg import eig
+
     number = solving.shape[1]
     if not number:
-        return _eig(left, right)
-    turned = np.linalg.qr(solving, mode="complete")[0]
-    if right is None:
-        left, weight = turned.conj().T @ left @ turned, np.eye(len(left))
-        value, rest_vector = _eig(left[number:, number:], None)
-    else:
-        onto = np.linalg.qr(right @ solving, mode="complete")[0].conj().T
-        left, weight = onto @ left @ turned, onto @ right @ turned
-        value, rest_vector = _eig(left[number:, number:], weight[number:, number:])
+        value, vector = eig(left, right, check_finite=False)
+        return value, vector
+    turned = onto = np.linalg.qr(solving, mode="complete")[0]
+    weight = np.eye(len(left))
+    if right is not None:
+        onto = np.linalg.qr(right @ solving, mode="complete")[0]
+        weight = onto.conj().T @ right @ turned
+    left = onto.conj().T @ left @ turned
+    inner = np.s_[number:, number:]
+    value, vector = eig(left[inner], None if right is None else weight[inner], check_finite=False)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.linalg.solve(
             weight[:number, :number],
-            left[:number, number:] @ rest_vector / value - weight[:number, number:] @ rest_vector,
+            left[:number, number:] @ vector / value - weight[:number, number:] @ vector,
         )
-    share = np.where(
-        np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0
-    )  # a double one has none of its own
-    return value, turned @ np.concatenate([share, rest_vector])
-
-
-def _eig(left: ComplexArray, right: ComplexArray | None) -> tuple[ComplexArray, ComplexArray]:
-    from scipy.linalg import eig
-
-    value, vector = np.linalg.eig(left) if right is None else eig(left, right, check_finite=False)
-    return value, vector
+    # A double one has none of its own.
+    share = np.where(np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0)
+    return value, turned @ np.concatenate([share, vector])

@@ -4,12 +4,13 @@ M(t) y'' + C(t) y' + K(t) y = 0 is taken through a period by collocation (Radau 
 special case, and motions too fast for the step die out instead of growing.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.sources import source
 
 STAGES = 7  # order 13
@@ -70,10 +71,8 @@ def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
     half[1:] *= 2.0
     if times % 2 == 0:
         half[-1] /= 2.0
-    size = np.abs(half).max(axis=1)
-    number = int(np.flatnonzero(size > 1e-17 * size.max(initial=0.0))[-1]) + 1 if size.any() else 1
-    phase = 2.0 * np.pi * np.outer(share, np.arange(number))
-    out = np.cos(phase) @ half[:number].real - np.sin(phase) @ half[:number].imag
+    phase = 2.0 * np.pi * np.outer(share, np.arange(len(half)))
+    out = np.cos(phase) @ half.real - np.sin(phase) @ half.imag
     return out.reshape(len(share), *samples.shape[1:])
 
 
@@ -94,20 +93,9 @@ def monodromy(
     """
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
-    # One Fourier sum for all three, each in its own size, as harmonics count by their share of the largest.
-    largest = [
-        max(float(np.abs(part).max()), np.finfo(float).tiny) for part in (mass, damping, stiffness)
-    ]
-    samples = np.stack(
-        [
-            part / largest_part
-            for part, largest_part in zip((mass, damping, stiffness), largest, strict=True)
-        ],
-        axis=1,
-    )
-    nodes = at_times(samples, share).reshape(steps, stages, 3, size, size)
-    inert, damp, stiff = (nodes[:, :, k] * factor for k, factor in enumerate(largest))
-    return through_steps(inert, damp, stiff, period / steps, rule, visited=visited)
+    samples = at_times(np.stack([mass, damping, stiffness], axis=1), share)
+    nodes = np.moveaxis(samples.reshape(steps, stages, 3, size, size), 2, 0)
+    return through_steps(*nodes, period / steps, rule, visited=visited)
 
 
 def through_steps(
@@ -166,43 +154,14 @@ def step_matrices(
     return out
 
 
-def real_motions(turns: FloatArray) -> IntArray:
-    """Return the places of the first CANDIDATES that are real, from imaginary parts / w0 of exponents."""
-    return np.flatnonzero(np.abs(turns) <= REAL)[:CANDIDATES]
+def rigid_motion(turns: FloatArray, share: Callable[[int], float]) -> int | None:
+    """Return the position of the motion that is mostly an even turning of the whole train; None where there is none.
 
-
-def mostly_rigid(places: IntArray, shares: FloatArray) -> int | None:
-    """Return the place with the largest share of an even turning of the whole train, where that is most of it."""
-    return int(places[np.argmax(shares)]) if shares.size and shares.max() > MOSTLY else None
-
-
-def rigid_motion(
-    monodromy: FloatArray,
-    visited: FloatArray,
-    multipliers: ComplexArray,
-    mass: FloatArray,
-    turning: FloatArray,
-    w0: float,
-) -> int | None:
-    """Return the place of the multiplier (descending) whose motion is mostly an even turning of the whole train.
-
-    The motion is exp(growth t) p(t); the share is that of the mean of p along `turning` (size,) in the mean square of
-    p, both weighted with the mass (size, size). visited: (parts, 2 size, 2 size) as `through_steps` collects them.
-    None where there is none.
+    turns: imaginary parts / w0 of the exponents, the fastest growing first; share: of such a turning in a motion.
     """
-    places = real_motions(np.angle(multipliers) / (2.0 * np.pi))
-    places = places[multipliers[places].real > GONE]
-    size, parts, shares = len(turning), len(visited), list[float]()
-    scale = np.repeat([1.0, w0], size)
-    for multiplier in multipliers[places].real.tolist():
-        missing = monodromy / scale[:, None] * scale - multiplier * np.eye(2 * size)
-        start = scale * np.linalg.svd(missing)[2][-1]
-        decay = multiplier ** (-np.arange(parts) / parts)
-        motion = decay[:, None] * (visited @ start)[:, :size]
-        mean_square = float(np.einsum("ti,ij,tj->", motion, mass, motion)) / parts
-        along = float(turning @ mass @ motion.mean(axis=0))
-        shares.append(along**2 / (float(turning @ mass @ turning) * mean_square))
-    return mostly_rigid(places, np.array(shares))
+    real_motions = np.flatnonzero(np.abs(turns) <= REAL)[:CANDIDATES].tolist()
+    share_of_best, best = max(((share(k), -k) for k in real_motions), default=(0.0, 0))
+    return -best if share_of_best > MOSTLY else None
 
 
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:
