@@ -62,28 +62,17 @@ class Segment:
         """Return Cowper's coefficient of a hollow circular section with the Poisson's ratio of E and G."""
         poisson = self.youngs_modulus / (2.0 * self.shear_modulus) - 1.0
         outer, bore = self.diameters(share)
-        square = (bore / outer) ** 2
-        sum_square = (1.0 + square) ** 2
-        return (
-            6.0
-            * (1.0 + poisson)
-            * sum_square
-            / ((7.0 + 6.0 * poisson) * sum_square + (20.0 + 12.0 * poisson) * square)
-        )
+        square = (bore / outer) ** 2 / (1.0 + (bore / outer) ** 2) ** 2
+        return 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson + (20.0 + 12.0 * poisson) * square)
 
     def phase(self, frequency: float, shear: bool) -> float:
         """Return the phase (rad) of the bending wave along the element at a frequency, rad/s; not less than it is."""
         ends = np.array([0.0, 1.0])
-        bending = (
-            np.sqrt(self.density * self.area(ends) / (self.youngs_modulus * self.moment(ends)))
-            * frequency
-        )
         slow = self.density / self.youngs_modulus
+        bending = np.sqrt(slow * self.area(ends) / self.moment(ends)).max() * frequency
         if shear:
-            slow += float(
-                (self.density / (self.shear_coefficient(ends) * self.shear_modulus)).max()
-            )
-        return float(np.sqrt(bending.max() + slow * frequency**2)) * self.length
+            slow += float((self.density / self.shear_modulus / self.shear_coefficient(ends)).max())
+        return float(np.sqrt(bending + slow * frequency**2)) * self.length
 
 
 @dataclass(frozen=True)
@@ -96,11 +85,6 @@ class Functions:
     shear: (
         FloatArray  # derivative of the deflection alone; the shear strain is that less the rotation
     )
-
-
-def size(shear: bool) -> int:
-    """Return the unknowns of one element, those at its ends included."""
-    return 2 * DEGREE + 1 if shear else DEGREE + 1
 
 
 @source("SzaboBabuska1991", "ch. 3")
@@ -277,15 +261,8 @@ class Beam:
     def bending_stiffness(self) -> float:
         """E I/length^3 of its weakest section, N/m."""
         ends = np.array([0.0, 1.0])
-        return (
-            float(
-                min(
-                    (segment.youngs_modulus * segment.moment(ends)).min()
-                    for segment in self.segments
-                )
-            )
-            / self.length**3
-        )
+        rigidity = [segment.youngs_modulus * segment.moment(ends) for segment in self.segments]
+        return float(np.min(rigidity)) / self.length**3
 
 
 @dataclass(frozen=True)
@@ -395,7 +372,7 @@ def _cells(
             f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
         )
         raise SolveError(f"{beam.name or 'beam'}: {why}; request fewer `modes` or lower `speeds`")
-    inside = size(shear) - 4
+    inside = (2 * DEGREE if shear else DEGREE) - 3
     first = 2 * (len(sections) + 1)
     cells = [
         Cell(

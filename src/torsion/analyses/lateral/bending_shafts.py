@@ -1,12 +1,12 @@
 """The shafts of a train that bend: each from joint to joint or end, with its supports, by the train's own data."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import cho_factor, eigh, solve_triangular
+from scipy.linalg import block_diag, cho_factor, eigh, solve_triangular
 
 from torsion.analyses.lateral.beam_matrices import Beam, LateralSystem, Point, Segment
 from torsion.arrays import FloatArray
@@ -17,9 +17,8 @@ from torsion.primitives import Bar
 from torsion.train import Train
 
 SOFTEST = 1e-8  # of E I/L^3: the lowest frequency is wrong by about 1e-13 over this share (measured), here 1e-5
-Placing = tuple[
-    int, Literal["driving", "driven"], int
-]  # part of a joint, which of its shafts, where on this one
+Side = Literal["driving", "driven"]
+SIDES: tuple[Side, Side] = ("driven", "driving")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +27,7 @@ class JointAt:
 
     part: int  # of the joint
     point: int  # of the beam
-    shaft: Literal["driving", "driven"]  # which of the joint's two shafts this one is
+    shaft: Side  # which of the joint's two shafts this one is
 
 
 @dataclass(frozen=True)
@@ -56,18 +55,14 @@ def bending_shafts(train: Train) -> tuple[tuple[BendingShaft, ...], list[Fault]]
     node: list[int] = connected(len(train.stations), ends[:, 0], ends[:, 1]).tolist()
 
     # Distributed shafts that touch each other; in a row each starts where the one before it ends.
-    rows: list[list[Bar]] = []
+    ends = np.array([(node[bar.driving], node[bar.driven]) for bar in train.bars], dtype=np.int64)
+    group = connected(len(train.stations), *ends.reshape(-1, 2).T).tolist()
+    rows: dict[int, list[Bar]] = {}
     for bar in train.bars:
-        touched = {node[bar.driving], node[bar.driven]}
-        near = [
-            row
-            for row in rows
-            if touched & {node[s] for member in row for s in (member.driving, member.driven)}
-        ]
-        joined = [member for row in near for member in row] + [bar]
-        rows = [row for row in rows if row not in near] + [joined]
+        number = group[node[bar.driving]]
+        rows[number] = [*rows.pop(number, []), bar]
     faults: list[Fault] = []
-    shafts = tuple(_shaft(train, row, node, faults) for row in rows)
+    shafts = tuple(_shaft(train, row, node, faults) for row in rows.values())
     return shafts, faults
 
 
@@ -76,35 +71,48 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     parts = tuple(bar.part for bar in row)
     ratio = train.stations[row[0].driving].ratio
     stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
-    straight = all(
-        node[bar.driving] == station for bar, station in zip(row, stations, strict=False)
-    )
-    if not straight or len(set(stations)) < len(stations):
+    if [node[bar.driving] for bar in row] != stations[:-1] or len(set(stations)) < len(stations):
         return BendingShaft(names, parts, ratio, Beam(()), (), (), "it branches")
+
+    # The joints by their position among the stations; those that share one have one pinned point.
+    joints = [
+        (stations.index(node[getattr(mesh, side)]), mesh.part, side)
+        for mesh in train.constraints
+        if train.parts[mesh.part].joint is not None
+        for side in SIDES
+        if node[getattr(mesh, side)] in stations
+    ]
+    joints.sort(key=itemgetter(0))
+    part_at: dict[int, int] = {}
+    for position, part, _ in joints:
+        part_at.setdefault(position, part)
+    points = [
+        Point(sum(bar.length for bar in row[:position]), train.parts[part].name, fixation="pinned")
+        for position, part in part_at.items()
+    ]
+    held = list(part_at)
+    joints_at = tuple(JointAt(part, held.index(position), side) for position, part, side in joints)
+
     before = len(faults)
     of_material = list[Fault]()
-    # The joints on the shaft by their position among its stations.
-    joints: list[Placing] = []
-    for mesh in train.constraints:
-        if train.parts[mesh.part].joint is None:
-            continue
-        if node[mesh.driven] in stations:
-            joints.append((mesh.part, "driven", stations.index(node[mesh.driven])))
-        if node[mesh.driving] in stations:
-            joints.append((mesh.part, "driving", stations.index(node[mesh.driving])))
-    joints.sort(key=lambda joint: joint[2])
-    segments = [_segment(train, bar, of_material) for bar in row]
-    points, held = _points(train, row, joints)
-    points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
+    segments = []
+    for bar in row:
+        material = train.shaft(bar).material
+        modulus = train.materials[material].youngs_modulus
+        if modulus is None:
+            path = (*train.parts[bar.part].path, "material")
+            message = f"bending needs the `youngs_modulus` of '{material}'"
+            of_material.append(Fault(path, message, f"write it under materials: {material}"))
+        sizes = bar.length, bar.outer, bar.bore, modulus or 1.0
+        segments.append(Segment(*sizes, bar.density, bar.shear_modulus, bar.loss_factor))
+    points += _supports(train, row, bool(held) and held[0] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
-    lacks = ""
-    path = Path()
-    if any(position not in (0, len(row)) for _, _, position in joints):
+    lacks, path = "", Path()
+    if set(held) - {0, len(row)}:
         lacks = "a joint lies between its ends"
     elif len(faults) == before:
-        lacks, path = next(_lacking(train, row, beam), (lacks, path))
+        lacks, path = _lacking(train, row, beam)
     faults += [] if lacks else of_material
-    joints_at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     on_shaft = {station for station in range(len(node)) if node[station] in stations}
     loads = tuple(
         part.name
@@ -114,43 +122,6 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     return BendingShaft(names, parts, ratio, beam, joints_at, loads, lacks, path)
 
 
-def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
-    part = train.parts[bar.part]
-    name = train.shaft(bar).material
-    modulus = train.materials[name].youngs_modulus
-    if modulus is None:
-        hint = f"write it under materials: {name}"
-        faults.append(
-            Fault((*part.path, "material"), f"bending needs the `youngs_modulus` of '{name}'", hint)
-        )
-    return Segment(
-        bar.length,
-        bar.outer,
-        bar.bore,
-        modulus or 1.0,
-        bar.density,
-        bar.shear_modulus,
-        bar.loss_factor,
-    )
-
-
-def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
-    """Pinned points of the joints, one for all that share a place, and which of them each joint has."""
-    points: list[Point] = []
-    point_of: dict[int, int] = {}
-    for part, _, position in joints:
-        if position not in point_of:
-            point_of[position] = len(points)
-            points.append(
-                Point(
-                    sum(bar.length for bar in row[:position]),
-                    train.parts[part].name,
-                    fixation="pinned",
-                )
-            )
-    return points, [point_of[position] for _, _, position in joints]
-
-
 def _supports(
     train: Train, row: list[Bar], is_from_behind: bool, faults: list[Fault]
 ) -> list[Point]:
@@ -158,19 +129,17 @@ def _supports(
     points = []
     begin = 0.0
     for bar in row:
-        part = train.parts[bar.part]
+        name = train.parts[bar.part].name
         supports = _supports_of(train, bar)
         for number, (support, path) in enumerate(supports):
             if support.at > bar.length:
                 message = f"the support lies {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue
-            distance = bar.length - support.at if is_from_behind else support.at
-            name = part.name if len(supports) == 1 else f"{part.name} {number + 1}"
             points.append(
                 Point(
-                    begin + distance,
-                    f"support of {name}",
+                    begin + (bar.length - support.at if is_from_behind else support.at),
+                    f"support of {name}" + (f" {number + 1}" if len(supports) > 1 else ""),
                     support.mass,
                     stiffness=support.stiffness_of_planes,
                     damping=support.damping_of_planes,
@@ -190,56 +159,43 @@ def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
     ]
 
 
-def _lacking(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
-    """Why a shaft made of `row` cannot be computed, each reason with the key it is about."""
+def _lacking(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+    """Why a shaft made of `row` cannot be computed, with the key it is about; empty where it can.
+
+    A section that is a mesh has no diameters; joints and supports must hold it in both planes, and stiffly enough to
+    differ from none; and it needs a mass.
+    """
     of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
-        yield (
-            "its section is a mesh, and bending needs diameters",
-            (*train.parts[of_mesh[0].part].path, "section"),
-        )
-    yield from _not_held(train, row, beam)
-    if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
-        path = (*train.parts[row[0].part].path, "material")
-        yield "it has no mass: neither its material a density nor a support a `mass`", path
-
-
-def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Path]]:
-    """Why joints and supports do not hold a shaft in both planes, or too softly to differ from none."""
+        path = (*train.parts[of_mesh[0].part].path, "section")
+        return "its section is a mesh, and bending needs diameters", path
     free = [beam.rigid_motions(plane) for plane in (0, 1)]
     given = [support for bar in row for support in _supports_of(train, bar)]
-    if not given:
-        if any(free):
-            yield (
-                "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports",
-                (),
-            )
-    elif not any(free):
-        hold = min(beam.hold(0), beam.hold(1))
-        bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
-        why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
-        if hold < SOFTEST:
-            _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))
-            yield f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
-    elif free[0] != free[1]:
+    if any(free) and not given:
+        why = "it needs a joint at either end, a joint and a `support`, or two supports"
+        return f"it is not supported: {why}", ()
+    if free[0] != free[1]:
         plane = free.index(max(free))
         path = next(path for support, path in given if not support.stiffness_of_planes[plane] > 0)
-        why = (
-            f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
-        )
-        yield why, (*path, "stiffness")
-    elif len({point.at for point in beam.points}) < len(beam.points):
+        why = "in which its support has no stiffness"
+        return f"it is not supported in the plane {'yz'[plane]}, {why}", (*path, "stiffness")
+    if any(free) and len({point.at for point in beam.points}) < len(beam.points):
         pinned = any(point.fixation == "pinned" for point in beam.points)
         where = "on the joint itself" if pinned else "where another does"
-        yield (
-            f"it is supported at one place only, because its support lies {where}",
-            (*given[-1][1], "at"),
-        )
-    else:
-        yield (
-            "it is supported at one place only: add another `support`, or a joint at an end",
-            given[-1][1],
-        )
+        why = f"it is supported at one place only, because its support lies {where}"
+        return why, (*given[-1][1], "at")
+    if any(free):
+        why = "add another `support`, or a joint at an end"
+        return f"it is supported at one place only: {why}", given[-1][1]
+    if given and (hold := min(beam.hold(0), beam.hold(1))) < SOFTEST:
+        bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
+        why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
+        _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))
+        return f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
+    if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
+        path = (*train.parts[row[0].part].path, "material")
+        return "it has no mass: neither its material a density nor a support a `mass`", path
+    return "", ()
 
 
 EPS = float(np.finfo(float).eps)
@@ -295,29 +251,24 @@ def planes(system: LateralSystem) -> Planes:
                 f"{where} is not supported in the plane {name}; give it a `support`, or a joint at either end"
             )
     y = _plane(system, 0)
-    turning = _projected(system.gyroscopic, y, y)
-    crossed = _projected(system.lossy, y, y)
-    damping = _projected(system.support("damping", 0), y, y)
-    if system.beam.is_isotropic:
-        return Planes(system, y, y, y.square, turning, damping, crossed, crossed)
-    z = _plane(system, 1)
-    none = np.zeros_like(turning)
-    turning = _projected(system.gyroscopic, y, z)
-    crossed = _projected(system.lossy, y, z)
-    return Planes(
-        system,
-        y,
-        z,
-        np.concatenate([y.square, z.square]),
-        np.block([[none, turning], [turning.T, none]]),
-        np.block([[damping, none], [none, _projected(system.support("damping", 1), z, z)]]),
-        np.block([[_projected(system.lossy, y, y), none], [none, _projected(system.lossy, z, z)]]),
-        crossed,
+    isotropic = system.beam.is_isotropic
+    z = y if isotropic else _plane(system, 1)
+    turning, crossed = (
+        y.shape.T @ matrix @ z.shape for matrix in (system.gyroscopic, system.lossy)
     )
-
-
-def _projected(matrix: FloatArray, plane: Plane, other_plane: Plane) -> FloatArray:
-    return plane.shape.T @ matrix @ other_plane.shape
+    dampers = [system.support("damping", plane) for plane in (0, 1)]
+    damping, lossy = (
+        [plane.shape.T @ matrix @ plane.shape for plane, matrix in zip((y, z), pair, strict=True)]
+        for pair in (dampers, (system.lossy, system.lossy))
+    )
+    if isotropic:
+        return Planes(system, y, y, y.square, turning, damping[0], lossy[0], crossed)
+    none = np.zeros_like(turning)
+    square = np.concatenate([y.square, z.square])
+    both_ways = np.block([[none, turning], [turning.T, none]])
+    return Planes(
+        system, y, z, square, both_ways, block_diag(*damping), block_diag(*lossy), crossed
+    )
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:

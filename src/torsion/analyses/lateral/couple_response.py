@@ -120,15 +120,11 @@ def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> Float
     """Return the speeds requested, and more around the resonances between them, which are there themselves."""
     added = [requested]
     for resonance in resonances:
-        steps = (
-            ASIDE
-            if resonance.damping_ratio < UNDAMPED
-            else resonance.damping_ratio * np.append(STEPS, 0.0)
-        )
+        ratio = resonance.damping_ratio
+        steps = ASIDE if ratio < UNDAMPED else ratio * np.append(STEPS, 0.0)
         added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
-    speeds: FloatArray = np.unique(np.concatenate(added))
-    inside: FloatArray = speeds[(speeds >= requested.min()) & (speeds <= requested.max())]
-    return inside
+    speeds = np.unique(np.concatenate(added))
+    return np.asarray(speeds[(speeds >= requested.min()) & (speeds <= requested.max())])
 
 
 def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) -> Answer:
@@ -146,11 +142,18 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     y = couple[..., 1] @ planes.y.shape[slopes]
     z = -couple[..., 0] @ planes.z.shape[slopes]
     amplification = np.ones(len(speeds))
-    if order:
-        for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):
-            y[part], z[part], amplification[part] = _solved(
-                planes, order, speeds[part], (y[part], z[part])
-            )
+    n = len(planes.y.square)
+    for part in (slice(k, k + CHUNK) for k in range(0, len(speeds) if order else 0, CHUNK)):
+        some = speeds[part]
+        if planes.is_isotropic:
+            forward, grown = _solved(planes, order, some, 0.5 * (y[part] + 1j * z[part]))
+            backward, back = _solved(planes, -order, some, 0.5 * (y[part] - 1j * z[part]))
+            y[part], z[part] = forward + backward, -1j * (forward - backward)
+            amplification[part] = np.maximum(grown, back)
+        else:
+            load = np.concatenate([y[part], 1j * z[part]], axis=1)
+            p, amplification[part] = _solved(planes, order, some, load)
+            y[part], z[part] = p[:, :n], -1j * p[:, n:]
     status = _status(planes, order, speeds, amplification)
     y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
     x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
@@ -161,42 +164,26 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
 
 
 def _solved(
-    planes: Planes, order: int, speeds: FloatArray, load: tuple[ComplexArray, ComplexArray]
-) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """(speeds, n) coordinates of y and z, and the growth of relative errors of stiffness and inertia (speeds,)."""
-    y, z = load
-    if planes.is_isotropic:
-        forward, grown = _solved_of(planes, order, speeds, 0.5 * (y + 1j * z))
-        backward, grown_backward = _solved_of(planes, -order, speeds, 0.5 * (y - 1j * z))
-        return forward + backward, -1j * (forward - backward), np.maximum(grown, grown_backward)
-    p, grown = _solved_of(planes, order, speeds, np.concatenate([y, 1j * z], axis=1))
-    n = len(planes.y.square)
-    return p[:, :n], -1j * p[:, n:], grown
-
-
-def _solved_of(
     planes: Planes, order: int, speeds: FloatArray, load: ComplexArray
 ) -> tuple[ComplexArray, FloatArray]:
-    """(speeds, coordinates); a negative order is the backward part, conjugate."""
-    w = abs(order) * speeds[:, None, None]
-    matrix = (
-        1j * (w * planes.damping + planes.lossy)
-        + order * speeds[:, None, None] ** 2 * planes.gyroscopic
-    )
-    index = np.arange(len(planes.square))
-    matrix[:, index, index] += 1.0 - w[:, :, 0] ** 2 * planes.square
+    """(speeds, coordinates), and the growth of relative errors of stiffness and inertia (speeds,).
+
+    A negative order is the backward part, conjugate.
+    """
     size = len(planes.square)
-    right = np.concatenate(
-        [load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2
-    )
+    speed = speeds[:, None, None]
+    w = abs(order) * speed
+    matrix = np.eye(size) * (1.0 - w**2 * planes.square) + order * speed**2 * planes.gyroscopic
+    matrix = matrix + 1j * (w * planes.damping + planes.lossy)
+    unit = np.broadcast_to(np.eye(size), (len(load), size, size))
+    right = np.concatenate([load[:, :, None], unit], axis=2)
     try:
         solution = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
         solution = np.linalg.solve(matrix + EPS * np.eye(size), right)
     terms = solution[:, :, 1:] * (1.0 + w**2 * planes.square)
-    answer: ComplexArray = np.asarray(solution[:, :, 0], dtype=np.complex128)
-    grown: FloatArray = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
-    return answer, grown
+    grown = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
+    return np.asarray(solution[:, :, 0]), np.asarray(grown)
 
 
 def _status(planes: Planes, order: int, speeds: FloatArray, amplification: FloatArray) -> Lines:
@@ -218,11 +205,7 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
     system = planes.system
     w = order * speeds[:, None]
     unknowns = system.place
-    shaft = (
-        system.stiffness[unknowns] + 1j * system.lossy[unknowns]
-        if order
-        else system.stiffness[unknowns]
-    )
+    shaft = system.stiffness[unknowns] + (1j * system.lossy[unknowns] if order else 0.0)
     pushed = shaft @ x - w[:, :, None] ** 2 * (system.inertia[unknowns] @ x)
     turned = (1j * w * speeds[:, None])[:, :, None] * (system.gyroscopic[unknowns] @ x)
     pushed[..., 0] += turned[..., 1]
@@ -240,10 +223,8 @@ def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> 
 def orders(joints: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
     """Return 0, and the orders of all joints up to this shaft and at its end."""
     position = {joint.part: k for k, joint in enumerate(joints)}
-    found_orders = {
-        joints[k].record.order for end in shaft.joints for k in path_to(joints, position[end.part])
-    }
-    return tuple(sorted({0} | found_orders))
+    positions = {k for end in shaft.joints for k in path_to(joints, position[end.part])}
+    return tuple(sorted({0, *(joints[k].record.order for k in positions)}))
 
 
 def couples_at(

@@ -7,6 +7,7 @@ supports. Where it bends about as easily as it tilts, that is said and nothing i
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
+from operator import itemgetter
 from typing import ClassVar
 
 import numpy as np
@@ -291,19 +292,14 @@ def tilting(
     more_speeds = [*resonances(rigid).values()]
     for zone in zones(rigid, first, last, EXACT):
         # A zone that the mean part of the couple alone makes as strongly has its name.
-        alone = float(growth(rigid, np.array([zone.at]), OF_MEAN).rate[0])
+        alone = _rate(rigid, OF_MEAN, zone.at)
         unstable.append(replace(zone, kind=MEAN) if alone > 0.5 * zone.growth else zone)
         # Speeds in it, as far again on both sides, and its own.
         wide = zone.last - zone.first
-        more_speeds += [
-            zone.first,
-            zone.at,
-            zone.last,
-            *np.linspace(zone.first - wide, zone.last + wide, 37).tolist(),
-        ]
-    grid = np.union1d(
-        np.linspace(first, last, POINTS), [speed for speed in more_speeds if first < speed < last]
-    )
+        more_speeds += [zone.first, zone.at, zone.last]
+        more_speeds += np.linspace(zone.first - wide, zone.last + wide, 37).tolist()
+    inner = [speed for speed in more_speeds if first < speed < last]
+    grid = np.union1d(np.linspace(first, last, POINTS), inner)
     of_train = tuple(
         replace(zone, first=zone.first / ratio, last=zone.last / ratio, at=zone.at / ratio)
         for zone in unstable
@@ -358,20 +354,43 @@ def zones(
     """
     speed, rate = _sampled(shaft, first, last, model, points)
     high = rate > NEUTRAL * speed
-    edges = np.flatnonzero(high[1:] != high[:-1])
-    roots = [_boundary(shaft, model, speed[k : k + 2], rate[k : k + 2]) for k in edges]
-    bounds = [*([first] if high[0] else []), *roots, *([last] if high[-1] else [])]
+    bounds = [first] if high[0] else []
+    for k in np.flatnonzero(high[1:] != high[:-1]):
+        # The speed of no growth; beside a range without growth or decay, of growth beyond rounding.
+        level = 0.0 if rate[k : k + 2].min() < -NEUTRAL * speed[k + 1] else NEUTRAL
+
+        def above(speed: float, level: float = level) -> float:
+            return _rate(shaft, model, speed) - level * speed
+
+        ends = float(speed[k]), float(speed[k + 1])
+        root = find_root(above, *ends, tolerance=EXACTLY * ends[1], relative=4 * EXACTLY)
+        bounds.append(float(root))
+    bounds += [last] if high[-1] else []
+
     out = []
+    by_name = resonances(shaft)
     for low, up in zip(bounds[::2], bounds[1::2], strict=True):
         inside = (speed >= low) & (speed <= up)
         worst = float(speed[inside][rate[inside].argmax()])
         near = (up - low) / 8
-        ends = max(low, worst - near), min(up, worst + near)
-        worst, fastest = _greatest(shaft, model, worst, *ends)
-        kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
+        worst, fastest = _greatest(
+            shaft, model, worst, max(low, worst - near), min(up, worst + near)
+        )
+        # The resonance nearest to the worst speed among those whose multipliers are of its sort.
+        kind = "several"
+        if sum(low < speed < up for name, speed in by_name.items() if "/" not in name) <= 1:
+            frequency = float(growth(shaft, np.array([worst]), model).frequency[0])
+            is_real = abs(np.sin(np.pi * frequency / worst)) < EVEN
+            fitting = [name for name in by_name if name.startswith("principal") == is_real]
+            kind = min(fitting, key=lambda name: abs(by_name[name] - worst))
         is_open = low == first and bool(high[0]), up == last and bool(high[-1])
         out.append(TiltRange(low, up, is_open, kind, worst, fastest))
     return tuple(out)
+
+
+def _rate(shaft: MisalignedShaft, model: Model, speed: float) -> float:
+    """1/s, the fastest growth at one speed."""
+    return float(growth(shaft, np.array([speed]), model).rate[0])
 
 
 def resonances(shaft: MisalignedShaft) -> dict[str, float]:
@@ -413,33 +432,8 @@ def _greatest(
     shaft: MisalignedShaft, model: Model, start: float, low: float, up: float
 ) -> tuple[float, float]:
     """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
-
-    def down(speed: float) -> float:
-        return -float(growth(shaft, np.array([speed]), model).rate[0])
-
-    place, negative = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
-    return max((start, -down(start)), (float(place), -float(negative)), key=lambda pair: pair[1])
-
-
-def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:
-    """Speed of no growth between two speeds; beside a range without growth or decay, of growth beyond rounding."""
-    level = 0.0 if rate.min() < -NEUTRAL * speed.max() else NEUTRAL
-
-    def above(speed: float) -> float:
-        return float(growth(shaft, np.array([speed]), model).rate[0] - level * speed)
-
-    return float(
-        find_root(above, speed[0], speed[1], tolerance=EXACTLY * speed[1], relative=4 * EXACTLY)
+    place, negative = find_minimum(
+        lambda speed: -_rate(shaft, model, speed), low, up, tolerance=1e-9 * up, most=40
     )
-
-
-def _kind(shaft: MisalignedShaft, fastest: Growth, low: float, up: float) -> str:
-    """The resonance nearest to the zone's worst speed among those whose multipliers are of its sort."""
-    by_name = resonances(shaft)
-    if sum(low < speed < up for name, speed in by_name.items() if "/" not in name) > 1:
-        return "several"
-    speed = float(fastest.speed[0])
-    half = float(np.pi * fastest.frequency[0] / fastest.speed[0])
-    is_real = abs(np.sin(half)) < EVEN
-    fitting = [name for name in by_name if name.startswith("principal") == is_real]
-    return min(fitting, key=lambda name: abs(by_name[name] - speed))
+    choices = (start, _rate(shaft, model, start)), (float(place), -float(negative))
+    return max(choices, key=itemgetter(1))

@@ -162,14 +162,11 @@ def _both(planes: Planes, p: ComplexArray, sign: float) -> ComplexArray:
 
 def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, ComplexArray]:
     """Roots s by ascending modulus, and shapes (coordinates, roots); at least the `modes` lowest that oscillate."""
-    all_coordinates = np.arange(len(planes.square))
-    if not planes.is_damped:
-        return roots_among(planes, speed, all_coordinates)
-    if (
-        roots := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)
-    ) is not None:
-        return roots
-    return roots_among(planes, speed, all_coordinates)
+    if planes.is_damped:
+        rough = roots_among(planes, speed, lowest(planes, modes))
+        if (roots := refined(planes, speed, rough, modes)) is not None:
+            return roots
+    return roots_among(planes, speed, np.arange(len(planes.square)))
 
 
 def lowest(planes: Planes, modes: int) -> IntArray:
@@ -218,9 +215,24 @@ def refined(
     start = root[chosen]
     root = root[chosen].copy()
     shape = shape[:, chosen].copy()
+    first = planes.damping - 1j * speed * planes.gyroscopic
+    index = np.arange(len(planes.square))
     open_roots = np.arange(len(root))
     for _ in range(STEPS):
-        step = _improve(planes, speed, root, shape, open_roots)
+        s = root[open_roots][:, None, None]
+        turning = first + 2.0 * s * np.diag(planes.square)  # derivative of the matrix by s
+        matrix = s * first
+        matrix[:, index, index] += 1.0 + s[:, :, 0] ** 2 * planes.square
+        try:
+            better = np.linalg.solve(matrix, turning @ shape[:, open_roots].T[:, :, None])
+        except np.linalg.LinAlgError:  # a root to the last digit
+            open_roots = open_roots[:0]
+            break
+        better /= np.linalg.norm(better, axis=1, keepdims=True)
+        left = np.swapaxes(better, 1, 2)
+        step = (left @ (matrix @ better) / (left @ (turning @ better)))[:, 0, 0]
+        root[open_roots] -= step
+        shape[:, open_roots] = better[:, :, 0].T
         open_roots = open_roots[np.abs(step) > SETTLED * np.abs(root[open_roots])]
         if not open_roots.size:
             break
@@ -233,29 +245,6 @@ def refined(
     return root[order], shape[:, order]
 
 
-def _improve(
-    planes: Planes, speed: float, root: ComplexArray, shape: ComplexArray, which: np.ndarray
-) -> ComplexArray:
-    """One step for the roots numbered `which`, in place; the changes of the roots."""
-    s = root[which][:, None, None]
-    p = shape[:, which].T[:, :, None]
-    index = np.arange(len(planes.square))
-    first = planes.damping - 1j * speed * planes.gyroscopic
-    matrix = s * first
-    matrix[:, index, index] += 1.0 + s[:, :, 0] ** 2 * planes.square
-    turned = first @ p + 2.0 * s * planes.square[:, None] * p
-    try:
-        better = np.linalg.solve(matrix, turned)
-    except np.linalg.LinAlgError:  # a root to the last digit
-        return np.zeros(len(which), dtype=np.complex128)
-    better /= np.linalg.norm(better, axis=1, keepdims=True)
-    slope = np.swapaxes(better, 1, 2) @ (first @ better + 2.0 * s * planes.square[:, None] * better)
-    step = (np.swapaxes(better, 1, 2) @ (matrix @ better) / slope)[:, 0, 0]
-    root[which] -= step
-    shape[:, which] = better[:, :, 0].T
-    return np.asarray(step)
-
-
 def _energy(p: ComplexArray, matrix: FloatArray, right: ComplexArray) -> FloatArray:
     """(modes,) real part of p* matrix other."""
     return np.asarray(np.sum(p.conj() * (matrix @ right), axis=0).real)
@@ -263,11 +252,8 @@ def _energy(p: ComplexArray, matrix: FloatArray, right: ComplexArray) -> FloatAr
 
 def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
     """(modes,) energy of shapes of both planes, of a matrix of one of them where the supports are isotropic."""
-    return np.asarray(
-        sum(
-            _energy(part, matrix, part) for part in (np.split(p, 2) if planes.is_isotropic else [p])
-        )
-    )
+    parts = np.split(p, 2) if planes.is_isotropic else [p]
+    return np.sum([_energy(part, matrix, part) for part in parts], axis=0)
 
 
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:
