@@ -11,7 +11,7 @@ from pydantic import Field
 from torsion import fields
 from torsion.analyses.joints import joint_lines
 from torsion.analyses.joints.joint_lines import Behind, Placed
-from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound
+from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints
 from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.arrays import FloatArray
@@ -66,12 +66,8 @@ def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) 
     sine = math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
-    shafts = zip(
-        SHAFTS,
-        (curves.driving, curves.driven),
-        couple_harmonics(angle, torque, carrier),
-        strict=True,
-    )
+    parts = couple_harmonics(angle, torque, carrier)
+    shafts = zip(SHAFTS, (curves.driving, curves.driven), parts, strict=True)
     return tuple(
         CoupleFound(
             shaft,
@@ -95,29 +91,29 @@ def _of_tripod(
     start = joint.record.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_COUPLE_SAMPLES) / _SAMPLES
     data = record.angle, record.radius or 0.0, record.arm or 1.0
-    x, share = (
-        arms - start,
-        np.ones_like(arms),
-    )  # the carrier's angle from where it starts, its speed / driving speed
+    # The carrier's angle from where it starts, and its speed / driving speed.
+    x, share = arms - start, np.ones_like(arms)
     if carrier == "driven":
         both = exact_motion(np.append(arms, start), *data)
         x = x + both.error[:-1] - both.error[-1]
         share = both.ratio[:-1]
 
-    def statics(angles: FloatArray) -> tuple[list[tuple[FloatArray, FloatArray]], FloatArray]:
-        """Return (normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
-        carried = (
-            np.full_like(angles, torque)
-            if carrier == "driving"
-            else torque * exact_motion(angles, *data).ratio
+    # (Normal, in the plane) on both shafts, at the angles asked for and over a revolution.
+    shown, turned = (
+        exact_statics(
+            angles,
+            *data,
+            torque * (exact_motion(angles, *data).ratio if carrier == "driven" else 1.0),
         )
-        contact = exact_statics(angles, *data, carried)
-        on_driven = -contact.driving_normal, contact.driven_inplane
-        return [(contact.driving_normal, contact.driving_inplane), on_driven], np.hypot(
-            *contact.force
-        )
-
-    (curves, _), (turns, force) = statics(yoke + math.pi / 2), statics(arms)
+        for angles in (yoke + math.pi / 2, arms)
+    )
+    curves, turns = (
+        [
+            (contact.driving_normal, contact.driving_inplane),
+            (-contact.driving_normal, contact.driven_inplane),
+        ]
+        for contact in (shown, turned)
+    )
     pair = []
     for shaft, curve, revolution in zip(SHAFTS, curves, turns, strict=True):
         mean = [float(np.mean(part * share)) for part in revolution]
@@ -126,7 +122,7 @@ def _of_tripod(
         pair.append(
             CoupleFound(shaft, *curve, None, (mean[0], mean[1]), (third[0], third[1]), 3, largest)
         )
-    return tuple(pair), float(force.max())
+    return tuple(pair), float(np.hypot(*turned.force).max())
 
 
 PLACE: Path = ("analyses", "joints")
@@ -185,9 +181,16 @@ def joints(
         joint_lines.line_found(placed, path, wanted.optimise, wanted.joint) for path in paths
     )
     remarks = [] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]
-    return Joints(
-        turned, tuple(moved_joints), lines, (*remarks, *lacking, *_remarks(placed, lines, wanted))
-    )
+    remarks += lacking
+    for line in lines:
+        names = ", ".join(placed[k].name for k in line.joints)
+        if joint_lines.has_third_order(placed, line.joints):
+            what = "the resulting angle and the optimum include only the cross joints"
+            remarks.append(f"{names}: {what}; speeds include the tripods")
+        if wanted.optimise and line.optimum is None:
+            what = f"no {wanted.optimise} of a cross joint is free to be chosen on this line"
+            remarks.append(f"{names}: {what}")
+    return Joints(turned, tuple(moved_joints), lines, tuple(remarks))
 
 
 def _joint(
@@ -254,25 +257,6 @@ def _torques(
     return [float(steady.torque[joint.span, column]) for joint in placed], []
 
 
-def _remarks(
-    placed: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings
-) -> list[str]:
-    """What a reader must know of the lines."""
-    remarks = []
-    for line in lines:
-        names = ", ".join(placed[k].name for k in line.joints)
-        if joint_lines.has_third_order(placed, line.joints):
-            remarks.append(
-                f"{names}: the resulting angle and the optimum include only the cross joints; speeds "
-                "include the tripods"
-            )
-        if requested.optimise and line.optimum is None:
-            remarks.append(
-                f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line"
-            )
-    return remarks
-
-
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
     """Return the faults of the settings against the train."""
     placed = joint_lines.placed(train)
@@ -285,33 +269,25 @@ def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:
         for name in requested.bearings
         if name not in names
     ]
-    if requested.joint is not None and requested.joint not in names:
-        faults.append(Fault((*PLACE, "joint"), f"no joint is called '{requested.joint}'", hint))
-    elif requested.joint is not None:
-        faults += _freedom(placed[names.index(requested.joint)], requested)
-    return faults
+    if requested.joint is None:
+        return faults
 
-
-def _freedom(joint: Placed, requested: JointsSettings) -> list[Fault]:
-    """The joint that may be changed must change something."""
+    # The joint that may be changed must change something.
     where = (*PLACE, "joint")
+    if requested.joint not in names:
+        return [*faults, Fault(where, f"no joint is called '{requested.joint}'", hint)]
+    joint = placed[names.index(requested.joint)]
     if requested.optimise is None:
         message = "`joint` lists joints that may change, and nothing is optimised"
-        return [Fault(where, message, "add `optimise: phase`")]
-    if joint.record.kind != "cross":
-        return [
-            Fault(
-                where,
-                f"'{joint.name}' is not a cross joint; it has nothing to choose",
-                "name a cross joint",
-            )
-        ]
-    if joint.before is None and requested.optimise != "angle":
-        message = (
-            f"'{joint.name}' is the first of its line; its {requested.optimise} changes nothing"
-        )
-        return [Fault(where, message, "name a later joint")]
-    return []
+        faults.append(Fault(where, message, "add `optimise: phase`"))
+    elif joint.record.kind != "cross":
+        message = f"'{joint.name}' is not a cross joint; it has nothing to choose"
+        faults.append(Fault(where, message, "name a cross joint"))
+    elif joint.before is None and requested.optimise != "angle":
+        changes = f"its {requested.optimise} changes nothing"
+        message = f"'{joint.name}' is the first of its line; {changes}"
+        faults.append(Fault(where, message, "name a later joint"))
+    return faults
 
 
 def run(work: Work) -> None:

@@ -98,14 +98,13 @@ def turning(joint: JointRecord, yoke: FloatArray) -> Transfer:
         return transfer(yoke, joint.angle)
     if joint.order == 0 or joint.angle == 0:
         return Transfer(np.zeros_like(yoke), np.ones_like(yoke), np.zeros_like(yoke))
-    radius = joint.radius or 0.0
-    arm = joint.arm or 1.0
+    data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
     arms = yoke + math.pi / 2  # from the normal of the plane
-    motion = exact_motion(arms, joint.angle, radius, arm)
+    motion = exact_motion(arms, *data)
 
     # The derivative of the ratio, 1/rad, by the Fourier series of it over a third of a revolution.
     third = 2.0 * np.pi / 3.0 * np.arange(_SAMPLES) / _SAMPLES
-    series = 2.0 * np.fft.rfft(exact_motion(third, joint.angle, radius, arm).ratio)[1:-1] / _SAMPLES
+    series = 2.0 * np.fft.rfft(exact_motion(third, *data).ratio)[1:-1] / _SAMPLES
     steps = 1j * (3.0 * np.arange(1, series.size + 1)) * series
     heard = np.flatnonzero(np.abs(steps) > np.finfo(float).eps * np.abs(steps).max())
     turn = np.exp(3j * arms)
@@ -165,15 +164,15 @@ def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
 
 def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
     """The extreme of the sampled speed, refined to where the acceleration vanishes."""
-    step = 2.0 * math.pi / _TURN
 
     def acceleration(angle: float) -> float:
         return float(_end(joints, path, np.array([angle])).curvature[0])
 
     turned = np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)
     near = float(turned[int(np.argmax(sense * _end(joints, path, turned).ratio))])
-    if acceleration(near - step) * acceleration(near + step) < 0.0:
-        near = float(find_root(acceleration, near - step, near + step, tolerance=1e-15))
+    around = near - turned[1], near + turned[1]
+    if acceleration(around[0]) * acceleration(around[1]) < 0.0:
+        near = float(find_root(acceleration, *around, tolerance=1e-15))
     greatest = float(_end(joints, path, np.array([near])).ratio[0])
     return Extreme(greatest, math.fmod(near + 2.0 * math.pi, 2.0 * math.pi))
 
@@ -186,9 +185,7 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
         _end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature
     )
     row = int(np.argmax(size))
-    before = size[row - 1]
-    top = size[row]
-    behind = size[(row + 1) % _TURN]
+    before, top, behind = size[row - 1], size[row], size[(row + 1) % _TURN]
     bow = before - 2.0 * top + behind  # vertex of the parabola through the three
     return float(top if bow >= 0.0 else top - (behind - before) ** 2 / (8.0 * bow))
 
@@ -221,22 +218,18 @@ def optimum_found(
     ]
     if variable != "angle":
         changes = [math.remainder(change, math.pi) for change in changes]
-    best_first = before[0] + changes[0]
-    if variable == "angle":
-        values = over = np.linspace(0.0, max(_WIDEST, before[0], best_first), 361)
-    else:
-        over = np.linspace(0.0, 2.0 * math.pi, 361)
-        values = over + (
-            float(getattr(line, variable)[ranks[0]]) - before[0]
-        )  # as the line counts them
+    best_values = [old + change for old, change in zip(before, changes, strict=True)]
+    widest = max(_WIDEST, before[0], best_values[0]) if variable == "angle" else 2.0 * math.pi
+    over = np.linspace(0.0, widest, 361)
+    as_line_counts = float(getattr(line, variable)[ranks[0]]) - before[0]
     return OptimumFound(
         variable=variable,
         names=tuple(joints[chosen[rank]].name for rank in ranks),
         before=tuple(before),
-        best=tuple(old + change for old, change in zip(before, changes, strict=True)),
+        best=tuple(best_values),
         index_before=float(best.before.index),
         index_best=float(best.after.index),
-        sensitivity=tuple(float(value) for value in best.sensitivity),
+        sensitivity=tuple(best.sensitivity.tolist()),
         over=over,
-        index_over=index_over(line, variable, ranks[0], values),
+        index_over=index_over(line, variable, ranks[0], over + as_line_counts),
     )

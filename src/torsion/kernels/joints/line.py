@@ -11,7 +11,7 @@ best phases, planes or angle makes small, as the two numbers Re B and Im B. Two 
 the greater rapidity less the other then remains (Ma 2011 finds the same by search).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -81,12 +81,8 @@ class Resultant:
 
 def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) -> Line:
     """Return a line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
-    given = (
-        np.asarray(angle, dtype=float),
-        np.asarray(plane, dtype=float),
-        np.asarray(phase, dtype=float),
-    )
-    angles, planes, phases = (np.array(values) for values in np.broadcast_arrays(*given))
+    given = np.broadcast_arrays(angle, plane, phase)
+    angles, planes, phases = (np.array(values, dtype=float) for values in given)
     if np.any(planes[..., 0] != 0.0):
         raise ValueError("the first joint of a line defines the plane; its own `plane` must be 0")
     return Line(angles, planes, phases)
@@ -115,10 +111,8 @@ def resultant(line: Line) -> Resultant:
 def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
     """A, B of the line's disk map (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1; shape (...)."""
     scale, turn = np.sqrt(np.cos(line.angle)), np.exp(1j * line.offset)
-    sinh_half, cosh_half = (
-        np.sin(line.angle / 2.0) ** 2 / scale,
-        np.cos(line.angle / 2.0) ** 2 / scale,
-    )  # sinh, cosh rapidity/2
+    half = line.angle / 2.0
+    sinh_half, cosh_half = np.sin(half) ** 2 / scale, np.cos(half) ** 2 / scale  # of rapidity/2
     first = np.ones(line.angle.shape[:-1], dtype=complex)
     second = np.zeros_like(first)
     for rank in range(line.angle.shape[-1]):
@@ -158,11 +152,19 @@ def optimise(
         raise ValueError(
             f"a line of {line.angle.size} joints has no {variable} to choose at joints {free}"
         )
-    best = (
-        _pair(line, variable, free[0])
-        if line.angle.size == 2 and len(free) == 1
-        else _search(line, variable, free)
-    )
+    if line.angle.size > 2 or len(free) > 1:
+        best = _search(line, variable, free)
+    else:
+        # Two joints: misphase 0 (modulo 180 degrees, nearest to the given), or tanh a = tanh b cos 2 misphase.
+        misphase = line.phase[1] - line.plane[1]
+        nearest = misphase - np.pi * np.round(misphase / np.pi)
+        value = line.phase[1] - nearest if variable == "phase" else line.plane[1] + nearest
+        if variable == "angle":
+            square_sine = np.sin(line.angle[1 - free[0]]) ** 2
+            tangent = square_sine / (2.0 - square_sine) * np.cos(2.0 * misphase)
+            tangent = max(0.0, float(tangent))
+            value = np.arctan2(np.sqrt(2.0 * tangent), np.sqrt(1.0 - tangent))
+        best = _changed(line, variable, free, np.array([value]))
     worst, error = [], np.pi / 180.0
     for joint in free:
         value = float(getattr(best, variable)[joint])
@@ -181,22 +183,6 @@ def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -
     return resultant(many).index
 
 
-def _pair(line: Line, variable: Variable, joint: int) -> Line:
-    """Two joints: misphase 0 (modulo 180 degrees, nearest to the given), or tanh a = tanh b cos 2 misphase."""
-    misphase = line.phase[1] - line.plane[1]
-    if variable == "angle":
-        square_sine = (
-            np.sin(line.angle[1 - joint]) ** 2
-        )  # tanh of its rapidity is other/(2 - other)
-        tangent = max(0.0, float(square_sine / (2.0 - square_sine) * np.cos(2.0 * misphase)))
-        return _changed(
-            line, variable, (joint,), np.arctan2(np.sqrt([2.0 * tangent]), np.sqrt(1.0 - tangent))
-        )
-    nearest = misphase - np.pi * np.round(misphase / np.pi)
-    value = line.phase[1] - nearest if variable == "phase" else line.plane[1] + nearest
-    return _changed(line, variable, (joint,), np.array([value]))
-
-
 def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     """Least squares of (Re B, Im B) from the line as it is and from spread starts; the first of the least wins."""
     from scipy.optimize import least_squares
@@ -205,35 +191,23 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
         _, closing = _disk_map(_changed(line, variable, free, values))
         return np.array([closing.real, closing.imag])
 
-    def slope(
-        values: FloatArray,
-    ) -> FloatArray:  # B holds exp(+-i phase) only: its derivative is B at pi/2 more
-        return np.stack(
-            [lack(values + quarter) for quarter in np.pi / 2.0 * np.eye(len(free))], axis=1
-        )
+    def slope(values: FloatArray) -> FloatArray:
+        """Return the derivative: B holds exp(+-i phase) only, so that it is B at pi/2 more."""
+        quarters = np.pi / 2.0 * np.eye(len(free))
+        return np.stack([lack(values + quarter) for quarter in quarters], axis=1)
 
-    bounds = (0.0, _LIMIT) if variable == "angle" else (-np.inf, np.inf)
-    sizes = rapidity(
-        line.angle
-    )  # of phases or planes the least is that of the polygon that does not close
-    bound = (
-        float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0))
-        if variable != "angle"
-        else 0.0
-    )
+    # Of phases or planes the least is that of the polygon that does not close.
+    sizes = rapidity(line.angle)
+    bounds, bound = (0.0, _LIMIT), 0.0
+    derivative: str | Callable[[FloatArray], FloatArray] = "3-point"
+    if variable != "angle":
+        bounds, derivative = (-np.inf, np.inf), slope
+        bound = float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0))
     rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(sizes.sum() / 2.0))
     spread = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, (_STARTS, len(free)))
     answers: list[tuple[float, FloatArray]] = []
     for start in (getattr(line, variable)[list(free)], *spread):
-        answer = least_squares(
-            lack,
-            start,
-            "3-point" if variable == "angle" else slope,
-            bounds,
-            xtol=1e-15,
-            ftol=1e-15,
-            gtol=None,
-        )
+        answer = least_squares(lack, start, derivative, bounds, xtol=1e-15, ftol=1e-15, gtol=None)
         answers.append((float(np.hypot(*answer.fun)), np.asarray(answer.x, dtype=float)))
         if answers[-1][0] <= bound + rounding:
             break

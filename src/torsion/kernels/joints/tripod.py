@@ -73,27 +73,26 @@ def exact_motion(
     turned, nominal, offset, length = (np.asarray(value, dtype=float) for value in given)
     sine, share = np.sin(nominal), offset / (2.0 * length)
 
-    # sin b/sin(angle) and the yaw, by Newton on the two conditions that the pivot sets.
+    # Newton on the two conditions that the pivot sets to sin b/sin(angle), the gain, and the yaw.
     gain, yaw = np.ones_like(turned), np.zeros_like(turned)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         for _ in range(_STEPS):
-            first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
-            steps = _solve((turned, sine, share, gain, yaw), (first, second))
+            standing = turned, sine, share, gain, yaw
+            steps = _solve(standing, _pivot(*standing)[:2])
             gain, yaw = gain - steps[0], yaw - steps[1]
-            is_settled = not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps)
-            if is_settled and np.all(np.isfinite(gain)):
+            is_done = not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps)
+            if is_done and np.all(np.isfinite(gain)):
                 break
         else:
             raise SolveError(
                 "a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer"
             )
     bend = np.arcsin(gain * sine)
-    _, _, near, far = _pivot(turned, sine, share, gain, yaw)
+    standing = turned, sine, share, gain, yaw
+    _, _, near, far = _pivot(*standing)
     local = 3.0 * (turned - yaw)
-    by_angle = 3.0 * near * np.cos(local), 3.0 * far * np.sin(local)
-    gaining, yawing = _solve(
-        (turned, sine, share, gain, yaw), by_angle
-    )  # derivatives by the driving angle
+    # Derivatives by the driving angle.
+    gaining, yawing = _solve(standing, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local)))
     half, half_nominal = np.tan(bend / 2.0), np.tan(nominal / 2.0)
     above, below = half * half_nominal * np.sin(yaw), 1.0 + half * half_nominal * np.cos(yaw)
     opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
@@ -116,17 +115,20 @@ def exact_statics(
     turned, nominal, offset, length, carried = (
         np.asarray(value, dtype=float) for value in given[:-1]
     )
-    shaft = _direction(motion.bend, motion.yaw)
-    outgoing = _direction(nominal, np.zeros_like(nominal))
+    yaw = motion.yaw
+    shaft, outgoing = (
+        np.stack((np.sin(bend) * np.sin(turn), -np.sin(bend) * np.cos(turn), np.cos(bend)), axis=-1)
+        for bend, turn in ((motion.bend, yaw), (nominal, np.zeros_like(nominal)))
+    )  # unit vectors of the driven shaft at the joint and beyond the pivot: along n, d_driving x n, d_driving
 
     # Where the three arms meet the three lines, and the directions of their forces on the arms; each (..., 3, 3).
-    centre, yaw = length[..., None] * (outgoing - shaft), motion.yaw
+    centre = length[..., None] * (outgoing - shaft)
     node = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
     arm_angle = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
     local = (arm_angle - yaw[..., None])[..., None]
     spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
-    flat = offset[..., None, None] * np.stack((np.cos(arm_angle), np.sin(arm_angle)), axis=-1)
-    flat = flat - centre[..., None, :2]
+    flat = np.stack((np.cos(arm_angle), np.sin(arm_angle)), axis=-1)
+    flat = offset[..., None, None] * flat - centre[..., None, :2]
     square = np.sum(spoke[..., :2] ** 2, axis=-1)
     reach = np.sum(flat * spoke[..., :2], axis=-1) / square
     push = np.stack((spoke[..., 1], -spoke[..., 0], np.zeros_like(square)), axis=-1)
@@ -177,12 +179,6 @@ def _solve(
     corner = 1.0 - growth * np.sin(local), np.sin(yaw) + 3.0 * near * np.cos(local)
     second_row = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
     determinant = corner[0] * second_row[1] - corner[1] * second_row[0]
-    return (right[0] * second_row[1] - right[1] * corner[1]) / determinant, (
-        right[1] * corner[0] - right[0] * second_row[0]
-    ) / determinant
-
-
-def _direction(bend: FloatArray, yaw: FloatArray) -> FloatArray:
-    """Unit vector (..., 3) of the driven shaft in the axes n, d_driving x n, d_driving."""
-    sine = np.sin(bend)
-    return np.stack((sine * np.sin(yaw), -sine * np.cos(yaw), np.cos(bend)), axis=-1)
+    gaining = right[0] * second_row[1] - right[1] * corner[1]
+    yawing = right[1] * corner[0] - right[0] * second_row[0]
+    return gaining / determinant, yawing / determinant
