@@ -158,21 +158,6 @@ def _compressor(work: Work, part: Part, record: CompressorRecord) -> CompressorF
 
 
 def _throw(work: Work, throw: ThrowRecord, speed: float | None) -> ThrowFound:
-    ends = []
-    for end in throw.ends:
-        torque = -float(end.torque[0].real)
-        ends.append(
-            EndFound(
-                end=end.end,
-                given=end.given,
-                area=end.cylinder.area,
-                clearance=end.clearance,
-                imep=end.cylinder.imep(torque),
-                power=None if speed is None else torque * speed,
-                angle=end.diagram.angle,
-                pressure=end.diagram.pressure,
-            )
-        )
     masses = throw.inertia * (speed or 0.0) ** 2
     return ThrowFound(
         number=throw.number,
@@ -180,7 +165,20 @@ def _throw(work: Work, throw: ThrowRecord, speed: float | None) -> ThrowFound:
         angle=throw.angle,
         mean_torque=-float(throw.gas[0].real),
         inertia=float(throw.inertia_over_angle[0].real),
-        ends=tuple(ends),
+        ends=tuple(
+            EndFound(
+                end.end,
+                end.given,
+                end.cylinder.area,
+                end.clearance,
+                end.cylinder.imep(torque),
+                None if speed is None else torque * speed,
+                end.diagram.angle,
+                end.diagram.pressure,
+            )
+            for end in throw.ends
+            for torque in [-float(end.torque[0].real)]
+        ),
         harmonics=tuple(
             ThrowHarmonic(order, complex(throw.gas[order]), complex(masses[order]))
             for order in range(1, len(throw.gas))

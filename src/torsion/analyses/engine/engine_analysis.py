@@ -43,10 +43,18 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
 
     Empty where the motored torque is unknown or nothing excites.
     """
-    is_known = engine.gas is not None and engine.gas.motored is not None
-    if not is_known or not response.lines or without_answer(response):
+    if engine.gas is None or engine.gas.motored is None or not response.lines:
         return []
-    speeds = _chosen_speeds(response)
+    # The requested speeds, thinned, the peaks, and the speeds with the largest sums.
+    requested = np.flatnonzero(response.requested)
+    count = min(len(requested), MOST_SPEEDS)
+    thinned = requested[np.linspace(0, len(requested) - 1, count).round().astype(int)]
+    size = np.nan_to_num(np.abs(response.torque))
+    chosen = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
+    for peak in np.unique(size.argmax(axis=0)).tolist():
+        if np.abs(response.speed[chosen] / response.speed[peak] - 1.0).min() > SAME_PEAK:
+            chosen.append(peak)
+    speeds = np.sort(np.array(chosen, dtype=np.int64))
     half_range = _half_ranges(study, response, engine, speeds)
     # All speeds between the neighbours of that with the largest value of a case and span.
     largest = np.unique(np.nan_to_num(half_range, posinf=0.0).argmax(axis=1))
@@ -130,19 +138,6 @@ def _half_ranges(
     return np.array(half_ranges)
 
 
-def _chosen_speeds(response: Response) -> IntArray:
-    """Return positions of the requested speeds, thinned, of the peaks, and of the speeds with the largest sums."""
-    requested = np.flatnonzero(response.requested)
-    count = min(len(requested), MOST_SPEEDS)
-    thinned = requested[np.linspace(0, len(requested) - 1, count).round().astype(int)]
-    size = np.nan_to_num(np.abs(response.torque))
-    chosen = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
-    for peak in np.unique(size.argmax(axis=0)).tolist():
-        if np.abs(response.speed[chosen] / response.speed[peak] - 1.0).min() > SAME_PEAK:
-            chosen.append(peak)
-    return np.sort(np.array(chosen, dtype=np.int64))
-
-
 MOST_MODES = 3  # of the sums of phasors: the lowest
 VARYING = 4  # harmonics of the inertia that are considered
 
@@ -172,9 +167,7 @@ def running_point(
     if reference is None:
         return None, None
     steady = steady_if_known(work.study, work.system, np.array([reference]))
-    torque = None
-    if steady is not None:
-        torque = float(sum(steady.applied[station, 0] for station in stations))
+    torque = None if steady is None else float(steady.applied[list(stations), 0].sum())
     return reference * abs(float(part.ratio)), torque
 
 
@@ -185,15 +178,13 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
     if mean is not None and share:
         balanced = mean / share
         gas_mean = balanced / len(engine.cylinders) / engine.efficiency
-    size = engine.cylinder
+    # Only a gas torque of one load goes on at every load.
     law = engine.gas
-    imep = None
-    stated = None
-    if size is not None:
-        imep = None if gas_mean is None else size.imep(gas_mean)
-        # Only a gas torque of one load goes on at every load.
-        if law is not None and law.stated is not None and law.goes_on:
-            stated = size.imep(law.stated)
+    stated_torque = law.stated if law is not None and law.goes_on else None
+    imep, stated = (
+        None if torque is None or engine.cylinder is None else engine.cylinder.imep(torque)
+        for torque in (gas_mean, stated_torque)
+    )
     inertia = engine.inertia_over_angle[1 : VARYING + 1]
     orders = (np.arange(1, len(inertia) + 1) * engine.revolutions).tolist()
     inertias = [
@@ -237,8 +228,7 @@ def _harmonics(
     work: Work, engine: EngineRecord, speed: float, gas_mean: float | None
 ) -> Iterator[HarmonicFound]:
     """Yield the harmonics of a firing cylinder of the balanced engine, those that exist."""
-    law = engine.gas
-    size = engine.cylinder
+    law, size = engine.gas, engine.cylinder
     load = None if gas_mean is None else np.array([gas_mean])
     numbers = [
         number
@@ -254,13 +244,12 @@ def _harmonics(
     angles = [] if modes is None else [*modes.shape[throws, :MOST_MODES].T]
     by_mode = [np.abs(phasors @ (angle / np.abs(angle).max())) for angle in angles if angle.any()]
     for row, number in enumerate(numbers):
-        gas = 0j
-        motored = None
-        speeds = np.array([speed])
+        at_point = number, load, np.array([speed])
+        gas, motored = 0j, None
         if law is not None:
-            gas = complex(law.harmonic(number, load, speeds)[0])
+            gas = complex(law.harmonic(*at_point)[0])
             if law.motored is not None:
-                motored = complex(law.harmonic(number, load, speeds, state="motored")[0])
+                motored = complex(law.harmonic(*at_point, state="motored")[0])
         masses = complex(engine.inertia[number]) * speed**2
         yield HarmonicFound(
             Fraction(number, engine.revolutions),
@@ -328,6 +317,7 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
         return tuple
     if why := without_answer(response):
         work.log.without(f"misfire of each cylinder of {name}", why)
+        return tuple
     return partial(misfires, work.study, response, engine)
 
 
@@ -345,39 +335,30 @@ def engine_faults(study: Study) -> Iterator[Fault]:
         what = "a motion over time" if is_transient else "backlash, friction, stages or a clutch"
         message = f"`phase: worst` adds magnitudes, and {what} does not follow so"
         yield Fault((*by_chance[0].path, "phase"), message, "give the angle, in several cases")
-    for part, engine in engines:
-        yield from _uncovered(study, part, engine)
-
-
-def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault]:
-    """Yield the fault of a gas torque that is not known at some load or speed of the response."""
-    law = engine.gas
     operation = study.operation
-    if law is None or operation.speeds is None:
+    if operation.speeds is None:
         return
     rated = [] if operation.rated is None else [operation.rated.speed]
     speed = np.append(operation.speeds.values(), rated)
-    factor = 30.0 / math.pi
-    unit = "rpm"
-    needed = speed * abs(float(part.ratio))
-    if law.over == "load" and study.has_mean_torque:
-        station, of_mean = engine.load_says
-        try:
-            entering = power_balance(study.train, operation).applied(station, speed)
-        except InputError:
-            return  # the mean torque is at fault, and reported as that
-        needed = entering / float(study.train.stations[station].ratio) * of_mean
-        factor = 1.0
-        unit = "N m of a cylinder"
-        if engine.cylinder is not None:
-            factor = engine.cylinder.imep(1.0) * 1e-5
-            unit = "`bar` imep"
-    elif law.over != "speed":
-        return
-    if not law.covers(needed):
-        first = law.at[0] * factor
-        last = law.at[-1] * factor
-        needs = f"the operation needs {needed.min() * factor:.5g} to {needed.max() * factor:.5g}"
-        message = f"the tables of '{part.name}' cover {first:.5g} to {last:.5g} {unit}, {needs}"
-        hint = "add a table (`motored` rows are one of no load), or narrow the speeds; nothing is extrapolated"
-        yield Fault((*part.path, "gas"), message, hint)
+    for part, engine in engines:
+        law = engine.gas
+        factor, unit = 30.0 / math.pi, "rpm"
+        needed = speed * abs(float(part.ratio))
+        if law is not None and law.over == "load" and study.has_mean_torque:
+            station, of_mean = engine.load_says
+            try:
+                entering = power_balance(study.train, operation).applied(station, speed)
+            except InputError:
+                continue  # the mean torque is at fault, and reported as that
+            needed = entering / float(study.train.stations[station].ratio) * of_mean
+            factor, unit = 1.0, "N m of a cylinder"
+            if engine.cylinder is not None:
+                factor, unit = engine.cylinder.imep(1.0) * 1e-5, "`bar` imep"
+        elif law is None or law.over != "speed":
+            continue
+        if not law.covers(needed):
+            needs = f"{needed.min() * factor:.5g} to {needed.max() * factor:.5g}"
+            covers = f"{law.at[0] * factor:.5g} to {law.at[-1] * factor:.5g} {unit}"
+            message = f"the tables of '{part.name}' cover {covers}, the operation needs {needs}"
+            hint = "add a table (`motored` rows are one of no load), or narrow the speeds; nothing is extrapolated"
+            yield Fault((*part.path, "gas"), message, hint)

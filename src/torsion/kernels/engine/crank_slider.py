@@ -151,9 +151,5 @@ def ker_wilson(throw: Throw, shear_modulus: float) -> float:
     """N m/rad after Ker Wilson (Nestorides, handbook; to be verified)."""
     (d_j, bore_j, l_j), (d_p, bore_p, l_p), (thick, wide) = throw.journal, throw.pin, throw.web
     length = (l_j + 0.4 * d_j) / (d_j**4 - bore_j**4) + (l_p + 0.4 * d_p) / (d_p**4 - bore_p**4)
-    return (
-        math.pi
-        * shear_modulus
-        / 32.0
-        / (length + (throw.radius - 0.2 * (d_j + d_p)) / (thick * wide**3))
-    )
+    arm = throw.radius - 0.2 * (d_j + d_p)
+    return math.pi * shear_modulus / 32.0 / (length + arm / (thick * wide**3))

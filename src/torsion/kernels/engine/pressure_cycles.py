@@ -43,24 +43,19 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
     travel: (rows,) m from the outer dead centre, which rises once from 0 to the stroke and falls once to 0; pressure:
     (rows,) Pa. meet: of the largest pressure, by how much two rows at one place may differ. Raises NoLoop.
     """
-    near, kept = SAME_ROW * 2.0 * crank.radius, [0]
+    near, apart, kept = SAME_ROW * 2.0 * crank.radius, meet * pressure.max(), [0]
     for row in range(1, len(travel)):
         if abs(travel[row] - travel[kept[-1]]) > near:
             kept.append(row)
-        elif abs(pressure[row] - pressure[kept[-1]]) > meet * pressure.max():
+        elif abs(pressure[row] - pressure[kept[-1]]) > apart:
             raise NoLoop(row, "two pressures at one volume", "rows follow the motion of the piston")
+    last = len(travel) - 1
     if abs(travel[-1] - travel[0]) > near:
-        raise NoLoop(
-            len(travel) - 1,
-            "the loop is not closed",
-            "the last row repeats the first, a revolution later",
-        )
-    if abs(pressure[-1] - pressure[0]) > meet * pressure.max():
-        raise NoLoop(
-            len(travel) - 1,
-            "it ends with another pressure than it begins with",
-            "the loop is closed",
-        )
+        hint = "the last row repeats the first, a revolution later"
+        raise NoLoop(last, "the loop is not closed", hint)
+    if abs(pressure[-1] - pressure[0]) > apart:
+        message = "it ends with another pressure than it begins with"
+        raise NoLoop(last, message, "the loop is closed")
     rows = np.array(kept[:-1])
     rows = np.roll(rows, -int(np.argmin(travel[rows])))
     turn = int(np.argmax(travel[rows]))
@@ -69,10 +64,8 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
         raise NoLoop(None, "the rows do not form a loop of two branches", hint)
     wrong = np.flatnonzero((np.diff(travel[rows]) > 0) != (np.arange(len(rows) - 1) < turn))
     if wrong.size:
-        fault_row, turns = int(rows[wrong[0] + 1]), "it rises once and falls once"
-        raise NoLoop(
-            fault_row, "the volume turns back between its ends", f"in the order of motion {turns}"
-        )
+        hint = "in the order of motion it rises once and falls once"
+        raise NoLoop(int(rows[wrong[0] + 1]), "the volume turns back between its ends", hint)
     angle = angle_of_travel(crank, travel[rows])
     angle[turn + 1 :] = 2.0 * math.pi - angle[turn + 1 :]
     return Diagram(np.append(angle, 2.0 * math.pi), np.append(pressure[rows], pressure[rows[0]]))
@@ -104,9 +97,8 @@ class Cycle:
     shape: float  # m
     duration: float  # rad
     exhaust_opens: float = math.pi  # of two strokes; it closes as long before top dead centre
-    scavenge_opens: float = (
-        math.pi
-    )  # of two strokes; until then the pressure falls in a straight line to the charge
+    # Of two strokes; until then the pressure falls in a straight line to the charge.
+    scavenge_opens: float = math.pi
     start: float = 0.0  # of heat
     heat: float = 0.0  # J
 
@@ -128,18 +120,10 @@ class Cycle:
     def _rate(self, angle: FloatArray) -> FloatArray:
         """V^(g-1) dx_b/dangle while heat is released."""
         y = np.clip((angle - self.start) / self.duration, 0.0, 1.0)
-        share = (
-            BURNT
-            * (self.shape + 1.0)
-            / self.duration
-            * y**self.shape
-            * np.exp(-BURNT * y ** (self.shape + 1.0))
-        )
-        return (
-            self.cylinder.volume(angle, self.ratio) ** (self.gamma - 1.0)
-            * share
-            / -math.expm1(-BURNT)
-        )
+        power = self.shape + 1.0
+        share = BURNT * power / self.duration * y**self.shape * np.exp(-BURNT * y**power)
+        volume = self.cylinder.volume(angle, self.ratio)
+        return volume ** (self.gamma - 1.0) * share / -math.expm1(-BURNT)
 
     @cached_property
     def _burning(self) -> tuple[FloatArray, FloatArray]:
@@ -171,12 +155,12 @@ class Cycle:
         pressure = self.closed(inside)
         if self.is_two_stroke:
             end = float(self.closed(np.array(self.opens)))
-            share = np.clip(
-                (angle - self.opens) / max(self.scavenge_opens - self.opens, 1e-12), 0.0, 1.0
-            )
-            return np.where(angle <= self.opens, pressure, end + (self.charge - end) * share)
-        open_ = np.where(angle < 2.0 * math.pi, self.exhaust, self.charge)
-        return np.where(angle <= self.opens, pressure, open_)
+            length = max(self.scavenge_opens - self.opens, 1e-12)
+            share = np.clip((angle - self.opens) / length, 0.0, 1.0)
+            exchanged = end + (self.charge - end) * share
+        else:
+            exchanged = np.where(angle < 2.0 * math.pi, self.exhaust, self.charge)
+        return np.where(angle <= self.opens, pressure, exchanged)
 
     @property
     def corners(self) -> FloatArray:
@@ -217,7 +201,7 @@ def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
 def timed(cycle: Cycle, imep: float, start: float) -> Cycle:
     """The cycle with the heat (J) that gives an imep (Pa) when it begins at `start` (rad)."""
     some = replace(cycle, start=start, heat=imep * cycle.cylinder.swept)
-    none, wanted = _mean(replace(cycle, heat=0.0)), cycle.cylinder.mean_torque(imep)
+    none, wanted = _mean(cycle.motored), cycle.cylinder.mean_torque(imep)
     return replace(some, heat=some.heat * (wanted - none) / (_mean(some) - none))
 
 
