@@ -200,7 +200,7 @@ def _case(
     else:
         node = source.at(case.path) or Node({}, 1, 1)
         change_overlay(case.keys, case.path, node, overlay)
-    overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
+    overlay.removed["analyses", "fit"] = None  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
         try:
@@ -260,7 +260,7 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
             overlay.put(("rules",), rules, case_node.keys["rules"])
             # Without rules there is no limit that a design could keep; that of the file has this case among others.
             if not rules.value:
-                overlay.remove(("analyses", "design"))
+                overlay.removed["analyses", "design"] = None
     remove_components(overlay, keys.remove, (*path, "remove"))
 
 

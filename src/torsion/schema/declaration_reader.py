@@ -53,18 +53,15 @@ def other_words() -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(line.split(" | ")) for line in lines if not line.startswith("#"))
 
 
-def _meanings(written: str) -> dict[str, str]:
-    spelled = _spelled(written)
-    return {key: meaning for word, key, meaning in other_words() if word == spelled}
-
-
-def _spelled(written: str) -> str:
-    return re.sub("[ -]", "_", written.casefold())
+def _meanings(written: str) -> tuple[str, dict[str, str]]:
+    """A word as the file of words spells it, and its meanings there by key."""
+    spelled = re.sub("[ -]", "_", written.casefold())
+    return spelled, {key: meaning for word, key, meaning in other_words() if word == spelled}
 
 
 def word_for(subject: Literal["component", "analysis"], written: str, otherwise: str) -> str:
     """Return what to write for a word that is no component or analysis; `otherwise` for an unknown word."""
-    return _meanings(written).get(f"<{subject}>", otherwise)
+    return _meanings(written)[1].get(f"<{subject}>", otherwise)
 
 
 def key_for(written: str, keys: list[str]) -> str:
@@ -75,10 +72,10 @@ def key_for(written: str, keys: list[str]) -> str:
     >>> key_for("gear_teeth", ["teeth", "ratio"])
     'write `teeth`'
     """
-    meanings = _meanings(written)
+    spelled, meanings = _meanings(written)
     possible = [f"`{key}` ({meanings[key]})" for key in meanings if key in keys]
     if not possible:
-        possible = [f"`{part}`" for part in _spelled(written).split("_") if part in keys][-1:]
+        possible = [f"`{part}`" for part in spelled.split("_") if part in keys][-1:]
     return f"write {' or '.join(possible)}" if possible else ""
 
 
@@ -110,7 +107,7 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
         keys = f"keys: {', '.join(keys_of(kind))}"
         faults.append(Fault(path, f"{shown(body)} is not a mapping of keys", keys))
         return None
-    noted_faults = [_without_value((*path, *where), where) for where in _empty(body)]
+    noted_faults = list(_empty(body, path))
     noted = [fault.path[len(path) :] for fault in noted_faults]
     values = _filled(body)
     try:
@@ -175,13 +172,8 @@ def _between_sound_keys(
 
 def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
     """What stands in a mapping or a list, with its key or position; nothing of any other value."""
-    return iter(
-        value.items()
-        if isinstance(value, dict)
-        else enumerate(value)
-        if isinstance(value, list)
-        else ()
-    )
+    pairs = enumerate(value if isinstance(value, list) else ())
+    return iter(value.items() if isinstance(value, dict) else pairs)
 
 
 def unknown_word(
@@ -231,28 +223,22 @@ def mappings_of(annotation: Any) -> Iterator[type[Declared]]:
     )
 
 
-def _empty(value: object, path: Path = ()) -> Iterator[Path]:
-    """Paths of what stands in the file without a value."""
-    for step, item in entries_of(value):
-        yield from _empty(item, (*path, step))
-    if value is None:
-        yield path
+def _empty(value: object, above: Path, path: Path = ()) -> Iterator[Fault]:
+    """Yield the fault of every key without a value in what stands at a path.
 
-
-def _without_value(path: Path, where: Path) -> Fault:
-    """The fault of a key without a value; one that begins with digits is half of a number with a decimal comma.
-
-    One that holds a colon misses a blank behind it, which would part key and value.
+    A key that begins with digits is half of a number with a decimal comma; one that holds a colon misses a blank behind
+    it, which would part key and value.
     """
-    name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
-    hint = (
-        "a decimal comma? write a point"
-        if name[:1].isdecimal()
-        else "give one, or leave the key out"
-    )
+    for step, item in entries_of(value):
+        yield from _empty(item, above, (*path, step))
+    if value is not None:
+        return
+    name = next((step for step in reversed(path) if isinstance(step, str)), "the entry")
+    is_number = name[:1].isdecimal()
+    hint = "a decimal comma? write a point" if is_number else "give one, or leave the key out"
     if glued := re.match(r"([\w-]+):(?=\S)", name):
         hint = f"a blank is missing after the colon: `{glued[0]} {printable(name[glued.end() :])}`"
-    return Fault(path, f"`{name}` has no value", hint, True)
+    yield Fault((*above, *path), f"`{name}` has no value", hint, True)
 
 
 def _filled(value: Any) -> Any:
@@ -276,10 +262,9 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
             where = (*path, key)
             return where, Fault(where, f"`{key}` is missing", _meaning(kind, where))
         case "extra_forbidden":
-            model = _model(kind, path[:-1])
-            return path, unknown_word(
-                path, "key", str(path[-1]), list(keys_of(model)) if model else []
-            )
+            model, _ = _declaration(kind, path)
+            keys = list(keys_of(model)) if model else []
+            return path, unknown_word(path, "key", str(path[-1]), keys)
         case other:
             message, hint = _words(other, context, below)
             return path, Fault(path, message, hint or _meaning(kind, path))
@@ -289,11 +274,9 @@ def _path(location: tuple[int | str, ...], body: object) -> tuple[Path, object]:
     """The steps of a location that exist in the file, and the value there; the rest are names of pydantic's own."""
     path: Path = ()
     for step in location:
-        keys = (
-            body if isinstance(body, dict) else range(len(body)) if isinstance(body, list) else ()
-        )
-        if step in keys:
-            path, body = (*path, step), body[step]  # type: ignore[index]
+        entries = dict(entries_of(body))
+        if step in entries:
+            path, body = (*path, step), entries[step]
     return path, body
 
 
@@ -303,25 +286,18 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
         case "literal_error":
             choices = context["expected"].replace(" or ", ", ").split(",")
             near = nearest(str(value), [choice.strip("' ") for choice in choices])
-            return (
-                f"{shown(value)} is none of {context['expected']}",
-                f"did you mean '{near}'?" if near else "",
-            )
+            hint = f"did you mean '{near}'?" if near else ""
+            return f"{shown(value)} is none of {context['expected']}", hint
         case "string_type":
-            return f"{shown(value)} is not text", "put it in quotes" if isinstance(
-                value, int | float
-            ) else ""
+            hint = "put it in quotes" if isinstance(value, int | float) else ""
+            return f"{shown(value)} is not text", hint
         case "string_too_long":
-            return (
-                f"the text is too long: {len(str(value))} characters",
-                f"at most {context['max_length']}",
-            )
+            message = f"the text is too long: {len(str(value))} characters"
+            return message, f"at most {context['max_length']}"
         case "missing" | "too_short" | "too_long":
             size, fits = _size(value), "long" if error == "too_long" else "short"
-            return (
-                f"the {'mapping' if value == {} else 'list'} is too {fits}: {size} value{'s' * (size != 1)}",
-                "",
-            )
+            what = "mapping" if value == {} else "list"
+            return f"the {what} is too {fits}: {size} value{'s' * (size != 1)}", ""
         case "greater_than_equal" | "less_than_equal":
             limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
             return f"{shown(value)} is out of range", f"must be {limit}"
@@ -335,30 +311,29 @@ def _size(value: object) -> int:
     return len(value) if isinstance(value, list | tuple) or value == {} else 1
 
 
-def _model(kind: type[BaseModel] | None, path: Path) -> type[BaseModel] | None:
-    """The declaration that stands at a path below another one."""
+def _declaration(
+    kind: type[BaseModel], path: Path
+) -> tuple[type[BaseModel] | None, FieldInfo | None]:
+    """The declaration in which the last key of a path stands, and what it says of that key."""
+    model: type[BaseModel] | None = kind
+    holder, field = model, None
     for step in path:
-        field = None if kind is None else keys_of(kind).get(str(step))
-        if field is not None:  # else a position, or a name that the user chose
-            kind = next(mappings_of(field), None)
-    return kind
+        stated = None if model is None else keys_of(model).get(str(step))
+        if isinstance(step, str):
+            holder, field = model, stated
+        if stated is not None:  # else a position, or a name that the user chose
+            model = next(mappings_of(stated), None)
+    return holder, field
 
 
 def _meaning(kind: type[BaseModel], path: Path) -> str:
     """What the key at a path is, and in which unit."""
-    place = max(
-        (position for position, step in enumerate(path) if isinstance(step, str)), default=-1
-    )
-    model = None if place < 0 else _model(kind, path[:place])
-    field = None if model is None else keys_of(model).get(str(path[place]))
+    _, field = _declaration(kind, path)
     if field is None:
         return ""
-    quantity = next(
-        (item for item in items_of(field) if isinstance(item, Quantity) and item.unit != "1"), None
-    )
-    return (field.description or "") + (
-        f"; {units.speak(quantity.unit)} in {quantity.unit}" if quantity else ""
-    )
+    quantities = (item for item in items_of(field) if isinstance(item, Quantity))
+    unit = next((quantity.unit for quantity in quantities if quantity.unit != "1"), "")
+    return (field.description or "") + (f"; {units.speak(unit)} in {unit}" if unit else "")
 
 
 def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
@@ -372,8 +347,27 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
         message = f"{shown(entries)} is not a list of components"
         faults.append(Fault(path, message, hint, at_key=path[-1] in KINDS))
         return ()
-    read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
-    return tuple(component for component in read if component is not None)
+    read = list[Component]()
+    for position, entry in enumerate(entries):
+        entry_path = (*path, position)
+        if not isinstance(entry, dict) or not entry:
+            named = without_mark(f"{entry} {{", KINDS) if isinstance(entry, str) else None
+            hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
+            message = f"{shown(entry)} is not a component, a mapping with one key"
+            faults.append(Fault(entry_path, message, hint))
+        elif len(entry) > 1:
+            kinds = [key for key in entry if key in KINDS]
+            extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
+            hint = "indent the keys of a component below its kind"
+            hint = "start each with its own `-`" if len(kinds) > 1 else hint
+            keys = ", ".join(f"`{key}`" for key in list(entry)[:5])
+            message = f"a component is one key, its kind; there are {keys}"
+            faults.append(Fault((*entry_path, extra), message, hint, at_key=True))
+        else:
+            ((kind, body),) = entry.items()
+            component = one_component(kind, body, (*entry_path, kind), faults)
+            read += [] if component is None else [component]
+    return tuple(read)
 
 
 def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
@@ -399,30 +393,6 @@ def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> C
     before = len(faults)
     read = declared(component_class(kind), _with_trains(body, path, faults), path, faults)
     return read if len(faults) == before else None
-
-
-def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
-    """An entry is a mapping with one key, its kind."""
-    if not isinstance(entry, dict) or not entry:
-        named = without_mark(f"{entry} {{", KINDS) if isinstance(entry, str) else None
-        hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
-        faults.append(
-            Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint)
-        )
-        return None
-    if len(entry) > 1:
-        kinds = [key for key in entry if key in KINDS]
-        extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
-        hint = (
-            "start each with its own `-`"
-            if len(kinds) > 1
-            else "indent the keys of a component below its kind"
-        )
-        message = f"a component is one key, its kind; there are {', '.join(f'`{key}`' for key in list(entry)[:5])}"
-        faults.append(Fault((*path, extra), message, hint, at_key=True))
-        return None
-    ((kind, body),) = entry.items()
-    return one_component(kind, body, (*path, kind), faults)
 
 
 def _with_trains(body: Any, path: Path, faults: list[Fault]) -> Any:

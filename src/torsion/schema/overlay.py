@@ -1,7 +1,7 @@
 """What a case of a file changes, as the file's values with their places: keys replaced, multiplied or removed."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Context, Decimal
 from fractions import Fraction
@@ -63,10 +63,6 @@ class Overlay:
         file = Source(self.source.name, self.source.text)
         self.puts.append((path, replace(value, source=value.source or file), key_place))
 
-    def remove(self, path: Path) -> None:
-        """Take away what stands at a path."""
-        self.removed[path] = None
-
     def replace(self, words: str, value: Node, key_place: Place, fault: Path) -> None:
         """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
         if (path := self.path(words, fault)) is None:
@@ -111,7 +107,23 @@ class Overlay:
         named = next((part for part in self.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
             if named is None:
-                self.refuse(fault, *self._unknown_name(first, words, is_quoted))
+                if first in NOT_BY_KEY and not is_quoted:
+                    hint = f"what changes it: {NOT_BY_KEY[first]}"
+                    self.refuse(fault, f"`{first}` is not changed by its key", hint)
+                    return None
+                names = [part.name for part in self.parts]
+                near = nearest(first, [*names, *SECTIONS])
+                hint = (
+                    f"did you mean `{near}`?"
+                    if near
+                    else f"there is {', '.join([*names, *SECTIONS])}"
+                )
+                dotted = (name for name in names if "." in name and words.startswith(name))
+                for name in dotted:
+                    hint = f'a name that has dots stands in quotes: `"{name}"{words[len(name) :]}`'
+                    break
+                message = f"no component and no section is called `{printable(first)}`"
+                self.refuse(fault, message, hint)
                 return None
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
@@ -146,21 +158,6 @@ class Overlay:
         steps = [aliases.get(word, word) for word in plain[1:]]
         return plain[0], words_found[0] != plain[0], steps
 
-    def _unknown_name(self, first: str, words: str, is_quoted: bool) -> tuple[str, str]:
-        """Message and hint about a word that neither a component nor a section goes by."""
-        if not is_quoted and first in NOT_BY_KEY:
-            message = f"`{first}` is not changed by its key"
-            return message, f"what changes it: {NOT_BY_KEY[first]}"
-        names = [part.name for part in self.parts]
-        dotted = next((name for name in names if "." in name and words.startswith(name)), None)
-        if dotted is not None:
-            hint = f'a name that has dots stands in quotes: `"{dotted}"{words[len(dotted) :]}`'
-        else:
-            known_names = [*names, *SECTIONS]
-            near = nearest(first, known_names)
-            hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known_names)}"
-        return f"no component and no section is called `{printable(first)}`", hint
-
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""
         node = self.source.at(path)
@@ -190,10 +187,11 @@ class Overlay:
         for path, value, key_place in self.puts:
             root = _put_in(root, path, value, key_place)
 
-        def order(path: Path) -> list[tuple[bool, str | int]]:
-            return [(isinstance(step, str), step) for step in path]
-
-        for path in sorted(self.removed, key=order, reverse=True):
+        # From behind, so that items of a list that are still to go keep their numbers.
+        in_order = sorted(
+            self.removed, key=lambda path: [(isinstance(step, str), step) for step in path]
+        )
+        for path in reversed(in_order):
             root = _without(root, path)
         return replace(self.source, root=root)
 
@@ -203,22 +201,13 @@ def _put_in(node: Node, path: Path, new: Node, key_place: Place) -> Node:
     if not path:
         return new
     step, deeper = path[0], path[1:]
-    inner = _put_in(
-        node.parts.get(step) or Node(None, *key_place, source=new.source), deeper, new, key_place
-    )
-    parts = {**node.parts, step: inner}
-    if isinstance(node.value, list):
-        value = [
-            inner.value if position == step else item for position, item in enumerate(node.value)
-        ]
-        return replace(node, value=value, parts=parts)
-    key_at = node.keys.get(str(step), key_place) if deeper else key_place
-    return replace(
-        node,
-        value={**(node.value or {}), step: inner.value},
-        parts=parts,
-        keys={**node.keys, str(step): key_at},
-    )
+    part = node.parts.get(step) or Node(None, *key_place, source=new.source)
+    inner, is_list = _put_in(part, deeper, new, key_place), isinstance(node.value, list)
+    value: Any = list(node.value) if is_list else dict(node.value or {})
+    value[step] = inner.value
+    label = node.keys.get(str(step), key_place) if deeper else key_place
+    keys = node.keys if is_list else {**node.keys, str(step): label}
+    return replace(node, value=value, parts={**node.parts, step: inner}, keys=keys)
 
 
 def _without(node: Node, path: Path) -> Node:
@@ -226,19 +215,15 @@ def _without(node: Node, path: Path) -> Node:
     step, deeper = path[0], path[1:]
     if step not in node.parts:
         return node
+    parts, keys = dict(node.parts), dict(node.keys)
     if deeper:
-        inner = _without(node.parts[step], deeper)
-        kept = [(key, inner if key == step else part) for key, part in node.parts.items()]
+        parts[step] = _without(parts[step], deeper)
     else:
-        kept = [(key, part) for key, part in node.parts.items() if key != step]
+        del parts[step]
+        keys.pop(str(step), None)
     if isinstance(node.value, list):
-        return replace(
-            node,
-            value=[part.value for _, part in kept],
-            parts=dict(enumerate(part for _, part in kept)),
-        )
-    keys = {key: key_place for key, key_place in node.keys.items() if deeper or key != step}
-    return replace(node, value={key: part.value for key, part in kept}, parts=dict(kept), keys=keys)
+        return node.as_list(list(parts.values()))
+    return node.as_mapping(parts, keys=keys)
 
 
 def multiplied(value: Any, factor: Fraction) -> int | float | str | None:
@@ -254,18 +239,18 @@ def multiplied(value: Any, factor: Fraction) -> int | float | str | None:
             amount, unit = units.amount(value)
         except units.UnitFault:
             return None
-        return None if re.match(r"1/[0-9]", unit) else f"{_figure(amount * factor)} {unit}".strip()
+        # The digits of the product, exact where they end.
+        product = amount * factor
+        quotient = DIGITS.divide(Decimal(product.numerator), Decimal(product.denominator))
+        digits = quotient.normalize(DIGITS)
+        is_short = -12 <= digits.adjusted() <= 15
+        figure = f"{digits:f}" if is_short else f"{digits:E}".replace("+", "")
+        return None if re.match(r"1/[0-9]", unit) else f"{figure} {unit}".strip()
     try:
         made = Fraction(repr(value)) * factor
         return int(made) if isinstance(value, int) and made.denominator == 1 else float(made)
     except (ValueError, OverflowError):  # not finite
         return None
-
-
-def _figure(value: Fraction) -> str:
-    """The digits of a fraction, exact where they end."""
-    quotient = DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(DIGITS)
-    return f"{quotient:f}" if -12 <= quotient.adjusted() <= 15 else f"{quotient:E}".replace("+", "")
 
 
 def in_words(value: Any) -> str:
@@ -280,19 +265,8 @@ def _flow(value: Any) -> str:
         return "[" + ", ".join(map(_flow, value)) + "]"
     if isinstance(value, float):
         return f"{value:.15g}"
-    return (
-        "nothing"
-        if value is None
-        else str(value).lower()
-        if isinstance(value, bool)
-        else str(value)
-    )
-
-
-def of_list(data: Any, section: str) -> Iterable[tuple[int, dict[str, Any]]]:
-    """Position and body of every mapping in a list of the file."""
-    body = data.get(section) if isinstance(data, dict) else None
-    return ((int(step), item) for step, item in entries_of(body) if isinstance(item, dict))
+    text = "nothing" if value is None else str(value)
+    return text.lower() if isinstance(value, bool) else text
 
 
 def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> None:
@@ -310,7 +284,14 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
             if path[:-1] == MAIN and parts[name].kind != "branch":
                 ends[path] = fault_path
             else:
-                entries |= dict.fromkeys(_branch_entries(overlay, path, parts[name]))
+                # Outside the main train all of a branch behind it goes too, and itself where none is left.
+                line, number = path[:-1], path[-1]
+                gone = [path]
+                if path[0] != "links" and parts[name].kind != "branch":
+                    node = overlay.source.at(line) or Node([], 1, 1)
+                    gone = [(*line, k) for k in range(int(number), len(node.value))]
+                    gone = [line[:-2]] if number == 0 and line[-2] == "branch" else gone
+                entries |= dict.fromkeys(gone)
         elif (key_path := overlay.path(name, fault_path)) is not None and "." in name:
             given = overlay.source.at(key_path)
             if given is None:
@@ -318,21 +299,10 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
                 overlay.faults.append(Fault(fault_path, message, "leave it out"))
             else:
                 overlay.changes.append(Change(name, in_words(given.value), "not given"))
-                overlay.remove(key_path)
+                overlay.removed[key_path] = None
     entries |= dict.fromkeys(_main_entries(overlay, ends))
     if not overlay.faults and entries:
         _remove_entries(overlay, list(entries), fault)
-
-
-def _branch_entries(overlay: Overlay, path: Path, part: Part) -> list[Path]:
-    """The entries that go with one outside the main train: of a branch all behind it, and itself where none is left."""
-    if path[0] == "links" or part.kind == "branch":
-        return [path]
-    line, position = path[:-1], path[-1]
-    if position == 0 and line[-2] == "branch":
-        return [line[:-2]]
-    size = len((overlay.source.at(line) or Node([], 1, 1)).value)
-    return [(*line, k) for k in range(int(position), size)]
 
 
 def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
@@ -371,14 +341,19 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
             Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file")
         )
         return
-    data = overlay.source.data
+    stated: dict[Path, dict[str, Any]] = {  # an excitation has `at`, a link `between`
+        (section, number): body
+        for section in ("links", "excitations")
+        for number, body in entries_of(overlay.source.data.get(section))
+        if isinstance(body, dict)
+    }
+    acting = [path for path, body in stated.items() if body.get("at") in gone]
     links = [
-        k
-        for k, body in of_list(data, "links")
-        if set(map(str, body.get("between") or ())) & set(gone)
+        path
+        for path, body in stated.items()
+        if {*map(str, body.get("between") or ())} & gone.keys()
     ]
-    acting = [k for k, body in of_list(data, "excitations") if body.get("at") in gone]
-    entries = [*entries, *(("links", k) for k in links), *(("excitations", k) for k in acting)]
+    entries = [*entries, *links, *acting]
     gone |= {part.name: part for part in overlay.parts if goes(part)}
     # Components without a name keep that which kind and number give them with all components there.
     kinds = {part.kind for part in gone.values()}
@@ -387,8 +362,7 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
             node = overlay.source.at(part.path) or overlay.source.root
             place = node.line, node.column
             overlay.put((*part.path, "name"), Node(part.name, *place, source=node.source), place)
-    for entry in entries:
-        overlay.remove(entry)
+    overlay.removed |= dict.fromkeys(entries)
     with_it = [f"{len(acting)} excitation{'s' * (len(acting) > 1)}"] if acting else []
     words = ", ".join([*gone, *with_it])
     overlay.changes.append(Change("components and what acts on them", words, "taken away"))

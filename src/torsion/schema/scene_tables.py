@@ -37,6 +37,7 @@ BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("measured", TORSIOGRAM): TORSIOGRAM,
 }
 SECTION = ("length", "diameter", "bore")  # of a row that is a list
+FIRST, SECOND = (f"`{section_name('line', number)}`" for number in (1, 2))  # names of sections
 OF_A_ROW = ("length", "step", "support", "notches", "hub")  # keys that the rows alone may have
 EXAMPLE = (
     "one row a section: [[0.6 m, 100 mm], [0.5 m, 200 mm, 80 mm]], rows in keys, or a CSV file"
@@ -70,7 +71,14 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
     if table_name(node.value) and (key == TRAIN or key in MAPPINGS or key in PAIRS):
         return node.as_list(_table(node, key, reading))
     if isinstance(node.value, list):
-        parts = [part for item in node.parts.values() for part in _items(item, key, reading)]
+        parts = list[Node]()  # of a train rows of a table, or sections of a shaft, for an item
+        for item in node.parts.values():
+            if key == TRAIN and "shaft" in item.parts and SECTIONS in item.parts["shaft"].parts:
+                parts += _sections(item, reading)
+            elif key == TRAIN and table_name(item.value):
+                parts += _table(item, key, reading)
+            else:
+                parts.append(_spliced(item, key * (key in INNER), reading))
         return node if parts == list(node.parts.values()) else node.as_list(parts)
     if not isinstance(node.value, dict):
         return node
@@ -94,15 +102,6 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
     return replace(node, value=value, parts=inner)
 
 
-def _items(item: Node, key: str, reading: Reading) -> list[Node]:
-    """What stands for an item of a list: rows of a table or sections of a shaft in a train, else the item itself."""
-    if key == TRAIN and "shaft" in item.parts and SECTIONS in item.parts["shaft"].parts:
-        return _sections(item, reading)
-    if key == TRAIN and table_name(item.value):
-        return _table(item, key, reading)
-    return [_spliced(item, key * (key in INNER), reading)]
-
-
 def _sections(entry: Node, reading: Reading) -> list[Node]:
     """The shafts for which a shaft of sections stands, `line [1]`, `line [2]`, ..., each with the other keys of it."""
     shaft = entry.parts["shaft"]
@@ -115,7 +114,7 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
         _end(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE, reading)
         return []
     if name is None or not isinstance(name.value, str) or not name.value:
-        hint = f"`name: line`: its sections are {_named(1)}, ..."
+        hint = f"`name: line`: its sections are {FIRST}, ..."
         _end(name or shaft, "a shaft of `sections` needs a name", hint, reading)
         return []
     for key in OF_A_ROW:
@@ -125,14 +124,21 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
     common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
     entries = []
     for number, row in enumerate(listed.parts.values(), start=1):
-        if (section := _section(row, reading)) is None:
+        section = row
+        if isinstance(row.value, list) and 2 <= len(row.value) <= len(SECTION):
+            parts: dict[str | int, Node] = dict(zip(SECTION, row.parts.values(), strict=False))
+            places = {str(key): (part.line, part.column) for key, part in parts.items()}
+            section = row.as_mapping(parts, keys=places)
+        elif not isinstance(row.value, dict):
+            hint = "a row is [length, diameter], [length, diameter, bore], or by keys"
+            _end(row, f"{shown(row.value)} is no section", hint, reading)
             continue
-        kept = common
-        if row.source is not None:  # what the scene states stays in the scene
-            kept = {
-                key: replace(part, source=part.source or reading.source)
-                for key, part in common.items()
-            }
+        for key in {"name", SECTIONS} & section.parts.keys():
+            hint = f"its name is {FIRST}, {SECOND}, ..."
+            _end(section.parts[key], f"a section has no `{key}`", hint, reading)
+        # Beside the row of a table what the scene states stays in the scene.
+        scene = None if row.source is None else reading.source
+        kept = {key: replace(part, source=part.source or scene) for key, part in common.items()}
         keys = {key: place for key, place in shaft.keys.items() if key in kept} | section.keys
         named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
         body = section.as_mapping({"name": named, **kept, **section.parts}, keys=keys)
@@ -140,26 +146,6 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
     if not entries:
         _end(listed, "there is no section", EXAMPLE, reading)
     return entries
-
-
-def _section(row: Node, reading: Reading) -> Node | None:
-    """A section by its keys; None where it is faulty."""
-    if isinstance(row.value, list) and 2 <= len(row.value) <= len(SECTION):
-        parts: dict[str | int, Node] = dict(zip(SECTION, row.parts.values(), strict=False))
-        places = {str(key): (part.line, part.column) for key, part in parts.items()}
-        return row.as_mapping(parts, keys=places)
-    if isinstance(row.value, dict):
-        for key in {"name", SECTIONS} & row.parts.keys():
-            hint = f"its name is {_named(1)}, {_named(2)}, ..."
-            _end(row.parts[key], f"a section has no `{key}`", hint, reading)
-        return row
-    hint = "a row is [length, diameter], [length, diameter, bore], or by keys"
-    _end(row, f"{shown(row.value)} is no section", hint, reading)
-    return None
-
-
-def _named(number: int) -> str:
-    return f"`{section_name('line', number)}`"
 
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:

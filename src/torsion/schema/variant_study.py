@@ -32,16 +32,11 @@ def vary(
         raise input_error(faults, case)
 
     source, _ = reread(study)
-    overlay = Overlay(
-        source,
-        study.train.parts,
-        study.reference,
-        permits_no_change=True,
-    )
+    overlay = Overlay(source, study.train.parts, study.reference, permits_no_change=True)
     change_overlay(stated, (), case.root, overlay)
     if overlay.faults:
         raise input_error(overlay.faults, case)
-    overlay.remove(("cases",))
+    overlay.removed["cases",] = None
 
     changes = [(path, node) for path, node, _ in overlay.puts]
     text = edited(source, changes, overlay.removed, overlay.applied().data)

@@ -68,7 +68,7 @@ class Variation:
         for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
             overlay = overlay_of(self.base, source)
             for name in VARYING:
-                overlay.remove(("analyses", name))
+                overlay.removed["analyses", name] = None
             for figure, value in pairs:
                 for path, node in (
                     figure.puts(float(value), source) if figure.stage == stage else ()
