@@ -243,7 +243,7 @@ def test_a_steel_that_is_not_declared_is_answered_with_an_example_that_reads() -
 
 def test_a_word_with_its_mark_is_none_without_it() -> None:
     words = ("disc {inertia", "disc x", "disc:{inertia", "disc", "disk {", "{")
-    missing = [("disc", "colon"), ("disc", "colon"), ("disc", "blank"), None, None, None]
+    missing = [("disc", ""), ("disc", ""), ("disc", ":"), None, None, None]
     assert [without_mark(word, ["disc"]) for word in words] == missing
 
 

@@ -107,13 +107,6 @@ def _read_cases(
     return {case.name: read_case for case in requested if (read_case := studies[case.name])}
 
 
-def located_in_case(error: InputError, case: Case) -> InputError:
-    """Return the same faults in the values of the file as the case changes them."""
-    return input_error(
-        in_case(case.name, input_error(error.faults, case.source).faults), case.source
-    )
-
-
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:
     """Return the faults, each with the case that has it."""
     return [replace(fault, message=f"case '{name}': {fault.message}") for fault in faults]
@@ -355,28 +348,23 @@ def _states_of(name: str, cases: dict[str, Any]) -> CaseStates:
     case = cases[name]
     if not isinstance(case, dict):  # `from: tolerances`
         return CaseStates(frozenset({"other stiffness"} if case == "tolerances" else ()))
-    states = frozenset(_own_states(case))
-    rules = None if case.get("rules") is None else tuple(_names(case["rules"]))
-    base: Any = case.get("based_on")
-    base_case = None if base == name else cases.get(base)
-    if not isinstance(base_case, dict) or "based_on" in base_case:
-        return CaseStates(states, rules)
-    before = _states_of(base, cases)
-    return CaseStates(states | before.states, before.rules if rules is None else rules)
-
-
-def _own_states(case: dict[str, Any]) -> Iterator[str]:
-    for section, states in (("set", STATES), ("scale", SCALED)):
-        changes = case.get(section)
-        for key, value in (changes if isinstance(changes, dict) else {}).items():
-            state = states.get(str(key).rpartition(".")[2])
+    states = set[str]()
+    for section, words in (("set", STATES), ("scale", SCALED)):
+        for key, value in entries_of(case.get(section)):
+            state = words.get(str(key).rpartition(".")[2])
             if section == "set" and key == LOAD and isinstance(value, list):
                 state = "zero pitch"
             if state is not None and value not in (None, []):
-                yield state
-
-
-def _names(rules: Any) -> Iterator[str]:
-    """Yield the names of the rules of a list, each with or without settings."""
-    for rule in rules if isinstance(rules, list) else [rules]:
-        yield from rule if isinstance(rule, dict) else [str(rule)]
+                states.add(state)
+    stated, rules = case.get("rules"), None
+    if stated is not None:  # each with or without settings
+        named = stated if isinstance(stated, list) else [stated]
+        rules = tuple(
+            name for rule in named for name in (rule if isinstance(rule, dict) else [str(rule)])
+        )
+    base: Any = case.get("based_on")
+    base_case = None if base == name else cases.get(base)
+    if not isinstance(base_case, dict) or "based_on" in base_case:
+        return CaseStates(frozenset(states), rules)
+    before = _states_of(base, cases)
+    return CaseStates(before.states | states, before.rules if rules is None else rules)

@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import takewhile
 from operator import itemgetter
 from typing import Any
 
@@ -139,13 +138,8 @@ def _located(fault: Fault, source: Source) -> Fault:
         quoted = printable(re.sub(r"\s", " ", holds.lines[other_line - 1]).strip(), _WIDTH // 2)
         message += f" in line {other_line}" + ("" if holds is where else f" of {holds.name}")
         message += "" if (holds, other_line) == (where, line) else f", `{quoted}`"
-    return replace(
-        fault,
-        message=message,
-        line=line,
-        column=column,
-        file="" if where.name == source.name else where.name,
-    )
+    file = "" if where.name == source.name else where.name
+    return replace(fault, message=message, line=line, column=column, file=file)
 
 
 def _text(fault: Fault, source: Source) -> str:
@@ -177,16 +171,14 @@ _UNDASHED = re.compile(r"\s*([\w-]+):(?:\s|$)")
 
 
 def without_mark(word: str, words: Iterable[str]) -> tuple[str, str] | None:
-    """The known word in 'coupling {stiffness' or 'coupling:{stiffness' and the mark that it misses; None in another."""
+    """The known word in 'coupling {stiffness' or 'coupling:{stiffness', and its colon if it has one; None in another."""
     match = _WITH_MARK.match(word)
-    return (match[1], _mark(match[2])) if match and match[1] in words else None
+    return (match[1], match[2] or "") if match and match[1] in words else None
 
 
-def words_for(word: str, mark: str, body: str = "{...}", dash: str = "") -> tuple[str, str]:
+def words_for(word: str, colon: str, body: str = "{...}", dash: str = "") -> tuple[str, str]:
     """What is wrong with a word that misses its mark, and what would be right."""
-    where = (
-        "a blank is missing after the colon of" if mark == "blank" else "a colon is missing after"
-    )
+    where = "a blank is missing after the colon of" if colon else "a colon is missing after"
     return f"{where} `{printable(word)}`", f"write `{dash}{printable(word)}: {body}`"
 
 
@@ -197,49 +189,30 @@ def missing_mark(
 
     begin: where the piece begins that cannot be read on. Lines and columns from 1.
     """
-    if problem.startswith("mapping values"):
-        return _of_a_pair(lines, position)
-    if re.search("expected ',' or '}'", problem) and lines[position[0] - 1][
-        position[1] - 1 : position[1]
-    ] in ("{", "["):
-        return _without_colon(
-            _WITHIN.match(lines[position[0] - 1][: position[1] - 1]), position[0], "{...}"
-        )
-    return _of_a_block(lines, position[0]) or _without_dash(lines, position, begin)
-
-
-def _mark(colon: str) -> str:
-    return "blank" if colon else "colon"
-
-
-def _of_a_pair(lines: list[str], position: tuple[int, int]) -> Fault | None:
-    """At the colon of a pair within brackets, or of a block, whose own word misses its mark."""
+    line, column = position
+    before, behind = lines[line - 1][: column - 1], lines[line - 1][column - 1 : column]
+    if re.search("expected ',' or '}'", problem) and behind in ("{", "["):
+        return _without_colon(_WITHIN.match(before), line, "{...}")
+    if not problem.startswith("mapping values"):
+        return _of_a_block(lines, line) or _without_dash(lines, position, begin)
+    # At the colon of a pair within brackets, whose own word misses its mark, or of a block.
     opened = 0  # brackets between the line and the colon, less those that are closed
-    for number in range(position[0], 0, -1):
-        line = lines[number - 1] if number < position[0] else lines[number - 1][: position[1] - 1]
-        opened += sum(map(line.count, "{[")) - sum(map(line.count, "}]"))
-        if match := _UNOPENED.match(line):
-            return (
-                _without_colon(match, number, "{...}" if match[4] == "{" else "[...]")
-                if opened > 0
-                else None
-            )
-        if re.match(r"\s*-\s", line):
+    for number in range(line, 0, -1):
+        text = lines[number - 1] if number < line else before
+        opened += sum(map(text.count, "{[")) - sum(map(text.count, "}]"))
+        if match := _UNOPENED.match(text):
+            body = "{...}" if match[4] == "{" else "[...]"
+            return _without_colon(match, number, body) if opened > 0 else None
+        if re.match(r"\s*-\s", text):
             break
-    return _of_a_block(lines, position[0])
+    return _of_a_block(lines, line)
 
 
 def _of_a_block(lines: list[str], line: int) -> Fault | None:
     """At a key that stands deeper than the word above it, which is alone in its line."""
-    line_text, above = (
-        lines[line - 1],
-        next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), None),
-    )
-    if (
-        above is None
-        or not _UNDASHED.match(line_text)
-        or _indent(lines[above - 1]) >= _indent(line_text)
-    ):
+    above = next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), 0)
+    is_deeper = above and _indent(lines[above - 1]) < _indent(lines[line - 1])
+    if not is_deeper or not _UNDASHED.match(lines[line - 1]):
         return None
     return _without_colon(_ALONE.match(lines[above - 1]), above, "{...}")
 
@@ -248,9 +221,8 @@ def _without_colon(match: re.Match[str] | None, line: int, body: str) -> Fault |
     """The fault of a word behind what stands in front of it in its line; None where there is none."""
     if match is None:
         return None
-    message, hint = words_for(
-        match[2], _mark(match[3]), body, "- " if match[1].strip() == "-" else ""
-    )
+    dash = "- " if match[1].strip() == "-" else ""
+    message, hint = words_for(match[2], match[3], body, dash)
     return Fault((), message, hint, line=line, column=match.end(1) + 1)
 
 
@@ -262,14 +234,13 @@ def _without_dash(
     if not re.match(r"\s*-\s", line_text):
         is_behind = lines[begin[0] - 1][begin[1] - 1 :].startswith("- ")
         return _dashless(lines, line) if is_behind and _indent(line_text) == column - 1 else None
-    above = range(line - 1, 0, -1)
-    block = [
-        k
-        for k in takewhile(
-            lambda k: not _is_filled(lines[k - 1]) or _indent(lines[k - 1]) >= column - 1, above
-        )
-        if _is_filled(lines[k - 1])
-    ]
+    # Lines of the same block above this one, from the last.
+    block = list[int]()
+    for k in range(line - 1, 0, -1):
+        if _is_filled(lines[k - 1]):
+            if _indent(lines[k - 1]) < column - 1:
+                break
+            block.append(k)
     siblings = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
     return next((fault for k in siblings if (fault := _dashless(lines, k))), None)
 

@@ -88,22 +88,16 @@ def json_schema() -> Schema:
         "table": TABLE,
         **parts,
     }
-    _add_aliases(schema)
-    return schema
-
-
-def _add_aliases(schema: Schema) -> None:
-    """Offer every other word for a key next to the key."""
+    # Every other word for a key next to the key.
     for name in {
         model.__name__ for kind in KINDS for model in _models_within(component_class(kind))
     }:
-        _offer(
-            schema["$defs"].get(name, {}),
-            aliases_of(schema["$defs"].get(name, {}).get("properties", {})),
-        )
+        body = schema["$defs"].get(name, {})
+        _offer(body, aliases_of(body.get("properties", {})))
     _offer(schema, SECTIONS_BY_ALIAS[""])
     _offer(schema["$defs"][Operation.__name__], SECTIONS_BY_ALIAS["operation"])
     _offer(schema["$defs"][settings_classes()["design"].__name__], SECTIONS_BY_ALIAS["design"])
+    return schema
 
 
 def _models_within(model: type[Declared]) -> Iterator[type[Declared]]:
@@ -158,16 +152,6 @@ def _kind(kind: str, body: Schema) -> Schema:
     return body | {"description": first_line(declared), "examples": examples}
 
 
-def _rule(name: str, body: Schema) -> Schema:
-    """The settings of a rule with what it judges, in the words of its module."""
-    words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
-    return (
-        body
-        | {"description": words.strip().partition("\n")[0].partition(": ")[2]}
-        | _examples(name)
-    )
-
-
 def _examples(name: str) -> Schema:
     """An example of the settings of an analysis or a rule, where the manual has one."""
     example = setting_examples().get(name)
@@ -175,12 +159,13 @@ def _examples(name: str) -> Schema:
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
-    rule = {
-        "anyOf": [
-            {"enum": list(RULES)},
-            _one_of({name: _rule(name, _or_null(refs[name])) for name in RULES}),
-        ]
-    }
+    # A rule with what it judges, in the words of its module.
+    rules = {}
+    for name, place in RULES.items():
+        words = (import_module(place.partition(":")[0]).__doc__ or "").strip().partition("\n")[0]
+        described = {"description": words.partition(": ")[2]}
+        rules[name] = _or_null(refs[name]) | described | _examples(name)
+    rule = {"anyOf": [{"enum": list(RULES)}, _one_of(rules)]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
     kinds = {kind: _kind(kind, refs[kind]) for kind in LINKS}
@@ -193,9 +178,17 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
     for name in settings_classes():
-        words = {"description": ANALYSES[name].title, **_examples(name)}
-        settings[name] = _or_null(refs[name]) | words
+        described = {"description": ANALYSES[name].title, **_examples(name)}
+        settings[name] = _or_null(refs[name]) | described
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
+    # Cases by name, and those of the tolerances.
+    meaning = "soft and stiff: all couplings at either end of their tolerance"
+    cases = {
+        "type": "object",
+        "properties": {FROM: {"const": TOLERANCES, "description": meaning}},
+        "additionalProperties": refs["case"],
+        "minProperties": 1,
+    }
     return {
         "document": refs["document"],
         "materials": {"type": "object", "additionalProperties": refs["material"]},
@@ -206,19 +199,7 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "excitations": _or_table(_list_of(refs["excitation"])),
         "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
         "rules": _list_of(rule),
-        "cases": _cases(refs["case"]),
-    }
-
-
-def _cases(case: Schema) -> Schema:
-    """Cases by name, and those of the tolerances."""
-    meaning = "soft and stiff: all couplings at either end of their tolerance"
-    corners = {FROM: {"const": TOLERANCES, "description": meaning}}
-    return {
-        "type": "object",
-        "properties": corners,
-        "additionalProperties": case,
-        "minProperties": 1,
+        "cases": cases,
     }
 
 

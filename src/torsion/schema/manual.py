@@ -59,34 +59,23 @@ def pages() -> dict[str, str]:
         for name, kind in settings_classes().items()
     }
     texts |= {f"rules/{name}.md": _settings("rules", name, rule_settings(name)) for name in RULES}
+    kinds = [f"| [`{kind}`]({kind}.md) | {component_class(kind).title} |" for kind in KINDS]
+    rows = "\n".join(["| kind | component |", "|---|---|", *kinds]) + "\n"
     texts["components/index.md"] = _page(
-        "components", kinds=_kinds(), common=key_table(Component), toctree=toctree(KINDS)
+        "components", kinds=rows, common=key_table(Component), toctree=toctree(KINDS)
     )
     analyses = toctree(settings_classes())
     texts["analyses/index.md"] = _page(
         "analyses", models=_words(MODELS), fem=key_table(FiniteElements), toctree=analyses
     )
     texts["rules/index.md"] = _page("rules", toctree=toctree(RULES))
+    order = "operation materials components/index links excitations damping analyses/index rules/index cases document tables"
     texts["index.md"] = _page(
         "index",
         top=key_table(Scene).replace("see meaning", "section below"),
         quantities=_quantities(),
         aliases=_words(SECTIONS_BY_ALIAS[""]),
-        toctree=toctree(
-            [
-                "operation",
-                "materials",
-                "components/index",
-                "links",
-                "excitations",
-                "damping",
-                "analyses/index",
-                "rules/index",
-                "cases",
-                "document",
-                "tables",
-            ]
-        ),
+        toctree=toctree(order.split()),
     )
     return texts
 
@@ -198,13 +187,6 @@ def _aliases(aliases: Mapping[str, str]) -> str:
     return head + "\n".join(rows) + "\n" if rows else ""
 
 
-def _kinds() -> str:
-    """Return a table of all kinds."""
-    rows = ["| kind | component |", "|---|---|"]
-    rows += [f"| [`{kind}`]({kind}.md) | {component_class(kind).title} |" for kind in KINDS]
-    return "\n".join(rows) + "\n"
-
-
 def _words(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
@@ -216,13 +198,8 @@ def _quantities() -> str:
     )
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
     for unit in dict.fromkeys(quantity.unit for quantity in quantities):
-        bare = (
-            "is an error"
-            if units.needs_unit(unit)
-            else "is in the SI unit"
-            if unit != "1"
-            else "or a percentage"
-        )
+        bare = "or a percentage" if unit == "1" else "is in the SI unit"
+        bare = "is an error" if units.needs_unit(unit) else bare
         rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
     return "\n".join(rows) + "\n"
 
@@ -234,10 +211,6 @@ def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
         for part in mappings_of(field):
             if not issubclass(part, Component):
                 yield from _quantities_of(part)
-
-
-if __name__ == "__main__":
-    write_pages(Path(*sys.argv[1:] or [FOLDER]), pages())
 
 
 @cache
@@ -289,7 +262,15 @@ def tables_with_parts(
     groups: headings of groups of keys, with their keys parted by blanks; other keys follow as "Other keys".
     """
     keys = [key for key in keys_of(declared) if common is None or key not in keys_of(common)]
-    text = _grouped(declared, keys, groups) if groups else key_table(declared, keys)
+    text = key_table(declared, keys)
+    if grouped := {heading: names.split() for heading, names in groups}:
+        named = {name for names in grouped.values() for name in names}
+        grouped["Other keys"] = [key for key in keys if key not in named]
+        text = "\n".join(
+            f"### {heading}\n\n{key_table(declared, names)}"
+            for heading, names in grouped.items()
+            if names
+        )
 
     headings = dict[type[Declared], str]()
     waiting = [declared]
@@ -306,25 +287,20 @@ def tables_with_parts(
     )
 
 
-def _grouped(declared: type[Declared], keys: list[str], groups: Iterable[tuple[str, str]]) -> str:
-    """Return one table a group, and one of the keys of no group."""
-    grouped = {heading: names.split() for heading, names in groups}
-    grouped["Other keys"] = [
-        key for key in keys if all(key not in names for names in grouped.values())
-    ]
-    return "\n".join(
-        f"### {heading}\n\n{key_table(declared, names)}"
-        for heading, names in grouped.items()
-        if names
-    )
-
-
 def _row(key: str, field: FieldInfo) -> str:
     annotation = (
         Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
     )
     limits = ", ".join(dict.fromkeys(_limits(field)))
-    cells = (f"`{key}`", _value(annotation), limits, _default(field), field.description or "")
+    default = field.default
+    if isinstance(default, tuple) and len(default) == 1:
+        default = default[0]
+    if default is None or default in ((), "", {}):
+        words = ""
+    else:
+        words = str(default).lower() if isinstance(default, bool | str) else f"{default:g}"
+    words = "**required**" if field.is_required() else words and f"`{words}`"
+    cells = (f"`{key}`", _value(annotation), limits, words, field.description or "")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
@@ -375,12 +351,5 @@ def _limits(field: FieldInfo) -> Iterator[str]:
                 yield f"{words} {limit}"
 
 
-def _default(field: FieldInfo) -> str:
-    if field.is_required():
-        return "**required**"
-    value = field.default
-    if isinstance(value, tuple) and len(value) == 1:
-        value = value[0]
-    if value is None or value in ((), "", {}):
-        return ""
-    return f"`{str(value).lower()}`" if isinstance(value, bool | str) else f"`{value:g}`"
+if __name__ == "__main__":
+    write_pages(Path(*sys.argv[1:] or [FOLDER]), pages())

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any, TypeVar
+from typing import Any
 
 from torsion.analyses import ANALYSES, VARYING
 from torsion.errors import Fault, InputError, Path
@@ -44,7 +44,6 @@ from torsion.study import (
 from torsion.train import Link, Train, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
-Section = TypeVar("Section", bound=Declared)
 EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
     "materials": (dict, "`my-steel: {shear_modulus: 79.3 GPa, ...}`"),
     "links": (list, "`- {between: [a, b], coupling: {stiffness: 2e4}}`"),
@@ -99,9 +98,12 @@ def located(error: InputError, study: Study) -> InputError:
     if not study.text or all(fault.line for fault in error.faults):
         return error
     if study.case is not None:
-        from torsion.schema.cases import located_in_case
+        from torsion.schema.cases import in_case
 
-        return located_in_case(error, study.case)
+        source = study.case.source
+        return input_error(
+            in_case(study.case.name, input_error(error.faults, source).faults), source
+        )
     return input_error(
         list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables))
     )
@@ -207,8 +209,11 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     if "fem" in named:
         named["fem"] = {} if named["fem"] is None else named["fem"]
     model = declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
-    damping = _section(ModalDamping, data, "damping", faults)
-    document = _section(FrontMatter, data, "document", faults)
+    damping, document = data.get("damping"), data.get("document")
+    if damping is not None:
+        damping = declared(ModalDamping, damping, ("damping",), faults)
+    if document is not None:
+        document = declared(FrontMatter, document, ("document",), faults)
     train = _train(data, operation, faults, str(FilePath(source.name).parent))
     if train is None:
         return None
@@ -234,13 +239,6 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         tables=tuple((name, table.text) for name, table in source.tables),
         case_states=states,
     )
-
-
-def _section(
-    kind: type[Section], data: dict[str, Any], name: str, faults: list[Fault]
-) -> Section | None:
-    """A section that is one mapping; None where it is not there."""
-    return None if data.get(name) is None else declared(kind, data[name], (name,), faults)
 
 
 def _shallow(data: object, read_here: Sequence[str]) -> object:
@@ -286,15 +284,12 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             names = [key for key, analysis in ANALYSES.items() if analysis.settings]
             fault = unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names])
             faults.append(replace(fault, hint=word_for("analysis", name, fault.hint)))
-        elif isinstance(body, list) and ANALYSES[name].is_listed:
-            settings_list = [
-                declared(ANALYSES[name].settings_class(), entry, (*path, k), faults)
-                for k, entry in enumerate(body)
-            ]
-            read[name] = Several(each=tuple(filter(None, settings_list)))
-        elif (
-            settings := declared(ANALYSES[name].settings_class(), body, path, faults)
-        ) is not None:
+            continue
+        kind = ANALYSES[name].settings_class()
+        if isinstance(body, list) and ANALYSES[name].is_listed:
+            several = [declared(kind, entry, (*path, k), faults) for k, entry in enumerate(body)]
+            read[name] = Several(each=tuple(filter(None, several)))
+        elif (settings := declared(kind, body, path, faults)) is not None:
             read[name] = settings
     return read
 
@@ -361,31 +356,39 @@ def _train(
     stated = _declarations(data, faults)
     reference = None if operation is None else operation.at
     if stated["components"] is None:
-        faults += repeated_names(data.get("train"))
-        faults += _unknown_names(data, reference, stated["excitations"], stated["links"])
+        faults += _name_faults(data, reference, stated["excitations"], stated["links"])
         return None
     train, train_faults = lowered(**stated, reference=reference, folder=folder)
     faults += train_faults
     return train
 
 
-def _unknown_names(
+def _name_faults(
     data: dict[str, Any],
     reference: str | None,
     excitations: Sequence[Excitation | None],
     links: Sequence[Link | None],
 ) -> Iterator[Fault]:
-    """Yield the faults of names that no component can go by, of a train that is too faulty to be lowered."""
-    possible = possible_names(data.get("train"))
+    """Yield the faults of names given twice, or that no component can go by, of a train too faulty to be lowered."""
+    paths: dict[str, Path] = {}
+    for path, value in _values(data.get("train"), ("train",), "name"):
+        if isinstance(value, str):
+            if value in paths:
+                yield taken(value, path[:-1], paths[value])
+            paths.setdefault(value, path[:-1])
+    possible = _possible_names(data.get("train"))
     if possible is None:
         return
-    named = list[tuple[str, Path]]()
-    for number, link in enumerate(links):
-        ends = enumerate(link.between) if link else ()
-        named += ((end, ("links", number, "between", side)) for side, end in ends)
-    for number, excitation in enumerate(excitations):
-        if excitation is not None:
-            named.append((excitation.at, ("excitations", number, "at")))
+    named: list[tuple[str, Path]] = [
+        (end, ("links", number, "between", side))
+        for number, link in enumerate(links)
+        for side, end in enumerate(link.between if link else ())
+    ]
+    named += [
+        (excitation.at, ("excitations", number, "at"))
+        for number, excitation in enumerate(excitations)
+        if excitation is not None
+    ]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         named.append((reference, ("operation", "at")))
     components_by_name = dict.fromkeys(sorted(possible), ("component", True))
@@ -397,17 +400,7 @@ def _unknown_names(
                 yield fault
 
 
-def repeated_names(entries: object) -> Iterator[Fault]:
-    """Yield the faults of names that are given twice."""
-    paths: dict[str, Path] = {}
-    for path, value in _values(entries, ("train",), "name"):
-        if isinstance(value, str):
-            if value in paths:
-                yield taken(value, path[:-1], paths[value])
-            paths.setdefault(value, path[:-1])
-
-
-def possible_names(entries: object) -> set[str] | None:
+def _possible_names(entries: object) -> set[str] | None:
     """Return the names that components may go by, given or by kind and number.
 
     None where they are not known: a kind is unknown, and so what the others are numbered.

@@ -37,7 +37,7 @@ class Variation:
 
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
-        return self.read(self.file(values))
+        return self.read(self.changed(values)[0])
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
@@ -57,12 +57,8 @@ class Variation:
             source.data,
         )
 
-    def file(self, values: Sequence[float]) -> Source:
-        """The file with every figure at its value, without what varies figures."""
-        return self.changed(values)[0]
-
     def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
-        """Return that file, and what is put in it, where; the figures stage by stage."""
+        """The file with every figure at its value, without what varies figures; and what is put in it, where."""
         pairs = list(zip(self.figures, values, strict=True))
         source, changes = self.source, dict[Path, Node]()
         for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
@@ -96,26 +92,16 @@ class Variation:
         return replace(self, read=read, base=case, declare=self.declare if is_same else None)
 
     @cached_property
-    def _declarations(self) -> Mapping[str, Any]:
+    def _of_columns(self) -> tuple[Source, Mapping[str, Any], dict[str, Pieces]]:
+        """The file that columns are put in (of a case as the case changes it), its declarations, read alternatives."""
         if self.declare is None:
             raise NotInColumns("the declarations of the file are not known")
-        return self.declare(self._of_columns)
-
-    @property
-    def _of_columns(self) -> Source:
-        """The file that columns are put in: of a case as the case changes it."""
-        return self.source if self.base.case is None else self.base.case.source
+        source = self.source if self.base.case is None else self.base.case.source
+        return source, self.declare(source), {}
 
     def in_columns(self, values: FloatArray) -> Train:
         """Return the train with columns for the values (variants, figures); raises NotInColumns."""
-        declared = self._declarations
-        return train_in_columns(
-            self.base, self._of_columns, declared, self._pieces, self.figures, values
-        )
-
-    @cached_property
-    def _pieces(self) -> dict[str, Pieces]:
-        return {}
+        return train_in_columns(self.base, *self._of_columns, self.figures, values)
 
     def studies(self, train: Train) -> Callable[[int], Study]:
         """Return the function from the number of a variant of a train in columns to its study.
@@ -160,9 +146,26 @@ def with_variations(
     variations = {}
     for name in VARYING:
         settings: Any = study.analyses.get(name)
-        if hasattr(settings, "varied"):
-            variation = _variation(study, source, read, faults, name, settings)
-            variations[name] = replace(variation, declare=declare)
+        if not hasattr(settings, "varied"):
+            continue
+        overlay, before, path = overlay_of(study, source), len(faults), ("analyses", name)
+        key, laws = settings.varied
+        varied = list(
+            named(laws, overlay, (*path, key)) if laws else with_tolerance(study, overlay)
+        )
+        faults += overlay.faults
+        if not varied and len(faults) == before:
+            hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
+            faults.append(Fault(path, "no parameter of the file varies", hint))
+        together = getattr(settings, "together", ())  # names of figures
+        figures = tuple(_with_columns(varied, together, (*path, "together"), faults))
+        variation = Variation(figures, source, read, study, declare)
+        if len(faults) == before and hasattr(settings, "refused"):
+            refused = settings.refused(study, figures)
+            faults += [replace(fault, path=(*path, *fault.path)) for fault in refused]
+        if len(faults) == before:
+            faults += _faults_at_ends(variation, (*path, key))
+        variations[name] = variation
     return replace(study, variations=variations)
 
 
@@ -181,33 +184,6 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
             number = columns.setdefault(column, len(columns))
             figures[figure.name] = replace(figure, column=number)
     return Variation(tuple(figures.values()), source, read, study)
-
-
-def _variation(
-    study: Study,
-    source: Source,
-    read: Callable[[Source], Study],
-    faults: list[Fault],
-    name: str,
-    settings: Any,
-) -> Variation:
-    overlay, before, path = overlay_of(study, source), len(faults), ("analyses", name)
-    key, laws = settings.varied
-    varied = list(named(laws, overlay, (*path, key)) if laws else with_tolerance(study, overlay))
-    faults += overlay.faults
-    if not varied and len(faults) == before:
-        hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
-        faults.append(Fault(path, "no parameter of the file varies", hint))
-    together = getattr(settings, "together", ())  # names of figures
-    figures = tuple(_with_columns(varied, together, (*path, "together"), faults))
-    variation = Variation(figures, source, read, study)
-    if len(faults) == before and hasattr(settings, "refused"):
-        faults += [
-            replace(fault, path=(*path, *fault.path)) for fault in settings.refused(study, figures)
-        ]
-    if len(faults) == before:
-        faults += _faults_at_ends(variation, (*path, key))
-    return variation
 
 
 def _with_columns(

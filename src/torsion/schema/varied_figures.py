@@ -1,6 +1,7 @@
 """Figures of a file that vary: those that it names or gives a tolerance, their laws, and what the file says at a value."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -164,10 +165,20 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
         fault = (*section, words)
         part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
         if law.catalogue is not None and part is not None:
-            yield from (
-                replace(figure, key=words)
-                for figure in _of_catalogue(law, law.catalogue, part, overlay)
+            before = len(overlay.faults)
+            rows = tuple(alternatives(law.catalogue, part, overlay.source, overlay.faults))
+            matching = (
+                k
+                for k, row in enumerate(rows)
+                if all(
+                    path[-1] == "source"
+                    or node.value == getattr(overlay.source.at(path), "value", None)
+                    for path, node in row.puts
+                )
             )
+            if len(overlay.faults) == before:
+                nominal = float(next(matching, np.nan))
+                yield Figure(part.name, law, (), 0, nominal, rows, words)
             continue
         pairs = list[tuple[str, Path]]()
         if words.startswith("*."):
@@ -212,25 +223,6 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
         overlay.refuse(fault, f"no component has a key `{key}`", "a key of the file")
 
 
-def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Iterator[Figure]:
-    """The figure whose values are the rows of a catalogue; none where those are at fault."""
-    before = len(overlay.faults)
-    rows = list(alternatives(name, part, overlay.source, overlay.faults))
-    given = {
-        path: node.value
-        for row in rows
-        for path, _ in row.puts
-        if (node := overlay.source.at(path)) is not None
-    }
-    matching = (
-        k
-        for k, row in enumerate(rows)
-        if all(given.get(path) == node.value for path, node in row.puts if path[-1] != "source")
-    )
-    if len(overlay.faults) == before:
-        yield Figure(part.name, law, (), 0, float(next(matching, np.nan)), tuple(rows))
-
-
 def _figure(
     name: str, law: Choice, path: Path, given: Node, overlay: Overlay, fault: Path
 ) -> Figure | None:
@@ -242,11 +234,9 @@ def _figure(
         row = values.index(given.value) if given.value in values else np.nan
         return Figure(name, law, ((path, 1),), 0, float(row), rows)
     if law.catalogue is not None:
-        message, hint = (
-            "a catalogue is of a component, and of no key of it",
-            name.rpartition(".")[0],
-        )
-        overlay.faults.append(Fault(fault, message, f"`{hint}`"))
+        hint = f"`{name.rpartition('.')[0]}`"
+        message = "a catalogue is of a component, and of no key of it"
+        overlay.faults.append(Fault(fault, message, hint))
         return None
     if path[-1] in EXACT:
         message = f"`{name}` is exact, and varies only by `values`"
@@ -261,18 +251,15 @@ def _figure(
             hint = f"one of its items by number, as `{name}.1`"
         overlay.refuse(fault, message, hint)
         return None
-    nominal = 1.0 if law.first is None else _nominal(given.value, law.unit)
+    # What the file gives in the unit of a range; NaN where that is not known.
+    nominal = 1.0 if law.first is None else np.nan
+    with suppress(units.UnitFault):
+        if law.first is not None and isinstance(given.value, str):
+            exact = None if law.unit else units.amount(given.value)[0]
+            nominal = units.to_si(given.value, law.unit) if exact is None else float(exact)
+        elif law.first is not None and not law.unit:
+            nominal = float(given.value)
     return Figure(name, law, ((path, 1),), 0, nominal)
-
-
-def _nominal(value: object, unit: str) -> float:
-    """What the file gives in the unit of a range; NaN where that is not known."""
-    if isinstance(value, str):
-        try:
-            return units.to_si(value, unit) if unit else float(units.amount(value)[0])
-        except units.UnitFault:
-            return np.nan
-    return np.nan if unit or not isinstance(value, int | float) else float(value)
 
 
 def with_tolerance(study: Study, overlay: Overlay) -> Iterator[Figure]:

@@ -166,7 +166,7 @@ class _EndError(Exception):
     """A fault after which nothing more can be read."""
 
     def __init__(self, message: str, hint: str, event: Any) -> None:
-        self.fault = _fault(message, hint, *_mark(event))
+        self.fault = _fault(message, hint, *_position(event.start_mark))
 
 
 class _Builder:
@@ -185,34 +185,33 @@ class _Builder:
         self._last = 0  # position behind the last value that was read
 
     def take(self, event: Any) -> None:
+        end: Any = event.end_mark
         if isinstance(event, yaml.DocumentStartEvent):
             self._documents += 1
             if self._documents > 1:
                 raise _EndError(
                     "a second document begins here", "one file, one model: remove '---'", event
                 )
-        elif isinstance(event, yaml.ScalarEvent) and self._awaits_key():
-            self._take_key(event)
         elif isinstance(event, yaml.NodeEvent):
-            if self._awaits_key():
+            awaits_key = self._keys[-1:] == [None]
+            if awaits_key and isinstance(event, yaml.ScalarEvent):
+                self._take_key(event)
+                return
+            if awaits_key:
                 raise _EndError("a key must be text", "put it in quotes", event)
             self._take_value(event)
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
             node = self._open.pop()
             if node.is_flow:
-                self._last = _index(event.end_mark)
+                self._last = end.index
             node.end = self._last
             self._attach(node)
 
-    def _awaits_key(self) -> bool:
-        return bool(self._keys) and self._keys[-1] is None
-
     def _take_key(self, event: Any) -> None:
         """The key of the value that follows; after a repeated one nothing but faults is kept."""
-        (line, column), keys, key = _mark(event), self._open[-1].keys, event.value
-        self._check_tag(event)
-        self._check_controls(event)
+        (line, column), keys, key = _position(event.start_mark), self._open[-1].keys, event.value
+        self._check(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
             # The key may be the second half of a number like 1,5.
             before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
@@ -230,50 +229,45 @@ class _Builder:
 
     def _note(self, message: str, hint: str, event: Any) -> None:
         """Note a fault after which the reading goes on."""
-        self.faults.append(_fault(message, hint, *_mark(event)))
+        self.faults.append(_fault(message, hint, *_position(event.start_mark)))
 
     def _take_value(self, event: Any) -> None:
-        if isinstance(event, yaml.AliasEvent):
-            node = self._aliased(event)
-            node.begin, node.end = _index(event.start_mark), _index(event.end_mark)
-            self._last = node.end
-            self._attach(node)
-            return
-        self._check_tag(event)
-        scalar = isinstance(event, yaml.ScalarEvent)
-        node = Node(None, *_mark(event), begin=_index(event.start_mark))
-        if event.anchor:
-            self._anchors[event.anchor] = node
-        if scalar:
-            self._check_controls(event)
-            node.value = resolved(event.value) if event.implicit[0] else event.value
-            node.end = self._last = _index(event.end_mark)
-            self._attach(node)
-            return
-        if len(self._open) >= _DEEPEST:
-            raise _EndError(f"more than {_DEEPEST} lists and mappings within each other", "", event)
-        mapping, node.is_flow = isinstance(event, yaml.MappingStartEvent), bool(event.flow_style)
-        node.value, node.height = ({} if mapping else []), 1
-        self._open.append(node)
-        self._keys.append(None if mapping else 0)
-
-    def _aliased(self, event: Any) -> Node:
-        target = self._anchors.get(event.anchor)
-        if target is None:
-            raise _EndError(
-                f"nothing above is named &{event.anchor}",
-                "put text that begins with * in quotes",
-                event,
-            )
-        if target in self._open:
-            raise _EndError(f"*{event.anchor} lies within the part that it repeats", "", event)
-        if len(self._open) + target.height > _DEEPEST:
-            raise _EndError(f"more than {_DEEPEST} lists and mappings within each other", "", event)
-        if sum(node.size for node in self._open) + target.size > _LARGEST:
-            raise _EndError(f"aliases make more than {_LARGEST} values of this file", "", event)
-        return Node(
-            target.value, *_mark(event), target.parts, target.keys, target.size, target.height
+        is_alias, begins = (
+            isinstance(event, kind) for kind in (yaml.AliasEvent, yaml.CollectionStartEvent)
         )
+        target, message, hint = self._anchors.get(event.anchor) if is_alias else None, "", ""
+        if not is_alias:
+            self._check(event)
+        elif target is None:
+            message = f"nothing above is named &{event.anchor}"
+            hint = "put text that begins with * in quotes"
+        elif target in self._open:
+            message = f"*{event.anchor} lies within the part that it repeats"
+        if not message and len(self._open) + (target.height if target else begins) > _DEEPEST:
+            message = f"more than {_DEEPEST} lists and mappings within each other"
+        elif target and sum(node.size for node in self._open) + target.size > _LARGEST:
+            message = message or f"aliases make more than {_LARGEST} values of this file"
+        if message:
+            raise _EndError(message, hint, event)
+        node = Node(None, *_position(event.start_mark))
+        if target is not None:
+            node = replace(target, line=node.line, column=node.column, is_flow=False, source=None)
+        elif event.anchor:
+            self._anchors[event.anchor] = node
+        node.begin = event.start_mark.index
+        if begins:
+            is_mapping, node.is_flow = (
+                isinstance(event, yaml.MappingStartEvent),
+                bool(event.flow_style),
+            )
+            node.value, node.height = ({} if is_mapping else []), 1
+            self._open.append(node)
+            self._keys.append(None if is_mapping else 0)
+            return
+        if isinstance(event, yaml.ScalarEvent):
+            node.value = resolved(event.value) if event.implicit[0] else event.value
+        node.end = self._last = event.end_mark.index
+        self._attach(node)
 
     def _attach(self, node: Node) -> None:
         """Put a complete node where it belongs."""
@@ -293,21 +287,20 @@ class _Builder:
             parent.parts[key] = node
         self._keys[-1] = None
 
-    def _check_controls(self, event: Any) -> None:
-        """Note a character that an escape makes and that the text itself must not hold: "\\u001b"; names are a line."""
-        if sign := CONTROLS.search(event.value):
-            hint = "remove its escape: names and texts are printed on terminals"
-            self._note(f"the character U+{ord(sign[0]):04X} is not allowed", hint, event)
-        elif (
-            self._keys and self._keys[-1] in (None, "name") and (sign := _BREAK.search(event.value))
-        ):
-            message = f"the character U+{ord(sign[0]):04X} is not allowed in a name or key"
-            self._note(message, "write it on one line", event)
-
-    def _check_tag(self, event: Any) -> None:
+    def _check(self, event: Any) -> None:
+        """Note a tag, and in a text a character that an escape makes and that the file itself must not hold."""
         if event.tag is not None:
             tag = event.tag.replace("tag:yaml.org,2002:", "!!")
             self._note(f"tags are not read: {tag}", "remove it, or put text in quotes", event)
+        if not isinstance(event, yaml.ScalarEvent):
+            return
+        is_name = self._keys[-1:] in ([None], ["name"])  # names and keys are one line
+        if sign := CONTROLS.search(event.value):
+            hint = "remove its escape: names and texts are printed on terminals"
+            self._note(f"the character U+{ord(sign[0]):04X} is not allowed", hint, event)
+        elif is_name and (sign := _BREAK.search(event.value)):
+            message = f"the character U+{ord(sign[0]):04X} is not allowed in a name or key"
+            self._note(message, "write it on one line", event)
 
 
 def resolved(text: str) -> str | int | float | bool | None:
@@ -353,15 +346,6 @@ def _fault(message: str, hint: str, line: int, column: int) -> Fault:
     return Fault(
         (), printable(message, 200), hint, line=line, column=column
     )  # the message may quote the file
-
-
-def _index(mark: Any) -> int:
-    """Return the position in the text at which a mark of the parser stands."""
-    return int(mark.index)
-
-
-def _mark(event: Any) -> tuple[int, int]:
-    return _position(event.start_mark)
 
 
 def _position(mark: Any) -> tuple[int, int]:

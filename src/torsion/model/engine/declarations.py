@@ -44,10 +44,6 @@ Number = Annotated[int, Field(ge=1, le=100)]
 Numbers = Annotated[tuple[Number, ...], OneOrMany]
 
 
-def _throw(value: Any) -> Any:
-    return (value,) if type(value) is int else value
-
-
 def _misfire(value: Any) -> Any:
     """Read the word `worst`, or the numbers of cylinders."""
     if value == "worst":
@@ -74,7 +70,13 @@ Phase = Annotated[
     ),
 ]
 Throws = tuple[
-    Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...
+    Annotated[
+        tuple[Number, ...],
+        BeforeValidator(
+            lambda value: (value,) if type(value) is int else value, Number | tuple[Number, ...]
+        ),
+    ],
+    ...,
 ]
 
 

@@ -1,7 +1,7 @@
 """A reciprocating engine: crank throws with their inertias, crank spans, and the torque of every cylinder."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, pairwise
@@ -32,7 +32,7 @@ from torsion.model.engine.declarations import (
     Web,
     weakest,
 )
-from torsion.model.engine.gas_laws import Frame, GasFault, Law, law_of
+from torsion.model.engine.gas_laws import Frame, GasFault, law_of
 from torsion.model.engine.record import CylinderRecord, EngineRecord
 from torsion.model.parts import MachineRecord, ShaftRecord
 from torsion.primitives import Torque
@@ -154,28 +154,26 @@ class Engine(Crankshaft, keyword="engine"):
     def _check_firing(self) -> None:
         order, angles, z = self.firing_order, self.firing_angles, self.cylinders
         if bool(order) == bool(angles) and (z > 1 or order):
-            message = f"`firing_order` and `firing_angles` {'exclude each other' if order else 'are both missing'}"
+            words = "exclude each other" if order else "are both missing"
+            message = f"`firing_order` and `firing_angles` {words}"
             raise refuse(message, "firing_order: [1, 3, 4, 2]", "firing_angles" if order else "")
-        self._refuse_unless_each_once("firing_order", order, f"numbers 1 to {z}")
+        message, numbers = f"does not name each of {z} cylinders once", list(range(1, z + 1))
+        if order and sorted(order) != numbers:
+            raise refuse(f"`firing_order` {message}", f"numbers 1 to {z}", "firing_order")
         if angles and len(angles) != z:
-            message = f"`firing_angles` are {len(angles)}, cylinders {z}"
-            raise refuse(message, "one angle a cylinder", "firing_angles")
+            words = f"`firing_angles` are {len(angles)}, cylinders {z}"
+            raise refuse(words, "one angle a cylinder", "firing_angles")
         if any(not 0 <= angle < self._cycle - TWICE for angle in angles):
             limit = f"from 0 to below {360 * self.revolutions} deg"
             raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
-        self._refuse_unless_each_once("throws", chain(*self.throws), "throws: [[1, 2], [3, 4]]")
+        if self.throws and sorted(chain(*self.throws)) != numbers:
+            raise refuse(f"`throws` {message}", "throws: [[1, 2], [3, 4]]", "throws")
         for throw in self.lanes:
             fires = sorted(self._cycle * float(self._cycles[number - 1]) for number in throw)
             if any(after - before < TWICE for before, after in pairwise(fires)):
-                message = "two cylinders of one throw fire at one angle"
+                words = "two cylinders of one throw fire at one angle"
                 key = "firing_angles" if angles else "throws"
-                raise refuse(message, "a V engine has its bank angle between", key)
-
-    def _refuse_unless_each_once(self, key: str, numbers: Iterable[int], hint: str) -> None:
-        """Refuse a key that is given and does not name every cylinder once."""
-        if getattr(self, key) and sorted(numbers) != list(range(1, self.cylinders + 1)):
-            message = f"`{key}` does not name each of {self.cylinders} cylinders once"
-            raise refuse(message, hint, key)
+                raise refuse(words, "a V engine has its bank angle between", key)
 
     def _check_states(self) -> None:
         """Refuse cylinders that do not exist, are named twice, or are the last that fires."""
@@ -220,14 +218,19 @@ class Engine(Crankshaft, keyword="engine"):
         )
 
     def lower(self, build: Lowering) -> None:
-        owner, law = build.part, None
+        owner, law, slider, revolutions = build.part, None, self.slider, self.revolutions
+        cylinder = (
+            None
+            if slider is None or self.geometry is None
+            else Cylinder(slider, piston_area(self.geometry.bore), revolutions)
+        )
         if self.gas is not None:
             frame = Frame(
-                self.revolutions,
+                revolutions,
                 self._highest,
                 self.cylinders,
                 self.mechanical_efficiency,
-                self._cylinder,
+                cylinder,
                 FilePath(build.folder),
             )
             try:
@@ -239,11 +242,40 @@ class Engine(Crankshaft, keyword="engine"):
         if journal is not None:
             size = journal.diameter, journal.bore
             shaft = ShaftRecord(self.material, "crank", (), (), journal=size)
-        record = self._record(owner, self.lower_throws(build, shaft), law)
+        stations, spans = self.lower_throws(build, shaft)
+
+        inertia = np.zeros(self._highest * revolutions + 1, dtype=np.complex128)
+        over_angle = np.zeros(1, dtype=np.complex128)
+        if slider is not None and self.masses is not None:
+            mass, correction, turning = self._moving
+            inertia[::revolutions] = slider.inertia_torque(self._highest, mass, correction)
+            over_angle = slider.inertia_harmonics(VARYING, mass, correction)
+            over_angle[0] += turning
+        record = EngineRecord(
+            owner,
+            revolutions,
+            tuple(self._cylinder_records(stations)),
+            stations,
+            spans,
+            self.mechanical_efficiency,
+            None if law is None else law.law,
+            "not given" if law is None else law.words,
+            inertia,
+            over_angle,
+            cylinder,
+            () if law is None else law.curves,
+            None if journal is None else journal.modulus,
+            self.keep_power,
+            self.phase is not None,
+            self.phase == "worst",
+            self.misfire == "worst",
+            () if law is None else law.remarks,
+            tuple(self._sizes()),
+        )
         build.parts[owner] = build.parts[owner].with_records(
             record, MachineRecord(True, self.power)
         )
-        if law is not None or record.inertia.any():
+        if law is not None or inertia.any():
             self._add_torques(build, owner, record)
 
     @property
@@ -267,12 +299,6 @@ class Engine(Crankshaft, keyword="engine"):
         return CrankSlider.of_stroke(size.stroke, size.rod_length, size.offset)
 
     @property
-    def _cylinder(self) -> Cylinder | None:
-        if self.slider is None or self.geometry is None:
-            return None
-        return Cylinder(self.slider, piston_area(self.geometry.bore), self.revolutions)
-
-    @property
     def _moving(self) -> tuple[float, float, float]:
         """Reciprocating mass (kg), J_c (kg m2) and the inertia (kg m2) of what turns with the pin, of a cylinder."""
         masses, slider = self.masses, self.slider
@@ -290,42 +316,6 @@ class Engine(Crankshaft, keyword="engine"):
         mass, correction, turning = self._moving
         mean = self.slider.inertia_harmonics(0, mass, correction)[0].real + turning
         return len(self.lanes[throw]) * float(mean)
-
-    def _record(
-        self, owner: int, lowered: tuple[tuple[int, ...], tuple[int, ...]], law: Law | None
-    ) -> EngineRecord:
-        """Return what analyses and reports read; `lowered`: stations of the throws, parts of the spans."""
-        inertia = np.zeros(self._highest * self.revolutions + 1, dtype=np.complex128)
-        over_angle = np.zeros(1, dtype=np.complex128)
-        if self.slider is not None and self.masses is not None:
-            mass, correction, turning = self._moving
-            inertia[:: self.revolutions] = self.slider.inertia_torque(
-                self._highest, mass, correction
-            )
-            over_angle = self.slider.inertia_harmonics(VARYING, mass, correction)
-            over_angle[0] += turning
-        journal = weakest(self.journal, self.pin)
-        gas, words = (None, "not given") if law is None else (law.law, law.words)
-        return EngineRecord(
-            owner,
-            self.revolutions,
-            tuple(self._cylinder_records(lowered[0])),
-            *lowered,
-            self.mechanical_efficiency,
-            gas,
-            words,
-            inertia,
-            over_angle,
-            self._cylinder,
-            () if law is None else law.curves,
-            None if journal is None else journal.modulus,
-            self.keep_power,
-            self.phase is not None,
-            self.phase == "worst",
-            self.misfire == "worst",
-            () if law is None else law.remarks,
-            tuple(self._sizes()),
-        )
 
     def _sizes(self) -> Iterator[tuple[str, float, tuple[str, ...]]]:
         """Sizes of a throw that the file has here, by the keys of the rule that judges it, and their own keys."""

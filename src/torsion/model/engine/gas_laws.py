@@ -79,9 +79,7 @@ class Frame:
 
 def law_of(gas: Gas, frame: Frame) -> Law:
     """The harmonics of the gas torque; raises GasFault."""
-    if gas.table is not None:
-        return _of_table(gas, frame)
-    if gas.tables:
+    if gas.table is not None or gas.tables:
         return _of_tables(gas, frame)
     if not gas.diagram:
         return _of_cycle(gas, frame)
@@ -110,32 +108,28 @@ def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) 
     return harmonics
 
 
-def _motored(gas: Gas, frame: Frame) -> ComplexArray | None:
-    return None if gas.motored is None else _harmonics(gas.motored, frame, 0.0, "motored")[None, :]
-
-
-def _of_table(gas: Gas, frame: Frame) -> Law:
-    motored, rows = _motored(gas, frame), gas.table or ()
-    mean = 0.0 if gas.at is None else frame.load(gas.at)
-    harmonics = _harmonics(rows, frame, mean, "table")
-    if gas.at is None:
-        law = GasLaw("nothing", np.zeros(1), harmonics[None, :], motored)
-        return Law(law, "table, the same at every load")
-    none = np.zeros_like(harmonics) if motored is None else motored[0]
-    law = GasLaw("load", np.array([0.0, mean]), np.stack([none, harmonics]), motored, True, mean)
-    between = "in a straight line from the motored rows"
-    if motored is None:
-        between = "in proportion to the load"
-    return Law(law, f"table at one load, at others {between}")
-
-
 def _of_tables(gas: Gas, frame: Frame) -> Law:
-    motored, key = _motored(gas, frame), gas.tables[0].key
+    """The law of one table or of several over load or speed, and of the rows of a cylinder without fuel."""
+    motored = None
+    if gas.motored is not None:
+        motored = _harmonics(gas.motored, frame, 0.0, "motored")[None, :]
+    if gas.table is not None:
+        mean = 0.0 if gas.at is None else frame.load(gas.at)
+        harmonics = _harmonics(gas.table, frame, mean, "table")
+        if gas.at is None:
+            law = GasLaw("nothing", np.zeros(1), harmonics[None, :], motored)
+            return Law(law, "table, the same at every load")
+        none = np.zeros_like(harmonics) if motored is None else motored[0]
+        between = "in a straight line from the motored rows"
+        between = "in proportion to the load" if motored is None else between
+        values = np.stack([none, harmonics])
+        law = GasLaw("load", np.array([0.0, mean]), values, motored, True, mean)
+        return Law(law, f"table at one load, at others {between}")
     orders = [{order for order, _, _ in table.rows} for table in gas.tables]
     if incomplete := set.union(*orders) - set.intersection(*orders):
         message = f"order {min(incomplete)} is missing in some of the tables"
         raise GasFault(message, "the same orders in each", "tables")
-    over_speed = key == "speed"
+    over_speed = gas.tables[0].key == "speed"
     loads = [0.0 if over_speed else frame.load(table) for table in gas.tables]
     rows = [
         _harmonics(table.rows, frame, load, "tables", number, "rows")
@@ -236,9 +230,7 @@ def _over_load(firing: ComplexArray, motored: ComplexArray) -> GasLaw:
     return GasLaw("load", loads, rows, motored, len(firing) == 1, float(loads[-1]))
 
 
-@lru_cache(maxsize=32)
-def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
-    return fitted(cycle, imep, peak)
+_cycle = lru_cache(maxsize=32)(fitted)
 
 
 @source("Wiebe1970")
