@@ -46,15 +46,12 @@ class Differential(Declared):
         and stiffness, one of angles s and one of angles a. The case turns with s alone (its speed is the mean of
         both halves'), so that nothing joins the second train to anything.
         """
-        path, main, number = (
-            (*gear.path, "differential", "train"),
-            build.arrival,
-            build.number.copy(),
-        )
+        path, main = (*gear.path, "differential", "train"), build.arrival
+        number = build.number.copy()
         build.inertia(case, 2.0 * self.side_gear, "side gears")
         self._halves(build, gear, case, path)
         build.number, faults = number, len(build.faults)
-        begin = len(build.parts), len(build.stations), len(build.primitives)
+        parts, stations, first = len(build.parts), len(build.stations), len(build.primitives)
         build.member(gear, "side gears", "disc", is_point=True)
         free = build.station(build.name)
         build.place(stations=(free,), depth=gear.depth + 1)
@@ -63,8 +60,30 @@ class Differential(Declared):
         build.inertia(free, self.planets * self.planet_inertia * spin**2, f"{self.planets} planets")
         self._halves(build, gear, free, path)
         del build.faults[faults:]
-        _oppose(build, begin, gear.name)
         build.arrival = main
+
+        # What does not act on halves that move against each other is taken away.
+        nothing = (CouplingRatings, GearRating, MachineRecord, ImpellerRecord)
+        build.parts[parts:] = [
+            replace(
+                part.without(*nothing),
+                name=part.name + OPPOSED,
+                kind="disc" if part.machine is not None else part.kind,
+                remark=AGAINST.format(gear.name),
+                is_opposed=True,
+            )
+            for part in build.parts[parts:]
+        ]
+        build.stations[stations:] = [
+            replace(station, name=station.name + OPPOSED) for station in build.stations[stations:]
+        ]
+        build.primitives[first:] = [
+            replace(primitive, name=primitive.name + OPPOSED)
+            if isinstance(primitive, Spring | Bar | Constraint)
+            else primitive
+            for primitive in build.primitives[first:]
+            if not isinstance(primitive, Torque)
+        ]
 
     def _halves(self, build: Lowering, gear: Part, station: int, path: Path) -> None:
         """Lower the train of both halves together from a station."""
@@ -121,8 +140,26 @@ def _doubled(primitive: Primitive) -> Primitive | str:
                 flexibility=primitive.flexibility / 2.0,
                 viscous=2.0 * primitive.viscous,
             )
-        case Bar():
-            return _doubled_bar(primitive)
+        case Bar() if not isinstance(primitive.section, Section | None):
+            return "shaft with a meshed `section`"
+        case Bar(outer=(outer, other), bore=(bore, other_bore)) if (outer, bore) != (
+            other,
+            other_bore,
+        ):
+            return "conical shaft"
+        case Bar(outer=(outer, _), bore=(bore, _)):
+            # One shaft of twice the torsion constant, polar moment and stress modulus.
+            if primitive.section is not None:
+                sizes = {key: 2.0 * size for key, size in vars(primitive.section).items()}
+                section = replace(primitive.section, **sizes)
+                return replace(primitive, section=section, outer=(2.0**0.25 * outer,) * 2)
+            polar = math.pi * (outer**4 - bore**4) / 16.0  # twice that of one
+            return replace(
+                primitive,
+                outer=((32.0 * polar / math.pi) ** 0.25,) * 2,
+                bore=(0.0, 0.0),
+                section=Section(polar, polar, 2.0 * polar / outer),
+            )
         case Constraint() if primitive.error or primitive.toothing is not None:
             return "joint" if primitive.error else "gear with `module` or `pitch_diameter`"
         case Constraint():
@@ -136,52 +173,3 @@ def _doubled(primitive: Primitive) -> Primitive | str:
         case Torque():
             table = tuple((speed, 2.0 * torque) for speed, torque in primitive.table)
             return replace(primitive, torque=2.0 * primitive.torque, table=table)
-
-
-def _doubled_bar(bar: Bar) -> Bar | str:
-    """One shaft of twice the torsion constant, polar moment and stress modulus."""
-    if bar.section is not None and not isinstance(bar.section, Section):
-        return "shaft with a meshed `section`"
-    if bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]:
-        return "conical shaft"
-    outer, bore = bar.outer[0], bar.bore[0]
-    polar = math.pi * (outer**4 - bore**4) / 16.0  # twice that of one
-    modulus = 2.0 * polar / outer
-    if bar.section is not None:
-        return replace(
-            bar,
-            section=replace(bar.section, **{k: 2.0 * v for k, v in vars(bar.section).items()}),
-            outer=(2.0**0.25 * outer,) * 2,
-        )
-    return replace(
-        bar,
-        outer=((32.0 * polar / math.pi) ** 0.25,) * 2,
-        bore=(0.0, 0.0),
-        section=Section(polar, polar, modulus),
-    )
-
-
-def _oppose(build: Lowering, begin: tuple[int, int, int], gear: str) -> None:
-    """Name what was lowered since then, and take away what does not act on halves that move against each other."""
-    parts, stations, first = begin
-    nothing = (CouplingRatings, GearRating, MachineRecord, ImpellerRecord)
-    build.parts[parts:] = [
-        replace(
-            part.without(*nothing),
-            name=part.name + OPPOSED,
-            kind="disc" if part.machine is not None else part.kind,
-            remark=AGAINST.format(gear),
-            is_opposed=True,
-        )
-        for part in build.parts[parts:]
-    ]
-    build.stations[stations:] = [
-        replace(station, name=station.name + OPPOSED) for station in build.stations[stations:]
-    ]
-    build.primitives[first:] = [
-        replace(primitive, name=primitive.name + OPPOSED)
-        if isinstance(primitive, Spring | Bar | Constraint)
-        else primitive
-        for primitive in build.primitives[first:]
-        if not isinstance(primitive, Torque)
-    ]

@@ -324,12 +324,14 @@ class MisfireHeat(Declared):
 def _table_or(key: str, kind: type[Declared]) -> BeforeValidator:
     """Take a list for the mapping that has it as its table, and a value for the one that has it under `key`."""
 
-    def read(value: Any) -> Any:
-        if isinstance(value, dict | Declared):
-            return value
-        return {"table" if isinstance(value, list | tuple) else key: value}
-
-    return BeforeValidator(read, float | str | WrittenRows | kind)
+    return BeforeValidator(
+        lambda value: (
+            value
+            if isinstance(value, dict | Declared)
+            else {"table" if isinstance(value, list | tuple) else key: value}
+        ),
+        float | str | WrittenRows | kind,
+    )
 
 
 VibratoryLimit = Annotated[VibratoryTorque, _table_or("torque", VibratoryTorque)]

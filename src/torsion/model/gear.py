@@ -172,6 +172,16 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
         """The mesh of a wheel with the driving gear, whose figures count at the station of `arrival`."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else arrival.scale / wheel.mesh_stiffness
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
+
+        # A driving gear of its own beside the first one has the size of the module alone.
+        helix, toothing = self.helix_angle or 0.0, None
+        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
+        is_first = not teeth or self.teeth is None or teeth[0] == self.teeth[0]
+        if self.pitch_diameter is not None and is_first:
+            toothing = Toothing(self.pitch_diameter[0], helix, angle, self.module)
+        elif self.module is not None and teeth:
+            diameter = self.module * teeth[0] / math.cos(helix)
+            toothing = Toothing(diameter, helix, angle, self.module)
         return Constraint(
             name,
             part,
@@ -179,20 +189,9 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
             self._speed(wheel),
             flexibility,
             teeth=teeth,
-            toothing=self._toothing(wheel, teeth),
+            toothing=toothing,
             meshings=Fraction(teeth[0] if teeth else 0),
         )
-
-    def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
-        """Return the teeth of the driving gear with a wheel; a gear of its own beside it has the size of the module alone."""
-        helix = self.helix_angle or 0.0
-        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
-        on_driving_gear = not teeth or self.teeth is None or teeth[0] == self.teeth[0]
-        if self.pitch_diameter is not None and on_driving_gear:
-            return Toothing(self.pitch_diameter[0], helix, angle, self.module)
-        if self.module is not None and teeth:
-            return Toothing(self.module * teeth[0] / math.cos(helix), helix, angle, self.module)
-        return None
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""

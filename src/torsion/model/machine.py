@@ -1,7 +1,7 @@
 """Machines, which drive or absorb: one set of keys, and by kind the words, the sign and the usual law of load."""
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator
 
@@ -50,12 +50,17 @@ class MachineDamping(Declared):
             raise refuse(f"{model} has no `value`", "give `factor`, or only the value", "value")
 
 
-def _read_damping(value: Any) -> Any:
-    """Take a plain value for viscous damping, and the word `law` for the model of that name."""
-    if value == "law":
-        return {"model": "law"}
-    is_plain = not isinstance(value, dict | MachineDamping)
-    return {"model": "viscous", "value": value} if is_plain else value
+# A plain value is a viscous damping, and the word `law` the model of that name.
+_PLAIN_DAMPING = BeforeValidator(
+    lambda value: (
+        {"model": "law"}
+        if value == "law"
+        else value
+        if isinstance(value, dict | MachineDamping)
+        else {"model": "viscous", "value": value}
+    ),
+    float | str | MachineDamping,
+)
 
 
 class Machine(Rotor, symbol=Symbol("load")):
@@ -66,10 +71,7 @@ class Machine(Rotor, symbol=Symbol("load")):
     harmonics_key: ClassVar[str] = ""  # of its own harmonic torques
     clashes = (exclusive("power", "torque"),)
 
-    damping: (
-        Annotated[MachineDamping, BeforeValidator(_read_damping, float | str | MachineDamping)]
-        | None
-    ) = given(
+    damping: Annotated[MachineDamping, _PLAIN_DAMPING] | None = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
     )
     power: fields.Power | None = given("power that it absorbs or delivers at `speed`")

@@ -42,8 +42,19 @@ def mesh_torque(given: Excitation, mesh: Constraint, path: Path) -> Torque | Fau
 
 def _angle(given: Excitation, mesh: Constraint, path: Path) -> float | Fault:
     """The amplitude as an angle (rad) of the driving gear."""
-    if given.torque is not None:
-        return _of_torque(given.torque, mesh, (*path, "torque"))
+    torque, torque_path = given.torque, (*path, "torque")
+    if torque is not None:
+        if not isinstance(torque, Amount) or torque.of_mean:
+            hint = "for example `torque: 120 N*m`"
+            return Fault(torque_path, "the torque of a mesh is one amplitude", hint)
+        if mesh.meshings and not mesh.teeth:
+            message = f"'{mesh.name}' is a planetary stage, of several meshes"
+            return Fault(torque_path, message, "give `transmission_error`")
+        if mesh.flexibility == 0:
+            message = f"a torque between the teeth of '{mesh.name}', which are rigid, moves nothing"
+            hint = "give `transmission_error`, or the gear its `mesh_stiffness`"
+            return Fault(torque_path, message, hint)
+        return torque.torque * mesh.flexibility
     unit, size = given.transmission_error or ("rad", 0.0)
     if unit == "rad":
         if given.base_radius is not None:
@@ -56,23 +67,3 @@ def _angle(given: Excitation, mesh: Constraint, path: Path) -> float | Fault:
         return Fault((*path, "transmission_error"), f"the size of '{mesh.name}' is not known", hint)
     transverse = math.atan(math.tan(teeth.pressure_angle) / math.cos(teeth.helix))
     return float(size / (teeth.diameter / 2.0 * math.cos(transverse)))
-
-
-def _of_torque(torque: object, mesh: Constraint, path: Path) -> float | Fault:
-    """The angle of a torque of the mesh."""
-    if not isinstance(torque, Amount) or torque.of_mean:
-        return Fault(path, "the torque of a mesh is one amplitude", "for example `torque: 120 N*m`")
-    if mesh.meshings and not mesh.teeth:
-        return Fault(
-            path,
-            f"'{mesh.name}' is a planetary stage, of several meshes",
-            "give `transmission_error`",
-        )
-    if mesh.flexibility == 0:
-        hint = "give `transmission_error`, or the gear its `mesh_stiffness`"
-        return Fault(
-            path,
-            f"a torque between the teeth of '{mesh.name}', which are rigid, moves nothing",
-            hint,
-        )
-    return torque.torque * mesh.flexibility

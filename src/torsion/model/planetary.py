@@ -85,7 +85,15 @@ class Planetary(Declared):
         if self.planet and self.planet[-1] >= self.ring:
             message = f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}"
             raise refuse(message, key="planet")
-        self._refuse_overlap()
+        # Pitch circles overlap, with z teeth of a planet, Z of the sun and N planets: (Z + z) sin(pi/N) > z; of the ring
+        # Z - z. Where `most` is whole, so many circles touch.
+        with_sun, with_ring = (float(teeth) for teeth in self.teeth)
+        share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
+        most = math.pi / math.asin(share) if share < 1.0 else 1.0
+        room = max(math.ceil(most * (1.0 - ROUNDING)) - 1, 1)
+        if self.planets > room:
+            message = f"{self.planets} planets of these teeth overlap"
+            raise refuse(message, f"at most {room} on their circle", "planets")
         if self.planet_mass and self.radius is None:
             message = "`planet_mass` moves on a circle whose `radius` is missing"
             raise refuse(message, "give `radius`", "planet_mass")
@@ -114,21 +122,6 @@ class Planetary(Declared):
             hint,
             f"{fixed}_mesh",
         )
-
-    def _refuse_overlap(self) -> None:
-        """Refuse planets side by side on their circle whose pitch circles overlap, with the sun or with the ring.
-
-        With z teeth of a planet, Z of the sun and N planets, in modules: (Z + z) sin(pi/N) > z; of the ring Z - z.
-        """
-        with_sun, with_ring = (float(teeth) for teeth in self.teeth)
-        share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
-        rounded = math.pi / math.asin(share) if share < 1.0 else 1.0
-        room = max(
-            math.ceil(rounded * (1.0 - ROUNDING)) - 1, 1
-        )  # where most is whole, so many circles touch
-        if self.planets > room:
-            message = f"{self.planets} planets of these teeth overlap"
-            raise refuse(message, f"at most {room} on their circle", "planets")
 
     @property
     def driven(self) -> Member:
@@ -168,11 +161,8 @@ class Planetary(Declared):
     @property
     def meshing(self) -> Literal["sun", "ring"]:
         """The member whose mesh with the planets is that of the stage."""
-        return (
-            "ring"
-            if self.fixed == "sun" or (self.fixed == "carrier" and self.driving == "ring")
-            else "sun"
-        )
+        is_ring = self.fixed == "sun" or (self.fixed == "carrier" and self.driving == "ring")
+        return "ring" if is_ring else "sun"
 
     @property
     def meshings(self) -> Fraction:
@@ -183,11 +173,11 @@ class Planetary(Declared):
     @property
     def flexibility(self) -> float:
         """Flexibility (rad/(N m)) of the meshes in series, at the driving member, of planets without inertia."""
-        weights, yields = self.weights, 0.0
-        for member, stiffness in (("sun", self.sun_mesh), ("ring", self.ring_mesh)):
-            if stiffness is not None:
-                yields += float(weights[member] / weights[self.driving]) ** 2 / stiffness
-        return yields
+        weights = self.weights
+        return sum(
+            float(weights[member] / weights[self.driving]) ** 2 * flexibility
+            for member, flexibility in self._yields.items()
+        )
 
     @property
     def has_moving_planets(self) -> bool:

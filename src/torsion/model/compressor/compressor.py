@@ -171,7 +171,18 @@ class Compressor(Crankshaft, keyword="compressor"):
                 except GasFault as fault:
                     key = (*at_throw, end.replace(" ", "_"))
                     build.faults.append(Fault(key, fault.message, fault.hint))
-            throws.append(self._throw(number, station, tuple(ends)))
+            gas = np.zeros(self.orders + 1, dtype=np.complex128)
+            throws.append(
+                ThrowRecord(
+                    number + 1,
+                    station,
+                    throw.angle,
+                    tuple(ends),
+                    np.asarray(sum((end.torque for end in ends), gas)),
+                    self.slider.inertia_torque(self.orders, throw.reciprocating),
+                    self.slider.inertia_harmonics(VARYING, throw.reciprocating),
+                )
+            )
         record = CompressorRecord(owner, tuple(throws), self.mechanical_efficiency)
         build.parts[owner] = build.parts[owner].with_records(record)
         if len(build.faults) == faults:
@@ -215,19 +226,6 @@ class Compressor(Crankshaft, keyword="compressor"):
         except NoLoop as fault:
             row = "" if fault.row is None else f", row {fault.row + 1} below the units"
             raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
-
-    def _throw(self, number: int, station: int, ends: tuple[EndRecord, ...]) -> ThrowRecord:
-        throw, slider = self.throws[number], self.slider
-        gas = np.zeros(self.orders + 1, dtype=np.complex128)
-        return ThrowRecord(
-            number + 1,
-            station,
-            throw.angle,
-            ends,
-            np.asarray(sum((end.torque for end in ends), gas)),
-            slider.inertia_torque(self.orders, throw.reciprocating),
-            slider.inertia_harmonics(VARYING, throw.reciprocating),
-        )
 
     def _torques(self, build: Lowering, record: CompressorRecord, path: Path) -> Iterator[Torque]:
         """One primitive for every throw and order that is there."""

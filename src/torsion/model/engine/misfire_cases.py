@@ -13,29 +13,25 @@ Case = tuple[str, tuple[Part, ...], tuple[Torque, ...]]
 def misfire_cases(parts: Sequence[Part], torques: Sequence[Torque]) -> Iterator[Case]:
     """What misfires, with parts and torques then; nothing where no engine tries every cylinder in turn."""
     for position, part in enumerate(parts):
-        if part.engine is not None and part.engine.tries_all:
-            for cylinder in part.engine.cylinders:
-                if cylinder.state == "firing":
-                    engine = _without(part.engine, cylinder.number)
-                    changed = list(parts)
-                    changed[position] = part.with_records(engine)
-                    words = f"cylinder {cylinder.number} of {part.name} motored"
-                    yield words, tuple(changed), tuple(_torques(torques, engine))
-
-
-def _without(engine: EngineRecord, number: int) -> EngineRecord:
-    """The engine with one more cylinder that does not fire; where it keeps its power, the others make up for it."""
-    firing = [cylinder for cylinder in engine.cylinders if cylinder.state == "firing"]
-    share = sum(cylinder.share for cylinder in firing)
-    remaining = sum(cylinder.share for cylinder in firing if cylinder.number != number)
-    raised = share / remaining if engine.keeps_power else 1.0
-    cylinders = tuple(
-        replace(cylinder, state="motored")
-        if cylinder.number == number
-        else replace(cylinder, share=cylinder.share * raised)
-        for cylinder in engine.cylinders
-    )
-    return replace(engine, cylinders=cylinders)
+        engine = part.engine
+        if engine is None or not engine.tries_all:
+            continue
+        firing = [cylinder for cylinder in engine.cylinders if cylinder.state == "firing"]
+        share = sum(cylinder.share for cylinder in firing)
+        for motored in firing:
+            remaining = sum(cylinder.share for cylinder in firing if cylinder is not motored)
+            # Where the engine keeps its power, the others make up for it.
+            raised = share / remaining if engine.keeps_power else 1.0
+            cylinders = tuple(
+                replace(cylinder, state="motored")
+                if cylinder is motored
+                else replace(cylinder, share=cylinder.share * raised)
+                for cylinder in engine.cylinders
+            )
+            changed = replace(engine, cylinders=cylinders)
+            words = f"cylinder {motored.number} of {part.name} motored"
+            others = (*parts[:position], part.with_records(changed), *parts[position + 1 :])
+            yield words, others, tuple(_torques(torques, changed))
 
 
 def _torques(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[Torque]:
