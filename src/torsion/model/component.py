@@ -96,19 +96,9 @@ class Lowering:
         self, owner: Part, name: str, kind: str, *, is_point: bool, symbol: Symbol = PLAIN
     ) -> None:
         """Begin a piece of a component that is itself a point or a link, as every other component is."""
-        self.parts.append(
-            replace(
-                owner,
-                name=f"{owner.name} {name}",
-                kind=kind,
-                is_point=is_point,
-                stations=(),
-                is_named=False,
-                note=None,
-                ratio=self.arrival.ratio,
-                symbol=symbol,
-            )
-        )
+        facts: dict[str, Any] = {"stations": (), "is_named": False, "note": None, "symbol": symbol}
+        facts |= {"kind": kind, "is_point": is_point, "ratio": self.arrival.ratio}
+        self.parts.append(replace(owner, name=f"{owner.name} {name}", **facts))
 
     def material(self, name: str, *keys: str | int) -> Material | None:
         """The material of that name; None, with a fault at `material` behind these keys, where there is none."""
@@ -164,19 +154,12 @@ class Lowering:
 
         behind: what changes of the arrival, beside speed and sense.
         """
-        driving = (
-            self.arrival.station
-            if self.arrival.station is not None
-            else self.station(f"{self.name} start")
-        )
+        before = self.arrival
+        driving = self.station(f"{self.name} start") if before.station is None else before.station
         at_driving, at_driven = halves or (0.0, 0.0)
         self.inertia(driving, at_driving, f"driving {half}")
-        self.arrival = replace(
-            self.arrival,
-            ratio=self.arrival.ratio * ratio,
-            sense=self.arrival.sense * sense,
-            **behind,
-        )
+        behind |= {"ratio": before.ratio * ratio, "sense": before.sense * sense}
+        self.arrival = replace(before, **behind)
         driven = self.station(f"{self.name} end")
         self.inertia(driven, at_driven, f"driven {half}")
         self.arrival = replace(self.arrival, station=driven, is_open=True)
@@ -190,15 +173,8 @@ class Lowering:
     def inertia(self, station: int, given: float, what: str = "", part: int | None = None) -> None:
         """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
         if given:
-            self.add(
-                Inertia(
-                    station,
-                    self.to_own_speed(given),
-                    self.part if part is None else part,
-                    what,
-                    given,
-                )
-            )
+            owner = self.part if part is None else part
+            self.add(Inertia(station, self.to_own_speed(given), owner, what, given))
 
     def to_own_speed(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""

@@ -45,13 +45,15 @@ class ModulusLaw(Declared):
     power_slope: Annotated[float, Quantity("K")] = required("by which that power falls with 1/T")
 
 
-def _law(factor: float, activation: float, power: float, power_slope: float) -> ModulusLaw:
-    return ModulusLaw(factor=factor, activation=activation, power=power, power_slope=power_slope)
-
-
-KNOWN = {
-    0.15: (_law(21e-4, 3791.0, 2.35, 504.0), _law(1.01, 2353.0, 1.50, 321.0))
-}  # m2/s: Navitorq, manual
+KNOWN = {  # by m2/s: Navitorq, manual
+    0.15: tuple(
+        ModulusLaw(factor=factor, activation=activation, power=power, power_slope=power_slope)
+        for factor, activation, power, power_slope in (
+            (21e-4, 3791.0, 2.35, 504.0),
+            (1.01, 2353.0, 1.50, 321.0),
+        )
+    )
+}
 
 
 class Silicone(Declared):

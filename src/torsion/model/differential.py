@@ -91,8 +91,9 @@ class Differential(Declared):
         lower_branch(
             build, replace(build.arrival, station=station, is_open=False), self.train, path
         )
+        unsupported = list[tuple[Path, str]]()
         for k, part in enumerate(build.parts[parts:], parts):
-            _refuse(build, part, _unsupported(part))
+            unsupported.append((part.path, _unsupported(part)))
             ratings = (
                 record.times(2.0)
                 for record in part.records
@@ -103,17 +104,16 @@ class Differential(Declared):
         for k, primitive in enumerate(build.primitives[first:], first):
             doubled = _doubled(primitive)
             if isinstance(doubled, str):
-                _refuse(build, build.parts[getattr(primitive, "part", -1)], doubled)
+                owner = build.parts[getattr(primitive, "part", -1)]
+                unsupported.append((owner.path, doubled))
             else:
                 build.primitives[k] = doubled
-
-
-def _refuse(build: Lowering, part: Part, unsupported: str) -> None:
-    """Note what a half cannot have, if there is such a thing."""
-    if unsupported:
-        message = f"the half of a differential does not support: {unsupported}"
         hint = "give a plain stiffness and discs, or write the train without `differential`"
-        build.faults.append(Fault(part.path, message, hint))
+        build.faults += [
+            Fault(path, f"the half of a differential does not support: {words}", hint)
+            for path, words in unsupported
+            if words
+        ]
 
 
 def _unsupported(part: Part) -> str:

@@ -70,17 +70,6 @@ class Joint(Component, keyword="joint", sort="link", symbol=Symbol(width=0.8)):
         """Order of its transmission error over its driving shaft; 0 of a joint of constant velocity."""
         return {"cross": 2, "tripod": 0 if self.bearing == "twin" else 3, "cv": 0}[self.kind]
 
-    def error(self, yoke: float) -> tuple[tuple[int, complex], ...]:
-        """(order, rad) of the transmission error over the driving shaft's angle, to first order."""
-        if self.angle == 0 or self.order == 0:
-            return ()
-        if self.kind == "cross":
-            return ((2, cross.error_amplitude(self.angle, yoke)),)
-        # Counted from the normal of the plane, as the theory of the tripod does.
-        spider = yoke + math.pi / 2
-        radius, arm = self.radius or 0.0, self.arm or 1.0
-        return ((3, tripod.error_amplitude(self.angle, spider, radius, arm)),)
-
     def lower(self, build: Lowering) -> None:
         before = build.arrival.yoke
         if before is None and self.plane is not None:
@@ -100,7 +89,13 @@ class Joint(Component, keyword="joint", sort="link", symbol=Symbol(width=0.8)):
         # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
         # with the driving side's is counted from, so nothing is added.
         driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
+        # The transmission error (order, rad) over the driving shaft's angle, to first order; that of a tripod counts from
+        # the normal of the plane, as its theory does.
+        error: tuple[tuple[int, complex], ...] = ()
+        if self.angle and self.kind == "cross":
+            error = ((2, cross.error_amplitude(self.angle, yoke)),)
+        elif self.angle and self.order:
+            size = self.radius or 0.0, self.arm or 1.0
+            error = ((3, tripod.error_amplitude(self.angle, yoke + math.pi / 2, *size)),)
         build.arrival = replace(build.arrival, yoke=driven_yoke, joint=build.part)
-        build.add(
-            Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after)
-        )
+        build.add(Constraint(build.name, build.part, driving, driven, error=error, after=after))

@@ -91,8 +91,8 @@ class Machine(Rotor, symbol=Symbol("load")):
 
     @property
     def is_driver(self) -> bool:
-        """The machine delivers power to the train."""
-        return self.drives_train
+        """The machine delivers power to the train: by its kind, or by its own key."""
+        return getattr(self, "drives", self.drives_train)
 
     @property
     def harmonics(self) -> tuple[Harmonic, ...]:
@@ -204,11 +204,6 @@ class GeneralMachine(Machine, keyword="machine"):
     excitation: tuple[Ripple, ...] = given(
         "its periodic torque: list of {order or frequency, torque, phase}", ()
     )
-
-    @property
-    def is_driver(self) -> bool:
-        """The machine delivers power to the train."""
-        return self.drives
 
 
 class RippleMachine(Machine):

@@ -42,10 +42,6 @@ class GearRating:
         torque = self.max_torque
         return replace(self, max_torque=None if torque is None else factor * torque)
 
-    def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
-        """Return the symbol and the greatest torque (N m) of any motion; None: no limit."""
-        return None if self.max_torque is None else ("T_max", self.max_torque)
-
 
 @dataclass(frozen=True)
 class CouplingRatings:
@@ -74,14 +70,6 @@ class CouplingRatings:
         }
         return replace(self, **limits)
 
-    def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
-        """Return the symbol and the greatest torque (N m) of a motion that is rare or not; None: no limit."""
-        if self.max_torque is None:
-            return None
-        if self.max_torque_rare is None:
-            return "T_Kmax", self.max_torque
-        return ("T_Kmax2", self.max_torque_rare) if is_rare else ("T_Kmax1", self.max_torque)
-
     @property
     def limit_heat(self) -> bool:
         """The maker states a limit of the power loss."""
@@ -90,12 +78,8 @@ class CouplingRatings:
     @property
     def limit_vibration(self) -> bool:
         """There is a limit of the vibratory or the greatest torque, of the heat, or of the temperature."""
-        limits = (
-            self.vibratory_torque,
-            self.vibratory_over_frequency,
-            self.max_torque,
-            self.temperature_rise,
-        )
+        vibratory = self.vibratory_torque, self.vibratory_over_frequency
+        limits = (*vibratory, self.max_torque, self.temperature_rise)
         return self.limit_heat or any(limit is not None for limit in limits)
 
     @property
@@ -340,8 +324,14 @@ class Part:
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
-        rating = self.get(GearRating) or self.ratings
-        return None if rating is None else rating.greatest_torque(is_rare=is_rare)
+        gear, ratings = self.get(GearRating), self.ratings
+        if gear is not None:
+            return None if gear.max_torque is None else ("T_max", gear.max_torque)
+        if ratings is None or ratings.max_torque is None:
+            return None
+        if ratings.max_torque_rare is None:
+            return "T_Kmax", ratings.max_torque
+        return ("T_Kmax2", ratings.max_torque_rare) if is_rare else ("T_Kmax1", ratings.max_torque)
 
     @property
     def stiffness_tolerance(self) -> float:

@@ -105,7 +105,7 @@ class Planetary(Declared):
         The dynamic stiffness of the planets between the member of the other mesh and the carrier then has a negative
         coupling of inertia, which no network of positive springs and inertias has.
         """
-        if not self.has_moving_planets or self._softness_of_mesh >= 0.0:
+        if self._softness_of_mesh >= 0.0:
             return
         fixed, mesh = self.fixed, self.meshing
         stiffness = {"sun": self.sun_mesh, "ring": self.ring_mesh}[mesh]
@@ -179,13 +179,6 @@ class Planetary(Declared):
             for member, flexibility in self._yields.items()
         )
 
-    @property
-    def has_moving_planets(self) -> bool:
-        """The planets have an inertia between elastic meshes: they move against the members."""
-        return bool(self.planet_inertia) and (
-            self.sun_mesh is not None or self.ring_mesh is not None
-        )
-
     @cached_property
     def _coefficients(self) -> tuple[Fraction, Fraction, Fraction]:
         """The twist of the stage's mesh by its planets and by its carrier, that of the fixed member's by its planets.
@@ -219,9 +212,9 @@ class Planetary(Declared):
     def _softness_of_mesh(self) -> float:
         """Flexibility (rad/(N m), at its member) of the stage's mesh less that of the fixed member's, at the teeth.
 
-        Infinite for a fixed carrier, where both meshes are in a row.
+        Infinite for a fixed carrier, where both meshes are in a row, and for planets without inertia.
         """
-        if self.fixed == "carrier":
+        if self.fixed == "carrier" or not self.planet_inertia:
             return math.inf
         mesh, fixed = self._yields[self.meshing], self._mesh_ratio * self._yields[self.fixed]
         return 0.0 if abs(mesh - fixed) <= ROUNDING * mesh else mesh - fixed
@@ -234,8 +227,8 @@ class Planetary(Declared):
         the rigid motion. The mesh with the fixed member has but two of them, u and -u, and the triangle of stiffnesses
         that both make is a star with one arm that would be negative where the fixed member's mesh is the softer one.
         """
-        if not self.has_moving_planets:
-            return None
+        if not self.planet_inertia or not any(self._yields.values()):
+            return None  # else they move against the members
         speeds, yields = self.speeds, self._yields
         if self.fixed == "carrier":
             other_mesh = yields[self.driven] * float(1 / self.speed) ** 2

@@ -1,6 +1,6 @@
 """The text of a file with other values at some places, all else of it, comments too, as it was written."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from operator import itemgetter
 from typing import Any
@@ -25,12 +25,25 @@ def edited(
     case, without the other cases.
     """
     with suppress(LookupError, InputError):
-        removed = [_removal(source, path) for path in gone if source.at(path)]
-        text = source.text
+        text, edits, added = source.text, list[Edit](), dict[Path, dict[str, Any]]()
+        for path, new in changes:
+            if source.at(path) is None:
+                added.setdefault(path[:-1], {})[str(path[-1])] = new.value
+                continue
+            node = _own_node(source, path)
+            edits.append((node.begin, node.end, in_brackets(new.value)))
+        for path, keys in added.items():
+            node = _own_node(source, path)
+            entries = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
+            behind, begin = _line_end(text, node.end), "\n" + " " * (node.column - 1)
+            written = "".join(begin + entry for entry in entries)
+            if node.is_flow:
+                behind, written = node.end - 1, ", " * bool(node.value) + ", ".join(entries)
+            edits.append((behind, behind, written))
+        edits += [_removal(source, path) for path in gone if source.at(path)]
         # From the last to the first; of several at one place the first stands first.
-        edits = sorted([*_edits(source, changes), *removed], key=itemgetter(0), reverse=True)
-        for begin, end, new in edits:
-            text = text[:begin] + new + text[end:]
+        for start, end, written in sorted(edits, key=itemgetter(0), reverse=True):
+            text = text[:start] + written + text[end:]
         if _plain(_read(text, source).data) == _plain(expected):
             return text
     is_case = _read(source.text, source).data != source.data
@@ -68,25 +81,6 @@ def _own_node(source: Source, path: Path) -> Node:
     if node is None or node.source is not None:
         raise LookupError
     return node
-
-
-def _edits(source: Source, changes: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
-    """Raises LookupError where a value does not stand in the text."""
-    added: dict[Path, dict[str, Any]] = {}
-    for path, new in changes:
-        if source.at(path) is None:
-            added.setdefault(path[:-1], {})[str(path[-1])] = new.value
-            continue
-        node = _own_node(source, path)
-        yield node.begin, node.end, in_brackets(new.value)
-    for path, keys in added.items():
-        node = _own_node(source, path)
-        entries = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
-        if node.is_flow:
-            yield node.end - 1, node.end - 1, ", " * bool(node.value) + ", ".join(entries)
-        else:
-            behind = _line_end(source.text, node.end)
-            yield behind, behind, "".join("\n" + " " * (node.column - 1) + line for line in entries)
 
 
 def _line_end(text: str, position: int) -> int:

@@ -81,7 +81,14 @@ def json_schema() -> Schema:
     kinds = {kind: _kind(kind, refs[kind]) for kind in KINDS}
     kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items()}
     train = _or_table(_list_of(_one_of({**kinds, "table": named})))
-    _add_tables(shared["$defs"])
+    # A table wherever the reader takes one; every other word of such a key stays.
+    for model in shared["$defs"].values():
+        for key in {*MAPPINGS, *PAIRS} & set(model.get("properties", {})):
+            body = model["properties"][key]
+            lists = [form for form in (body, *body.get("anyOf", ())) if form.get("type") == "array"]
+            if lists and lists[0]["items"] != {"type": "number"}:
+                kept = {name: body.pop(name) for name in ("description", "default") if name in body}
+                model["properties"][key] = _or_table(body) | kept
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {
         "train": {"description": "components in a row", **train},
@@ -89,10 +96,8 @@ def json_schema() -> Schema:
         **parts,
     }
     # Every other word for a key next to the key.
-    for name in {
-        model.__name__ for kind in KINDS for model in _models_within(component_class(kind))
-    }:
-        body = schema["$defs"].get(name, {})
+    for word in {part.__name__ for kind in KINDS for part in _models_within(component_class(kind))}:
+        body = schema["$defs"].get(word, {})
         _offer(body, aliases_of(body.get("properties", {})))
     _offer(schema, SECTIONS_BY_ALIAS[""])
     _offer(schema["$defs"][Operation.__name__], SECTIONS_BY_ALIAS["operation"])
@@ -127,21 +132,6 @@ def _or_null(body: Schema) -> Schema:
 def _or_table(body: Schema) -> Schema:
     """A list, or the file of a table whose rows are its entries."""
     return {"anyOf": [body, {"$ref": "#/$defs/table"}]}
-
-
-def _add_tables(models: Schema) -> None:
-    """Offer a table wherever the reader takes one; every other word of such a key stays."""
-    for model in models.values():
-        for key in {*MAPPINGS, *PAIRS} & set(model.get("properties", {})):
-            body = model["properties"][key]
-            lists = [
-                schema for schema in (body, *body.get("anyOf", ())) if schema.get("type") == "array"
-            ]
-            if lists and lists[0]["items"] != {"type": "number"}:
-                words = {
-                    word: body.pop(word) for word in ("description", "default") if word in body
-                }
-                model["properties"][key] = _or_table(body) | words
 
 
 def _kind(kind: str, body: Schema) -> Schema:

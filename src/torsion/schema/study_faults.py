@@ -21,7 +21,7 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
     """
     faults = list[Fault]()
     for reads, applies, check in _CHECKS:
-        is_named = applies in study.analyses if isinstance(applies, str) else applies(study)
+        is_named = applies in ("", *study.analyses) if isinstance(applies, str) else applies(study)
         if is_named and not set(reads.split()) & set(faulty):
             faults += (_analysis(check) if isinstance(check, str) else check)(study)
     return faults
@@ -30,10 +30,6 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
 def _analysis(function: str) -> Any:
     """Import a check of an analysis, module:name, where it applies."""
     return resolve_name(f"torsion.{function}")
-
-
-def _always(study: Study) -> bool:
-    return True
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -127,11 +123,11 @@ def _response_faults(study: Study) -> Iterator[Fault]:
 
 
 Check = Callable[[Study], Iterable[Fault]]
-# Sections that a check reads; an analysis that the file names for it, or what holds; and the check.
+# Sections that a check reads; an analysis that the file names for it (empty: any), or what holds; and the check.
 _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
-    ("train links", _always, lambda study: fixed_point_faults(study.train)),
-    ("train links analyses", _always, _model_faults),
-    ("train links damping materials analyses rules", _always, _damping_faults),
+    ("train links", "", lambda study: fixed_point_faults(study.train)),
+    ("train links analyses", "", _model_faults),
+    ("train links damping materials analyses rules", "", _damping_faults),
     (
         "train links analyses",
         "check",
@@ -139,7 +135,7 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
             study, ("analyses", "check")
         ),
     ),
-    ("train operation analyses rules", _always, _response_faults),
+    ("train operation analyses rules", "", _response_faults),
     ("train excitations analyses", "response", "analyses.response.over_speed:order_faults"),
     ("train operation", lambda study: study.has_mean_torque, "analyses.steady:power_faults"),
     (
@@ -186,5 +182,5 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
             study.train, study.analyses.get("lateral")
         ),
     ),
-    ("train links materials operation analyses rules excitations", _always, lacking),
+    ("train links materials operation analyses rules excitations", "", lacking),
 )

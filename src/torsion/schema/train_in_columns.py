@@ -113,11 +113,11 @@ def _changes(
     low, high = (0.0, 1.0) if figure.rows else figure.law.ends
     share = (column - low) / (high - low)
 
-    def combine(numbers: FloatArray) -> FloatArray:
-        if figure.rows:
-            return numbers[column.astype(np.intp)]
-        return np.asarray(numbers[0] + share * (numbers[1] - numbers[0]))
-
+    combine = (
+        (lambda numbers: numbers[column.astype(np.intp)])
+        if figure.rows
+        else (lambda numbers: np.asarray(numbers[0] + share * (numbers[1] - numbers[0])))
+    )
     fields = {
         name: joined([getattr(piece, name) for piece in alternatives], combine)
         for name in field_names(original)

@@ -84,8 +84,8 @@ class Variation:
         read = lambda source: case_of(name, source, self.read)  # noqa: E731
         # Columns can only be put in behind what the case changes, which is the same where it changes none of them.
         is_same = all(
-            _component_at(path, self.base) == _component_at(path, case)
-            and changed.at(path) == self.source.at(path)
+            changed.at(path) == self.source.at(path)
+            and len({_component_at(path, study) for study in (self.base, case)}) == 1
             for figure in self.figures
             for path in figure.all_paths
         )

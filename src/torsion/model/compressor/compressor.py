@@ -186,13 +186,22 @@ class Compressor(Crankshaft, keyword="compressor"):
         record = CompressorRecord(owner, tuple(throws), self.mechanical_efficiency)
         build.parts[owner] = build.parts[owner].with_records(record)
         if len(build.faults) == faults:
-            build.faults += _driving_ends(record, path)
+            # An end that gives work: its rows run backwards, or the ends are exchanged.
+            for number, given in ((k, end) for k, throw in enumerate(throws) for end in throw.ends):
+                drives = float(given.torque[0].real)
+                if drives > SMALL * float(np.abs(given.torque).max()):
+                    what = f"the {given.end} of throw {number + 1}"
+                    message = f"{what} drives the shaft: {drives:.5g} N m on the mean"
+                    hint = "rows follow the motion of the piston; volume and travel count from the dead centre of"
+                    key = (*path, "throws", number, given.end.replace(" ", "_"))
+                    build.faults.append(Fault(key, message, f"{hint} the same end"))
             build.add(*self._torques(build, record, path))
 
     def _end(self, folder: FilePath, end: End, given: str | float, cylinder: Cylinder) -> EndRecord:
         """The working side of a piston with its diagram and harmonics; raises GasFault."""
         clearance: float | None = None
         around = 0.0 if self.absolute else self.surroundings
+        is_file = isinstance(given, str)
         if isinstance(given, str):
             diagram, clearance = self._diagram(folder / given, end, cylinder)
         else:
@@ -200,10 +209,10 @@ class Compressor(Crankshaft, keyword="compressor"):
             diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
         sense = 1.0 if end == HEAD else -1.0
         torque = sense * diagram.torque(cylinder, self.orders, self.surroundings)
-        if not isinstance(given, str):
+        if not is_file:
             torque[0] = 0.0  # what it takes it gives back
         words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
-        return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)
+        return EndRecord(end, words, is_file, cylinder, diagram, clearance, torque)
 
     def _diagram(
         self, file: FilePath, end: End, cylinder: Cylinder
@@ -246,21 +255,6 @@ class Compressor(Crankshaft, keyword="compressor"):
         yield "Stroke, connecting rod", f"{1e3 * self.stroke:.6g}, {1e3 * self.rod_length:.6g} mm"
         yield "Radius / rod", f"{self.slider.radius / self.slider.rod:.5g}"
         yield "Pressure outside of the cylinders", f"{self.surroundings / 1e5:.5g} bar"
-
-
-def _driving_ends(record: CompressorRecord, path: Path) -> Iterator[Fault]:
-    """Yield the fault of each end that gives work: its rows run backwards, or the ends are exchanged."""
-    for throw in record.throws:
-        for end in throw.ends:
-            drives = float(end.torque[0].real)
-            if drives > SMALL * float(np.abs(end.torque).max()):
-                message = f"the {end.end} of throw {throw.number} drives the shaft: {drives:.5g} N m on the mean"
-                hint = (
-                    "rows follow the motion of the piston; volume and travel count from the dead centre of "
-                    "the same end"
-                )
-                key = "throws", throw.number - 1, end.end.replace(" ", "_")
-                yield Fault((*path, *key), message, hint)
 
 
 def _travel(

@@ -134,12 +134,6 @@ class Journal(Declared):
         return float(section_modulus(self.diameter, self.bore))
 
 
-def weakest(*journals: Journal | None) -> Journal | None:
-    """The one with the smallest section modulus; None where none is given."""
-    given_journals = (journal for journal in journals if journal is not None)
-    return min(given_journals, key=lambda journal: journal.modulus, default=None)
-
-
 class Web(Declared):
     """A web of a throw, as a rectangle."""
 

@@ -30,7 +30,6 @@ from torsion.model.engine.declarations import (
     Share,
     Throws,
     Web,
-    weakest,
 )
 from torsion.model.engine.gas_laws import Frame, GasFault, law_of
 from torsion.model.engine.record import CylinderRecord, EngineRecord
@@ -238,7 +237,9 @@ class Engine(Crankshaft, keyword="engine"):
             except GasFault as fault:
                 build.fault(fault.message, fault.hint, "gas", *fault.key)
         build.material(self.material)
-        journal, shaft = weakest(self.journal, self.pin), None
+        # The one with the smallest section modulus.
+        journals = (journal for journal in (self.journal, self.pin) if journal is not None)
+        journal, shaft = min(journals, key=lambda journal: journal.modulus, default=None), None
         if journal is not None:
             size = journal.diameter, journal.bore
             shaft = ShaftRecord(self.material, "crank", (), (), journal=size)
