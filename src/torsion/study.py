@@ -56,7 +56,7 @@ class StudyActions:
 
         The result has the changed text; its cases are left out. Raises InputError as a case of the file does.
         """
-        vary = resolve_name("torsion.schema.variant_study:vary")
+        vary = resolve_name("torsion.schema.builder:vary")
         varied: Self = vary(self, {**(changes or {}), **values}, factor or {}, remove)
         return varied
 

@@ -155,8 +155,28 @@ class Machine(Rotor, symbol=Symbol("load")):
             field = build.station(name)
             spring = Spring(name, build.part, station, field, drive.lag / slope)
             build.add(spring, Damper(field, slope))
-        if damping.model != "viscous" or damping.value:
-            build.add(self._damper(damping, station, build))
+        # Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega:
+        # 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
+        factor = damping.factor or 0.0
+        match damping.model:
+            case "viscous" if not damping.value:
+                return station
+            case "viscous":
+                damper = Damper(station, constant=build.to_own_speed(damping.value or 0.0))
+            case "law":
+                damper = Damper(station, load_factor=1.0)
+            case "schwanecke":
+                keys = ("diameter", "pitch_ratio", "area_ratio")
+                diameter, pitch, area = (getattr(self, key) for key in keys)
+                size = 0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
+                damper = Damper(station, speed_factor=size)
+            case "archer":
+                damper = Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0)
+            case _:
+                damper = Damper(station, torque_factor=factor)
+        if damping.model in ("archer", "frahm", "schwanecke"):
+            note(damping.model.capitalize())
+        build.add(damper)
         return station
 
     def lower(self, build: Lowering) -> None:
@@ -164,30 +184,6 @@ class Machine(Rotor, symbol=Symbol("load")):
         for number, harmonic in enumerate(self.harmonics):
             path = (*build.parts[-1].path, self.harmonics_key, number)
             build.add(harmonic.primitive(build.name, station, path, self.source))
-
-    def _damper(self, damping: MachineDamping, station: int, build: Lowering) -> Damper:
-        """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega.
-
-        Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
-        """
-        if damping.model == "law":
-            return Damper(station, load_factor=1.0)
-        if damping.model == "viscous":
-            return Damper(station, constant=build.to_own_speed(damping.value or 0.0))
-        if damping.model == "schwanecke":
-            diameter, pitch, area = (
-                getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio")
-            )
-            note("Schwanecke")
-            return Damper(
-                station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
-            )
-        if damping.model in ("archer", "frahm"):
-            note(damping.model.capitalize())
-        factor = damping.factor or 0.0
-        if damping.model == "archer":
-            factor = factor * 2.0 * math.pi / 60.0
-        return Damper(station, torque_factor=factor)
 
 
 class GeneralMachine(Machine, keyword="machine"):

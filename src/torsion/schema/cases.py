@@ -230,18 +230,15 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
         for words, node in body.parts.items():
             name, fault = str(words), (*path, key, words)
             position = body.keys[name]
-            if key == "set":
-                overlay.replace(name, node, position, fault)
-                continue
-            factor = Fraction(repr(keys.scale[name]))
+            factor = Fraction(repr(keys.scale[name])) if key == "scale" else None
             if factor == 1 and not overlay.permits_no_change:
                 message = f"{in_words(node.value)} of `{words}`: nothing changes"
                 overlay.refuse(fault, message, "a factor other than 1")
             else:
-                overlay.multiply(name, factor, node, position, fault)
+                overlay.change(name, node, position, fault, factor)
     if keys.speeds is not None:
         places = case_node.parts["speeds"], case_node.keys["speeds"]
-        overlay.replace("operation.speeds", *places, (*path, "speeds"))
+        overlay.change("operation.speeds", *places, (*path, "speeds"))
     if keys.rules is not None:
         stated, rules = overlay.source.at(("rules",)), case_node.parts["rules"]
         if stated is not None and stated.value == rules.value:

@@ -69,11 +69,19 @@ def pages() -> dict[str, str]:
         "analyses", models=_words(MODELS), fem=key_table(FiniteElements), toctree=analyses
     )
     texts["rules/index.md"] = _page("rules", toctree=toctree(RULES))
+    # Every SI unit of the format with what it measures, and what a number without a unit is.
+    quantities = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
+    stated = (item for declared in declarations().values() for item in _quantities_of(declared))
+    for unit in dict.fromkeys(quantity.unit for quantity in stated):
+        bare = "or a percentage" if unit == "1" else "is in the SI unit"
+        bare = "is an error" if units.needs_unit(unit) else bare
+        written = "" if unit == "1" else f"`{unit}`"
+        quantities.append(f"| {units.speak(unit)} | {written} | {bare} |")
     order = "operation materials components/index links excitations damping analyses/index rules/index cases document tables"
     texts["index.md"] = _page(
         "index",
         top=key_table(Scene).replace("see meaning", "section below"),
-        quantities=_quantities(),
+        quantities="\n".join(quantities) + "\n",
         aliases=_words(SECTIONS_BY_ALIAS[""]),
         toctree=toctree(order.split()),
     )
@@ -191,19 +199,6 @@ def _words(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _quantities() -> str:
-    """Return a table of every SI unit of the format with what it measures."""
-    quantities = (
-        quantity for declared in declarations().values() for quantity in _quantities_of(declared)
-    )
-    rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
-    for unit in dict.fromkeys(quantity.unit for quantity in quantities):
-        bare = "or a percentage" if unit == "1" else "is in the SI unit"
-        bare = "is an error" if units.needs_unit(unit) else bare
-        rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
-    return "\n".join(rows) + "\n"
-
-
 def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
     """Yield every quantity in a declaration and in its mappings, without components."""
     for field in declared.model_fields.values():
@@ -292,14 +287,11 @@ def _row(key: str, field: FieldInfo) -> str:
         Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
     )
     limits = ", ".join(dict.fromkeys(_limits(field)))
-    default = field.default
-    if isinstance(default, tuple) and len(default) == 1:
-        default = default[0]
-    if default is None or default in ((), "", {}):
-        words = ""
-    else:
-        words = str(default).lower() if isinstance(default, bool | str) else f"{default:g}"
-    words = "**required**" if field.is_required() else words and f"`{words}`"
+    default, words = field.default, "**required**"
+    if not field.is_required():
+        default = default[0] if isinstance(default, tuple) and len(default) == 1 else default
+        words = str(default).lower() if isinstance(default, bool | str | None) else ""
+        words = f"`{words or f'{default:g}'}`" if default not in (None, (), "", {}) else ""
     cells = (f"`{key}`", _value(annotation), limits, words, field.description or "")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 

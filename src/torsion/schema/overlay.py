@@ -63,39 +63,40 @@ class Overlay:
         file = Source(self.source.name, self.source.text)
         self.puts.append((path, replace(value, source=value.source or file), key_place))
 
-    def replace(self, words: str, value: Node, key_place: Place, fault: Path) -> None:
-        """Put a value where the words of a key point; `fault` is the place of what is said wrongly."""
-        if (path := self.path(words, fault)) is None:
-            return
-        given = self.source.at(path)
-        if given is not None and given.value == value.value:
-            if self.permits_no_change:
-                return
-            message = f"`{printable(words)}` is {in_words(given.value)} already: nothing changes"
-            self.refuse(fault, message, "give another value, or leave it out")
-            return
-        before = "not given" if given is None else in_words(given.value)
-        self.changes.append(Change(words, before, in_words(value.value)))
-        self.put(path, value, key_place)
-
-    def multiply(
-        self, words: str, factor: Fraction, origin: Node, key_place: Place, fault: Path
+    def change(
+        self,
+        words: str,
+        value: Node,
+        key_place: Place,
+        fault: Path,
+        factor: Fraction | None = None,
     ) -> None:
-        """Multiply the number to which the words of a key point."""
+        """Put a value where the words of a key point, or the number there times a factor.
+
+        fault: the place of what is said wrongly.
+        """
         if (path := self.path(words, fault)) is None:
             return
-        given = self.source.at(path)
-        if given is None:
+        given, made = self.source.at(path), value.value
+        if factor is not None:
+            made = None if given is None else multiplied(given.value, factor)
+            value = Node(made, value.line, value.column)
+        if factor is not None and given is None:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             )
             self.refuse(fault, message, "give its value with `set`")
-        elif (made := multiplied(given.value, factor)) is None:
+        elif factor is not None and given is not None and made is None:
             message = f"{shown(given.value)} is not a number that can be multiplied"
             self.refuse(fault, message, "give the new value with `set`")
+        elif factor is None and given is not None and given.value == made:
+            if not self.permits_no_change:
+                message = f"`{printable(words)}` is {in_words(made)} already: nothing changes"
+                self.refuse(fault, message, "give another value, or leave it out")
         else:
-            self.changes.append(Change(words, in_words(given.value), in_words(made)))
-            self.put(path, Node(made, origin.line, origin.column), key_place)
+            before = "not given" if given is None else in_words(given.value)
+            self.changes.append(Change(words, before, in_words(made)))
+            self.put(path, value, key_place)
 
     def path(self, words: str, fault: Path) -> Path | None:
         """The path in the file that the words of a key stand for; None with its fault noted."""

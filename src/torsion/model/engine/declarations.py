@@ -1,6 +1,7 @@
 """What the file says within an engine: geometry, masses, journals, and the gas torque of a cylinder."""
 
 import cmath
+from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from typing import Annotated, Any, Literal
@@ -143,16 +144,13 @@ class Web(Declared):
 
 def _amount(value: object) -> tuple[float, str]:
     """A torque (N m) or a tangential pressure (Pa), and which."""
-    if isinstance(value, str):
-        try:
-            return units.to_si(value, "N*m"), "N*m"
-        except units.UnitFault:
-            try:
-                return units.to_si(value, "Pa"), "Pa"
-            except units.UnitFault:
-                message = f"{shown(value)} is neither a torque nor a pressure"
-                raise refuse(message, "an amplitude of a cylinder is in N*m or `bar`") from None
-    return Quantity("N*m").read(value), "N*m"
+    if not isinstance(value, str):
+        return Quantity("N*m").read(value), "N*m"
+    for unit in ("N*m", "Pa"):
+        with suppress(units.UnitFault):
+            return units.to_si(value, unit), unit
+    message = f"{shown(value)} is neither a torque nor a pressure"
+    raise refuse(message, "an amplitude of a cylinder is in N*m or `bar`")
 
 
 def _order(value: object) -> Fraction:
@@ -165,7 +163,9 @@ def _order(value: object) -> Fraction:
 
 
 def _row(value: object) -> Row:
-    """Read one order of a table of harmonics."""
+    """Read one order of a table of harmonics; a row that is read stays."""
+    if isinstance(value, tuple) and len(value) == 3 and isinstance(value[1], complex):
+        return value
     if isinstance(value, dict):
         if set(value) != {"order", "a", "b"}:
             raise refuse("a row by cosine and sine has the keys `order`, `a` and `b`", ROW)
@@ -185,10 +185,6 @@ def _row(value: object) -> Row:
 def _rows(value: Any) -> tuple[Row, ...]:
     if not isinstance(value, list | tuple) or not value:
         raise refuse(f"{shown(value)} is not a table of harmonics", f"rows {ROW}")
-    if all(
-        isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value
-    ):
-        return tuple(value)
     rows = tuple(read_item(value, number, _row) for number in range(len(value)))
     orders = [order for order, _, _ in rows]
     for number, order in enumerate(orders):
@@ -235,9 +231,9 @@ class TableAt(Stated):
     rows: Rows = required(f"rows {ROW}")
 
     @property
-    def key(self) -> Literal["imep", "torque", "speed"]:
+    def key(self) -> str:
         """The key at which the table stands: a load or a speed."""
-        return "imep" if self.imep is not None else "torque" if self.torque is not None else "speed"
+        return self.keys_given("imep", "torque", "speed")[0]
 
 
 class DiagramFile(Declared):
@@ -329,14 +325,11 @@ class Gas(Declared):
                 hint = f"with it go {', '.join(suitable)}"
                 raise refuse(f"`{key}` does not go with `{kind}`", hint, key)
         # Keys of which any will do stand in one text: the exhaust of four strokes, or of two.
-        missing = [keys for keys in needed if not self.keys_given(*keys.split())]
-        if missing:
-            names = [" or ".join(f"`{key}`" for key in keys.split()) for keys in missing]
-            fields_missing = (type(self).model_fields[key] for key in " ".join(missing).split())
-            meanings = "; ".join(field.description or "" for field in fields_missing)
-            verb = "is" if len(names) == 1 else "are"
-            words = ", ".join(names)
-            raise refuse(f"{words} {verb} missing", meanings)
+        if missing := [keys for keys in needed if not self.keys_given(*keys.split())]:
+            words = ", ".join(" or ".join(f"`{key}`" for key in keys.split()) for keys in missing)
+            keys = " ".join(missing).split()
+            meanings = "; ".join(type(self).model_fields[key].description or "" for key in keys)
+            raise refuse(f"{words} {'is' if len(missing) == 1 else 'are'} missing", meanings)
         loads = len(self.imep) if self.cycle else 1
         for key in ("charge", "exhaust", "imep", "p_max"):
             if (count := len(getattr(self, key))) not in (0, 1, loads):
