@@ -1,11 +1,9 @@
 """The picture on the cover: read, checked, and as a data URI, so that a page holds it."""
 
 from base64 import b64encode
-from dataclasses import replace
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
-from torsion.study import Study
 from torsion.user_files import read_file
 
 MOST = 300_000  # bytes: it stands in the page and in results.json
@@ -33,15 +31,6 @@ def read_logo(file: Path) -> str:
                 return f"data:image/{kind};base64,{b64encode(content).decode()}"
             raise _refused(f"{file} is a damaged {kind.upper()} file", "save it again")
     raise _refused(f"{file} is not a readable picture", "a PNG or JPEG file, with its marks")
-
-
-def with_logo(study: Study, file: str, faults: list[Fault]) -> Study:
-    """The study with the picture of a file, found from the folder of its own; a faulty one is noted."""
-    try:
-        return replace(study, logo=read_logo(Path(study.file).parent / file))
-    except InputError as error:
-        faults += error.faults
-        return study
 
 
 def _refused(message: str, hint: str) -> InputError:

@@ -141,16 +141,7 @@ def _study(source: Source) -> Study:
     faults = list(source.faults)
     study = _sections(source, faults)
     if study is not None:
-        if "train" not in _faulty(faults):
-            study, steps = _with_meshes(study, faults), source.data.get("steps", "none")
-            if replace(study.train, steps=steps or "none").has_steps:
-                from torsion.assembly.junction.stepped_shafts import stepped
-
-                study = replace(study, train=stepped(study.train, steps, faults))
-        if study.document is not None and study.document.logo is not None:
-            from torsion.schema.logo import with_logo
-
-            study = with_logo(study, study.document.logo, faults)
+        study = _completed(study, source.data.get("steps", "none"), faults)
         faults += study_faults(study, _faulty(faults))
         if not faults and any(name in study.analyses for name in VARYING):
             from torsion.schema.variation import with_variations
@@ -168,21 +159,37 @@ def _study(source: Source) -> Study:
     return study
 
 
-def _with_meshes(study: Study, faults: list[Fault]) -> Study:
-    """The study with every mesh found from the folder of its file, and read; faulty meshes are noted."""
-    if not study.train.has_meshed_sections:
-        return study
-    from torsion.assembly.section.solved_sections import mesh_faults
+def _completed(study: Study, steps: Any, faults: list[Fault]) -> Study:
+    """The study with its steps between shafts, and with the meshes and the logo from the folder of its file.
 
-    folder, bars = FilePath(study.file).parent, list(study.train.bars)
-    for number, bar in enumerate(bars):
-        if isinstance(bar.section, SectionMesh):
-            bars[number] = replace(
-                bar, section=replace(bar.section, file=str(folder / bar.section.file))
-            )
-    train = replace(study.train, bars=tuple(bars))
-    faults += mesh_faults(train)
-    return replace(study, train=train)
+    What is faulty of them is noted.
+    """
+    folder, train = FilePath(study.file).parent, study.train
+    is_sound = "train" not in _faulty(faults)
+    if is_sound and train.has_meshed_sections:
+        from torsion.assembly.section.solved_sections import mesh_faults
+
+        bars = (
+            replace(bar, section=replace(bar.section, file=str(folder / bar.section.file)))
+            if isinstance(bar.section, SectionMesh)
+            else bar
+            for bar in train.bars
+        )
+        train = replace(train, bars=tuple(bars))
+        faults += mesh_faults(train)
+    if is_sound and replace(train, steps=steps or "none").has_steps:
+        from torsion.assembly.junction.stepped_shafts import stepped
+
+        train = stepped(train, steps, faults)
+    study = replace(study, train=train)
+    if study.document is not None and study.document.logo is not None:
+        from torsion.schema.logo import read_logo
+
+        try:
+            study = replace(study, logo=read_logo(folder / study.document.logo))
+        except InputError as error:
+            faults += error.faults
+    return study
 
 
 def _faulty(faults: list[Fault]) -> set[str]:
@@ -206,8 +213,8 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     analyses, rules = _analyses(data, faults), _rules(data, faults)
     stated = dict(entries_of(data.get("analyses")))
     named = {key: stated[key] for key in ShaftModel.model_fields if key in stated}
-    if "fem" in named:
-        named["fem"] = {} if named["fem"] is None else named["fem"]
+    if "fem" in named and named["fem"] is None:
+        named["fem"] = {}
     model = declared(ShaftModel, named, ("analyses",), faults) or ShaftModel()
     damping, document = data.get("damping"), data.get("document")
     if damping is not None:
@@ -225,8 +232,8 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     if damping is not None:
         train = replace(train, modal_damping=damping.modal)
     return Study(
-        name="" if scene is None else scene.name,
-        description="" if scene is None else scene.description,
+        name=getattr(scene, "name", ""),
+        description=getattr(scene, "description", ""),
         train=train,
         operation=operation or Operation(),
         model=model.model,
