@@ -63,20 +63,15 @@ def _rename(node: Node, aliases: Mapping[str, str]) -> Iterator[Fault]:
     """Replace the aliases among the keys of a mapping; of two words for one key the first stays, with a fault."""
     if not isinstance(node.value, dict) or not aliases.keys() & node.value.keys():
         return
-    written: dict[str, str] = {key: key for key in node.value if key not in aliases}
-    values, parts, places = dict(node.value), dict(node.parts), dict(node.keys)
-    for word in [word for word in values if word in aliases]:
-        key = aliases[word]
-        if key in written:
-            line, column = places[word]
+    entries = [
+        (word, node.value.pop(word), node.parts.pop(word), node.keys.pop(word))
+        for word in list(node.value)
+    ]
+    written = {word: word for word, *_ in entries if word not in aliases}
+    for word, value, part, (line, column) in entries:
+        key = aliases.get(word, word)
+        if written.setdefault(key, word) != word:
             message = f"`{word}` and `{written[key]}` are the same key"
             yield Fault((), message, "keep one of them", line=line, column=column)
-            values.pop(word)
         else:
-            written[key] = word
-    node.value.clear()
-    node.parts.clear()
-    node.keys.clear()
-    for word, value in values.items():
-        key = aliases.get(word, word)
-        node.value[key], node.parts[key], node.keys[key] = value, parts[word], places[word]
+            node.value[key], node.parts[key], node.keys[key] = value, part, (line, column)

@@ -32,13 +32,6 @@ def _analysis(function: str) -> Any:
     return resolve_name(f"torsion.{function}")
 
 
-def _model_faults(study: Study) -> Iterator[Fault]:
-    """The models of shafts with distributed inertia take no closed loops."""
-    if study.model != "lumped" and study.train.has_loops and study.train.has_shafts:
-        message = f"the model {study.model} does not support closed loops, and `links` closes one"
-        yield Fault(("analyses", "model"), message, "model: lumped")
-
-
 def _damping_faults(study: Study) -> Iterator[Fault]:
     """Damping by mode beside that of components, or for what is not a sum of modes."""
     train = study.train
@@ -73,14 +66,6 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
         yield refuse("a mesh that excites does not support damping by mode")
     if study.has_joints:
         yield refuse("a train with joints does not support damping by mode")
-
-
-def _growth_faults(study: Study) -> Iterator[Fault]:
-    """Stability of a train in which nothing has an inertia."""
-    lumps = any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
-    if not (lumps or study.train.has_shafts):
-        message = "the train has no component with an inertia, and without one nothing can grow"
-        yield Fault(("analyses", "stability"), message, "leave it out, or give an inertia")
 
 
 def _response_faults(study: Study) -> Iterator[Fault]:
@@ -126,7 +111,17 @@ Check = Callable[[Study], Iterable[Fault]]
 # Sections that a check reads; an analysis that the file names for it (empty: any), or what holds; and the check.
 _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     ("train links", "", lambda study: fixed_point_faults(study.train)),
-    ("train links analyses", "", _model_faults),
+    (  # the models of shafts with distributed inertia take no closed loops
+        "train links analyses",
+        lambda study: study.model != "lumped" and study.train.has_loops and study.train.has_shafts,
+        lambda study: [
+            Fault(
+                ("analyses", "model"),
+                f"the model {study.model} does not support closed loops, and `links` closes one",
+                "model: lumped",
+            )
+        ],
+    ),
     ("train links damping materials analyses rules", "", _damping_faults),
     (
         "train links analyses",
@@ -163,7 +158,21 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
         lambda study: study.train.has_tables,
         "analyses.modes.coupling_tables:table_faults",
     ),
-    ("train links operation analyses", "stability", _growth_faults),
+    (
+        "train links operation analyses",
+        lambda study: (
+            "stability" in study.analyses
+            and not study.train.has_shafts
+            and not any(0.0 < lump.inertia < math.inf for lump in study.train.inertias)
+        ),
+        lambda study: [
+            Fault(
+                ("analyses", "stability"),
+                "the train has no component with an inertia, and without one nothing can grow",
+                "leave it out, or give an inertia",
+            )
+        ],
+    ),
     (
         "train operation",
         lambda study: any(part.engine for part in study.train.parts),

@@ -98,10 +98,11 @@ class Figure:
         stated = [
             amount_of(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows
         ]
-        units_of = {amount[1] for amount in stated if amount is not None}
-        if None in stated or len(units_of) != 1:
+        amounts = [amount for amount in stated if amount is not None]
+        units_of = {unit for _, unit in amounts}
+        if len(amounts) < len(stated) or len(units_of) != 1:
             return np.full(len(self.rows), np.nan), ""
-        return np.array([amount[0] for amount in stated if amount is not None]), units_of.pop()
+        return np.array([amount for amount, _ in amounts]), units_of.pop()
 
     @property
     def in_file(self) -> float:
@@ -213,12 +214,13 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
         is_list = isinstance(given.value, list) and not any(
             isinstance(alternative, list) for alternative in law.values or ()
         )
-        for steps in [(key, number) for number in range(len(given.value))] if is_list else [(key,)]:
-            node = overlay.source.at((*part.path, *steps))
-            amount = None if node is None else amount_of(node.value)
+        for step, node in given.parts.items() if is_list else [(None, given)]:
+            amount = amount_of(node.value)
             if not law.is_relative or amount is None or amount[0] != 0.0:
-                name = ".".join([part.name, key, *(str(int(step) + 1) for step in steps[1:])])
-                yield name, (*part.path, *steps)
+                name, path = f"{part.name}.{key}", (*part.path, key)
+                if isinstance(step, int):
+                    name, path = f"{name}.{step + 1}", (*path, step)
+                yield name, path
     if not has:
         overlay.refuse(fault, f"no component has a key `{key}`", "a key of the file")
 

@@ -31,7 +31,7 @@ from torsion.model.engine.declarations import (
     Throws,
     Web,
 )
-from torsion.model.engine.gas_laws import Frame, GasFault, law_of
+from torsion.model.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.model.engine.record import CylinderRecord, EngineRecord
 from torsion.model.parts import MachineRecord, ShaftRecord
 from torsion.primitives import Torque
@@ -217,12 +217,13 @@ class Engine(Crankshaft, keyword="engine"):
         )
 
     def lower(self, build: Lowering) -> None:
-        owner, law, slider, revolutions = build.part, None, self.slider, self.revolutions
+        owner, slider, revolutions = build.part, self.slider, self.revolutions
         cylinder = (
             None
             if slider is None or self.geometry is None
             else Cylinder(slider, piston_area(self.geometry.bore), revolutions)
         )
+        law = Law(None, "not given")
         if self.gas is not None:
             frame = Frame(
                 revolutions,
@@ -259,24 +260,24 @@ class Engine(Crankshaft, keyword="engine"):
             stations,
             spans,
             self.mechanical_efficiency,
-            None if law is None else law.law,
-            "not given" if law is None else law.words,
+            law.law,
+            law.words,
             inertia,
             over_angle,
             cylinder,
-            () if law is None else law.curves,
+            law.curves,
             None if journal is None else journal.modulus,
             self.keep_power,
             self.phase is not None,
             self.phase == "worst",
             self.misfire == "worst",
-            () if law is None else law.remarks,
+            law.remarks,
             tuple(self._sizes()),
         )
         build.parts[owner] = build.parts[owner].with_records(
             record, MachineRecord(True, self.power)
         )
-        if law is not None or inertia.any():
+        if law.law is not None or inertia.any():
             self._add_torques(build, owner, record)
 
     @property

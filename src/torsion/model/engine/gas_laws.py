@@ -33,7 +33,7 @@ DRAWN = 721  # points of a computed cycle in its figure
 class Law:
     """The harmonics, and what a report says of them."""
 
-    law: GasLaw
+    law: GasLaw | None  # None: the file gives none
     words: str
     curves: tuple[PressureCurve, ...] = ()
     remarks: tuple[str, ...] = ()
