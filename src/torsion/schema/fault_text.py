@@ -37,10 +37,13 @@ class Node:
         values = [part.value for part in parts]
         return replace(self, value=values, parts=dict(enumerate(parts)), keys={})
 
-    def as_mapping(self, parts: "dict[str | int, Node]", **changes: Any) -> "Node":
-        """Return the parts as a mapping in its place."""
+    def as_mapping(
+        self, parts: "dict[str | int, Node]", keys: dict[str, tuple[int, int]] | None = None
+    ) -> "Node":
+        """Return the parts as a mapping in its place; `keys`: where its keys stand, else where the parts do."""
         value = {str(key): part.value for key, part in parts.items()}
-        return replace(self, value=value, parts=parts, **changes)
+        places = {str(key): (part.line, part.column) for key, part in parts.items()}
+        return replace(self, value=value, parts=parts, keys=places if keys is None else keys)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from torsion.errors import Fault, nearest
+from torsion.errors import nearest
 from torsion.fields import shown
 from torsion.model.component import section_name
 from torsion.schema.fault_text import Node, Source, input_error
@@ -86,7 +86,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         return _from_library(node, reading)
     if key == "shaft" and SECTIONS in node.value:
         hint = "in a link, a case or the table of a train give one shaft a section"
-        _end(node.parts[SECTIONS], "`sections` belong only in the list of a train", hint, reading)
+        reading.end(node.parts[SECTIONS], "`sections` belong only in the list of a train", hint)
         return node
     inner, catalogue = {}, node.parts.get("catalogue")
     if catalogue is not None and isinstance(catalogue.value, str):
@@ -111,40 +111,39 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
         if reading.is_ended:
             return []
     if not isinstance(listed.value, list):
-        _end(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE, reading)
+        reading.end(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE)
         return []
     if name is None or not isinstance(name.value, str) or not name.value:
         hint = f"`name: line`: its sections are {FIRST}, ..."
-        _end(name or shaft, "a shaft of `sections` needs a name", hint, reading)
+        reading.end(name or shaft, "a shaft of `sections` needs a name", hint)
         return []
     for key in OF_A_ROW:
         if key in shaft.parts:
             hint = f"state it in its row, as `{{{key}: ...}}`"
-            _end(shaft.parts[key], f"`{key}` belongs to one section", hint, reading)
+            reading.end(shaft.parts[key], f"`{key}` belongs to one section", hint)
     common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
     entries = []
     for number, row in enumerate(listed.parts.values(), start=1):
         section = row
         if isinstance(row.value, list) and 2 <= len(row.value) <= len(SECTION):
             parts: dict[str | int, Node] = dict(zip(SECTION, row.parts.values(), strict=False))
-            places = {str(key): (part.line, part.column) for key, part in parts.items()}
-            section = row.as_mapping(parts, keys=places)
+            section = row.as_mapping(parts)
         elif not isinstance(row.value, dict):
             hint = "a row is [length, diameter], [length, diameter, bore], or by keys"
-            _end(row, f"{shown(row.value)} is no section", hint, reading)
+            reading.end(row, f"{shown(row.value)} is no section", hint)
             continue
         for key in {"name", SECTIONS} & section.parts.keys():
             hint = f"its name is {FIRST}, {SECOND}, ..."
-            _end(section.parts[key], f"a section has no `{key}`", hint, reading)
+            reading.end(section.parts[key], f"a section has no `{key}`", hint)
         # Beside the row of a table what the scene states stays in the scene.
         scene = None if row.source is None else reading.source
         kept = {key: replace(part, source=part.source or scene) for key, part in common.items()}
         keys = {key: place for key, place in shaft.keys.items() if key in kept} | section.keys
         named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
         body = section.as_mapping({"name": named, **kept, **section.parts}, keys=keys)
-        entries.append(body.as_mapping({"shaft": body}, keys={"shaft": (body.line, body.column)}))
+        entries.append(body.as_mapping({"shaft": body}))
     if not entries:
-        _end(listed, "there is no section", EXAMPLE, reading)
+        reading.end(listed, "there is no section", EXAMPLE)
     return entries
 
 
@@ -152,7 +151,7 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
     if reading.in_table:
-        _end(where, "a row of a table names a table", "write it in the model file", reading)
+        reading.end(where, "a row of a table names a table", "write it in the model file")
         return []
     table = _opened(where.value, where, reading)
     if table is None:
@@ -178,7 +177,7 @@ def _opened(name: str, where: Node, reading: Reading) -> Source | None:
         if isinstance(error, FileNotFoundError):
             why = "does not exist"
         hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
-        _end(where, f"the table {shown(name)} {why}", hint, reading)
+        reading.end(where, f"the table {shown(name)} {why}", hint)
         return None
     table = reading.tables[name] = Source(str(file), text)
     if fault is None:
@@ -186,13 +185,6 @@ def _opened(name: str, where: Node, reading: Reading) -> Source | None:
     reading.faults.append(replace(fault, file=str(file)))
     reading.is_ended = True
     return None
-
-
-def _end(where: Node, message: str, hint: str, reading: Reading) -> None:
-    """Note a fault of the scene, or of the table that a value stands in, after which nothing can be read."""
-    file = "" if where.source is None else where.source.name
-    reading.faults.append(Fault((), message, hint, line=where.line, column=where.column, file=file))
-    reading.is_ended = True
 
 
 def _from_library(node: Node, reading: Reading) -> Node:
@@ -209,14 +201,14 @@ def _from_library(node: Node, reading: Reading) -> Node:
         near = nearest(wanted, sizes)
         listed_sizes = f"there is {', '.join(sizes)}"
         hint = f"did you mean `{near}`? {listed_sizes}" if near else listed_sizes
-        _end(size, f"{shown(name.value)} has no size {shown(wanted)}", hint, reading)
+        reading.end(size, f"{shown(name.value)} has no size {shown(wanted)}", hint)
         return node
     row = rows[sizes.index(wanted)]
     for key in node.parts.keys() & row.parts.keys() - {ROW, "source"}:
         line, column = node.keys.get(str(key), (size.line, size.column))
         message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
         where = Node(None, line, column, source=node.source)
-        _end(where, message, "keep one; a case may `set` another value", reading)
+        reading.end(where, message, "keep one; a case may `set` another value")
     stated = row.parts.get("source")
     origin = stated.value if stated else first_comment(table.text) or "no source stated"
     source = replace(stated or row.parts[ROW], value=f"{name.value}, size {wanted}: {origin}")

@@ -156,6 +156,14 @@ class Reading:
     in_table: bool = False  # what a row of a table states is being read
     rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # by table and key
 
+    def end(self, where: Node, message: str, hint: str) -> None:
+        """Note a fault of the scene, or of the table that a value stands in, after which nothing can be read."""
+        file = "" if where.source is None else where.source.name
+        self.faults.append(
+            Fault((), message, hint, line=where.line, column=where.column, file=file)
+        )
+        self.is_ended = True
+
 
 class Rows:
     """The rows of one table as nodes of the list at `key`; all that is wrong with its cells is noted."""
@@ -379,10 +387,7 @@ class Rows:
                 table = tables.setdefault(str(row.value.pop(key)), (load, []))
                 table[1].append(self._harmonic(row))
         return [
-            load.as_mapping(
-                {key: load, "rows": load.as_list(harmonics)},
-                keys=dict.fromkeys((key, "rows"), (load.line, load.column)),
-            )
+            load.as_mapping({key: load, "rows": load.as_list(harmonics)})
             for load, harmonics in tables.values()
         ]
 
