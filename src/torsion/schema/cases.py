@@ -64,47 +64,38 @@ class _Requested:
     corner: int = 0
 
 
-def with_cases(source: Source, read: Read) -> Study:
-    """Return the study of a file, with that of every case; raises InputError with the faults of all of them."""
+def with_cases(source: Source, read: Read, name: str = "") -> Study:
+    """Return the study of a file, with that of every case; raises InputError with the faults of all of them.
+
+    name: of the case that is meant alone, where the file was read before and now has other values.
+    """
     faults: list[Fault] = []
     requested = list(_requested(source, faults))
+    if name:
+        bases = {case.name: case.keys.based_on for case in requested}
+        requested = [case for case in requested if case.name in (name, bases[name])]
     try:
         study = read(source)
     except InputError as error:
         if not faults:
             raise
         raise input_error([*error.faults, *faults], source) from None
-    cases = _read_cases(requested, study, source, read, faults)
-    return replace(study, cases=cases) if cases else study
-
-
-def case_of(name: str, source: Source, read: Read) -> Study:
-    """Return one case of a file whose values are others than when it was read; raises InputError."""
-    requested = {case.name: case for case in _requested(source, [])}
-    chain = [
-        case for case in requested.values() if case.name in (name, requested[name].keys.based_on)
-    ]
-    return _read_cases(chain, read(source), source, read, [])[name]
-
-
-def _read_cases(
-    requested: list[_Requested], study: Study, source: Source, read: Read, faults: list[Fault]
-) -> dict[str, Study]:
-    """Return the study of every case, in their order; raises InputError with all faults, each once."""
     studies: dict[str, Study | None] = {}
     for case in sorted(requested, key=lambda case: case.keys.based_on is not None):
         base = study if case.keys.based_on is None else studies.get(case.keys.based_on)
         # A case is left out if the case that it is based on is at fault.
         studies[case.name] = base and _case(case, base, study, source, read, faults)
-    if faults:
-        # Several cases may have a fault at one place: the first stands.
-        kept: dict[Any, Fault] = {}
-        for fault in faults:
-            words = fault.message.partition(": ")[2] if fault.line is not None else fault.message
-            path = fault.path if fault.line is None else ()
-            kept.setdefault((fault.line, fault.column, words, path), fault)
+    # Several cases may have a fault at one place: the first stands.
+    kept: dict[Any, Fault] = {}
+    for fault in faults:
+        is_placed = fault.line is not None
+        words = fault.message.partition(": ")[2] if is_placed else fault.message
+        place = fault.line, fault.column, words, () if is_placed else fault.path
+        kept.setdefault(place, fault)
+    if kept:
         raise input_error(list(kept.values()), source)
-    return {case.name: read_case for case in requested if (read_case := studies[case.name])}
+    cases = {case.name: case_study for case in requested if (case_study := studies[case.name])}
+    return replace(study, cases=cases) if cases else study
 
 
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:

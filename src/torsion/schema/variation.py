@@ -76,12 +76,12 @@ class Variation:
 
     def in_case(self, case: Study) -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
-        from torsion.schema.cases import case_of
+        from torsion.schema.cases import with_cases
 
         if case.case is None:
             return self
         name, changed = case.case.name, case.case.source
-        read = lambda source: case_of(name, source, self.read)  # noqa: E731
+        read = lambda source: with_cases(source, self.read, name).cases[name]  # noqa: E731
         # Columns can only be put in behind what the case changes, which is the same where it changes none of them.
         is_same = all(
             changed.at(path) == self.source.at(path)
