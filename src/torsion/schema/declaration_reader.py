@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import chain
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -57,11 +57,6 @@ def _meanings(written: str) -> tuple[str, dict[str, str]]:
     """A word as the file of words spells it, and its meanings there by key."""
     spelled = re.sub("[ -]", "_", written.casefold())
     return spelled, {key: meaning for word, key, meaning in other_words() if word == spelled}
-
-
-def word_for(subject: Literal["component", "analysis"], written: str, otherwise: str) -> str:
-    """Return what to write for a word that is no component or analysis; `otherwise` for an unknown word."""
-    return _meanings(written)[1].get(f"<{subject}>", otherwise)
 
 
 def key_for(written: str, keys: list[str]) -> str:
@@ -190,6 +185,8 @@ def unknown_word(
         hint = f"docs/reference/model-file lists the {len(candidates)} keys"
     if what == "key":
         hint = key_for(word, candidates) or hint
+    # A component or an analysis may have a word of the trade that is to be written otherwise.
+    hint = _meanings(word)[1].get(f"<{what}>", hint)
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 
@@ -387,8 +384,7 @@ def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:
     """A component of a kind; `path` ends with the kind. Trains within it are read first."""
     if kind not in KINDS:
-        fault = unknown_word(path, "component", kind, list(KINDS))
-        faults.append(replace(fault, hint=word_for("component", kind, fault.hint)))
+        faults.append(unknown_word(path, "component", kind, list(KINDS)))
         return None
     before = len(faults)
     read = declared(component_class(kind), _with_trains(body, path, faults), path, faults)

@@ -187,21 +187,24 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
         "train": {"$ref": "#/$defs/train"},
         "links": _list_of(link),
         "excitations": _or_table(_list_of(refs["excitation"])),
-        "analyses": _mapping({"model": {"enum": list(MODELS), "description": model}, **settings}),
+        "analyses": {
+            "type": "object",
+            "properties": {"model": {"enum": list(MODELS), "description": model}, **settings},
+            "additionalProperties": False,
+        },
         "rules": _list_of(rule),
         "cases": cases,
     }
-
-
-def _mapping(properties: Schema) -> Schema:
-    return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
 def _one_of(properties: Schema, required: Schema | None = None) -> Schema:
     """A mapping with exactly one of the properties, and all of the others."""
     required_keys = required or {}
     size = 1 + len(required_keys)
-    body = _mapping({**required_keys, **properties}) | {
+    body = {
+        "type": "object",
+        "properties": {**required_keys, **properties},
+        "additionalProperties": False,
         "minProperties": size,
         "maxProperties": size,
     }

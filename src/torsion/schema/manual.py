@@ -142,9 +142,8 @@ def _section(name: str) -> str:
     steel += f"rho {STEEL.density:g} kg/m**3"
     declared = declarations().get(name.removesuffix("s"))  # of entries by the word for one
     table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
-    return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(
-        SECTIONS_BY_ALIAS.get(name, {})
-    )
+    page = _page(name, table=table, steel=steel, links=_words(LINKS))
+    return page + _ending("", name, SECTIONS_BY_ALIAS.get(name, {}))
 
 
 def _kind(kind: str) -> str:
@@ -157,12 +156,7 @@ def _kind(kind: str) -> str:
     aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(
         keys_of(declared)
     )
-    return (
-        text
-        + _notes("components", kind)
-        + _aliases(aliases)
-        + "\n[Keys of every component](index.md)\n"
-    )
+    return text + _ending("components", kind, aliases) + "\n[Keys of every component](index.md)\n"
 
 
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
@@ -175,24 +169,17 @@ def _settings(section: str, name: str, declared: type[Declared]) -> str:
         example = (item + setting).replace("\n", "\n  ")
         parts.append(f"```yaml\n{section}:\n  {example}\n```")
     text = "\n\n".join(part for part in parts if part)
-    return (
-        f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}"
-        + _notes(section, name)
-        + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
-    )
+    ending = _ending(section, name, SECTIONS_BY_ALIAS.get(name, {}))
+    return f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}{ending}"
 
 
-def _notes(section: str, name: str) -> str:
-    """Return the notes of a page, if it has any."""
-    notes = _template(f"{section}/{name}.md")
-    return f"\n## Notes\n\n{notes}" if notes else ""
-
-
-def _aliases(aliases: Mapping[str, str]) -> str:
-    """Return the table of aliases of a page, if it has any."""
+def _ending(section: str, name: str, aliases: Mapping[str, str]) -> str:
+    """Return the notes of a page and its table of aliases, where it has any."""
+    notes = _template(f"{section}/{name}.md") if section else ""
+    notes = f"\n## Notes\n\n{notes}" if notes else ""
     rows = [f"| `{alias}` | `{key}` |" for alias, key in aliases.items()]
     head = "\n## Aliases\n\nGive only one word for a key.\n\n| alias | key |\n|---|---|\n"
-    return head + "\n".join(rows) + "\n" if rows else ""
+    return notes + (head + "\n".join(rows) + "\n" if rows else "")
 
 
 def _words(names: Iterable[str]) -> str:

@@ -331,11 +331,11 @@ def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
 
 def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     """Take entries away, with the excitations and links of what is in them."""
-
-    def goes(part: Part) -> bool:
-        return any(part.path[: len(entry)] == entry for entry in entries)
-
-    gone = {part.name: part for part in overlay.parts if goes(part)}
+    gone = {
+        part.name: part
+        for part in overlay.parts
+        if any(part.path[: len(entry)] == entry for entry in entries)
+    }
     if overlay.reference in gone:
         message = f"'{overlay.reference}', the reference of all speeds, is removed too"
         overlay.faults.append(
@@ -355,7 +355,7 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
         if {*map(str, body.get("between") or ())} & gone.keys()
     ]
     entries = [*entries, *links, *acting]
-    gone |= {part.name: part for part in overlay.parts if goes(part)}
+    gone |= {part.name: part for part in overlay.parts if part.path[:2] in links}
     # Components without a name keep that which kind and number give them with all components there.
     kinds = {part.kind for part in gone.values()}
     for part in overlay.parts:

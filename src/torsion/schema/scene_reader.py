@@ -26,7 +26,6 @@ from torsion.schema.declaration_reader import (
     of_its_number,
     one_component,
     unknown_word,
-    word_for,
 )
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.study_faults import study_faults
@@ -289,8 +288,7 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             continue
         if name not in ANALYSES or not ANALYSES[name].settings:
             names = [key for key, analysis in ANALYSES.items() if analysis.settings]
-            fault = unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names])
-            faults.append(replace(fault, hint=word_for("analysis", name, fault.hint)))
+            faults.append(unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names]))
             continue
         kind = ANALYSES[name].settings_class()
         if isinstance(body, list) and ANALYSES[name].is_listed:

@@ -126,8 +126,8 @@ def parse_source(text: str, name: str) -> Source:
     try:
         for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
-    except _EndError as end:
-        builder.faults.append(end.fault)
+    except _EndError:
+        pass
     except yaml.MarkedYAMLError as error:
         builder.faults.append(_syntax(error, bare))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
@@ -163,10 +163,7 @@ def in_brackets(value: object) -> str:
 
 
 class _EndError(Exception):
-    """A fault after which nothing more can be read."""
-
-    def __init__(self, message: str, hint: str, event: Any) -> None:
-        self.fault = _fault(message, hint, *_position(event.start_mark))
+    """What was noted last is a fault after which nothing more can be read."""
 
 
 class _Builder:
@@ -189,16 +186,17 @@ class _Builder:
         if isinstance(event, yaml.DocumentStartEvent):
             self._documents += 1
             if self._documents > 1:
-                raise _EndError(
-                    "a second document begins here", "one file, one model: remove '---'", event
-                )
+                hint = "one file, one model: remove '---'"
+                self._note("a second document begins here", hint, event)
+                raise _EndError
         elif isinstance(event, yaml.NodeEvent):
             awaits_key = self._keys[-1:] == [None]
             if awaits_key and isinstance(event, yaml.ScalarEvent):
                 self._take_key(event)
                 return
             if awaits_key:
-                raise _EndError("a key must be text", "put it in quotes", event)
+                self._note("a key must be text", "put it in quotes", event)
+                raise _EndError
             self._take_value(event)
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
@@ -228,7 +226,7 @@ class _Builder:
             keys[key] = line, column
 
     def _note(self, message: str, hint: str, event: Any) -> None:
-        """Note a fault after which the reading goes on."""
+        """Note a fault at an event."""
         self.faults.append(_fault(message, hint, *_position(event.start_mark)))
 
     def _take_value(self, event: Any) -> None:
@@ -248,7 +246,8 @@ class _Builder:
         elif target and sum(node.size for node in self._open) + target.size > _LARGEST:
             message = message or f"aliases make more than {_LARGEST} values of this file"
         if message:
-            raise _EndError(message, hint, event)
+            self._note(message, hint, event)
+            raise _EndError
         node = Node(None, *_position(event.start_mark))
         if target is not None:
             node = replace(target, line=node.line, column=node.column, is_flow=False, source=None)

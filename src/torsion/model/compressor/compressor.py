@@ -203,7 +203,25 @@ class Compressor(Crankshaft, keyword="compressor"):
         around = 0.0 if self.absolute else self.surroundings
         is_file = isinstance(given, str)
         if isinstance(given, str):
-            diagram, clearance = self._diagram(folder / given, end, cylinder)
+            file = folder / given
+            columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
+            first, pressure = absolute_pressures(
+                file, columns, is_absolute=bool(self.absolute), around=self.surroundings
+            )
+            if columns is ANGLE and self.tdc is None:
+                message = f"'{file}' is over the angle, and `tdc` is missing"
+                raise GasFault(message, "angle of the dead centre of the head end")
+            if columns is ANGLE:
+                angle = first - (self.tdc or 0.0)
+                diagram = over_cycle(file, angle, pressure, 2.0 * math.pi, "revolution")
+            else:
+                travel, clearance = _travel(file, first, columns, cylinder)
+                travel = cylinder.crank.stroke - travel if end == CRANK else travel
+                try:
+                    diagram = of_loop(cylinder.crank, travel, pressure, ENDS_MEET)
+                except NoLoop as fault:
+                    row = "" if fault.row is None else f", row {fault.row + 1} below the units"
+                    raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
         else:
             ends = np.full(2, given + around)
             diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
@@ -213,28 +231,6 @@ class Compressor(Crankshaft, keyword="compressor"):
             torque[0] = 0.0  # what it takes it gives back
         words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
         return EndRecord(end, words, is_file, cylinder, diagram, clearance, torque)
-
-    def _diagram(
-        self, file: FilePath, end: End, cylinder: Cylinder
-    ) -> tuple[Diagram, float | None]:
-        """Return the diagram of a file of pressures, and the clearance if the file has volumes; raises GasFault."""
-        columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
-        first, pressure = absolute_pressures(
-            file, columns, is_absolute=bool(self.absolute), around=self.surroundings
-        )
-        if columns is ANGLE:
-            if self.tdc is None:
-                message = f"'{file}' is over the angle, and `tdc` is missing"
-                raise GasFault(message, "angle of the dead centre of the head end")
-            return over_cycle(file, first - self.tdc, pressure, 2.0 * math.pi, "revolution"), None
-        travel, clearance = _travel(file, first, columns, cylinder)
-        if end == CRANK:
-            travel = cylinder.crank.stroke - travel
-        try:
-            return of_loop(cylinder.crank, travel, pressure, ENDS_MEET), clearance
-        except NoLoop as fault:
-            row = "" if fault.row is None else f", row {fault.row + 1} below the units"
-            raise GasFault(f"'{file}'{row}: {fault.message}", fault.hint) from None
 
     def _torques(self, build: Lowering, record: CompressorRecord, path: Path) -> Iterator[Torque]:
         """One primitive for every throw and order that is there."""
