@@ -113,16 +113,12 @@ class Overlay:
                     self.refuse(fault, f"`{first}` is not changed by its key", hint)
                     return None
                 names = [part.name for part in self.parts]
-                near = nearest(first, [*names, *SECTIONS])
-                hint = (
-                    f"did you mean `{near}`?"
-                    if near
-                    else f"there is {', '.join([*names, *SECTIONS])}"
-                )
+                possible = [*names, *SECTIONS]
+                near = nearest(first, possible)
+                hint = f"did you mean `{near}`?" if near else f"there is {', '.join(possible)}"
                 dotted = (name for name in names if "." in name and words.startswith(name))
-                for name in dotted:
+                if name := next(dotted, ""):
                     hint = f'a name that has dots stands in quotes: `"{name}"{words[len(name) :]}`'
-                    break
                 message = f"no component and no section is called `{printable(first)}`"
                 self.refuse(fault, message, hint)
                 return None

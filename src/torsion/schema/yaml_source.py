@@ -230,6 +230,7 @@ class _Builder:
         self.faults.append(_fault(message, hint, *_position(event.start_mark)))
 
     def _take_value(self, event: Any) -> None:
+        """Attach a scalar or what an alias stands for, open a list or mapping; refuse what makes the file too large."""
         is_alias, begins = (
             isinstance(event, kind) for kind in (yaml.AliasEvent, yaml.CollectionStartEvent)
         )
@@ -255,10 +256,8 @@ class _Builder:
             self._anchors[event.anchor] = node
         node.begin = event.start_mark.index
         if begins:
-            is_mapping, node.is_flow = (
-                isinstance(event, yaml.MappingStartEvent),
-                bool(event.flow_style),
-            )
+            is_mapping = isinstance(event, yaml.MappingStartEvent)
+            node.is_flow = bool(event.flow_style)
             node.value, node.height = ({} if is_mapping else []), 1
             self._open.append(node)
             self._keys.append(None if is_mapping else 0)
