@@ -93,7 +93,14 @@ class Differential(Declared):
         )
         unsupported = list[tuple[Path, str]]()
         for k, part in enumerate(build.parts[parts:], parts):
-            unsupported.append((part.path, _unsupported(part)))
+            words = "" if part.kind in KINDS else part.kind
+            if part.nonlinear is not None or part.warming is not None:
+                words = "coupling that is nonlinear or warms"
+            if part.machine is not None and part.machine.is_stated:
+                words = f"{part.kind} with `power`, `torque` or a table of `load`"
+            if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
+                words = "shaft with `role` or `support`"
+            unsupported.append((part.path, words))
             ratings = (
                 record.times(2.0)
                 for record in part.records
@@ -114,17 +121,6 @@ class Differential(Declared):
             for path, words in unsupported
             if words
         ]
-
-
-def _unsupported(part: Part) -> str:
-    """Return what a half cannot have of a component; empty if it can have it."""
-    if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
-        return "shaft with `role` or `support`"
-    if part.machine is not None and part.machine.is_stated:
-        return f"{part.kind} with `power`, `torque` or a table of `load`"
-    if part.nonlinear is not None or part.warming is not None:
-        return "coupling that is nonlinear or warms"
-    return "" if part.kind in KINDS else part.kind
 
 
 def _doubled(primitive: Primitive) -> Primitive | str:

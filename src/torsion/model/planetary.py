@@ -97,14 +97,9 @@ class Planetary(Declared):
         if self.planet_mass and self.radius is None:
             message = "`planet_mass` moves on a circle whose `radius` is missing"
             raise refuse(message, "give `radius`", "planet_mass")
-        self._refuse_soft_fixed_mesh()
-
-    def _refuse_soft_fixed_mesh(self) -> None:
-        """Refuse planets with inertia whose mesh with the fixed member is the softer one, which no springs represent.
-
-        The dynamic stiffness of the planets between the member of the other mesh and the carrier then has a negative
-        coupling of inertia, which no network of positive springs and inertias has.
-        """
+        # Planets with inertia whose mesh with the fixed member is the softer one: no springs represent them. Their dynamic
+        # stiffness between the member of the other mesh and the carrier has a negative coupling of inertia, which no network
+        # of positive springs and inertias has.
         if self._softness_of_mesh >= 0.0:
             return
         fixed, mesh = self.fixed, self.meshing
@@ -116,12 +111,11 @@ class Planetary(Declared):
             # The rounding to five digits leads no lower.
             enough = 1.000051 * stiffness * self._mesh_ratio
             hint = f"at least {enough:.5g} N*m/rad with this `{mesh}_mesh`, or {hint}"
-        raise refuse(
-            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {mesh}: the program has no "
-            "model of such planets",
-            hint,
-            f"{fixed}_mesh",
+        message = (
+            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {mesh}"
         )
+        message += ": the program has no model of such planets"
+        raise refuse(message, hint, f"{fixed}_mesh")
 
     @property
     def driven(self) -> Member:
