@@ -76,7 +76,7 @@ def difference(first: Any, second: Any) -> float:
 def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -> Any:
     changed = varied_figures.overlay_of(study, source)
     for name in VARYING:
-        changed.remove(("analyses", name))
+        changed.removed["analyses", name] = None
     node = source.at(path)
     value = overlay.multiplied(node.value, Fraction(repr(FACTOR)))
     changed.put(path, replace(node, value=value), (node.line, node.column))
