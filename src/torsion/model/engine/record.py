@@ -108,7 +108,3 @@ class EngineRecord:
             drives[station] = drives.get(station, 0.0) + share
         station, share = next(iter(drives.items()), (self.throws[0], 1.0 / number))
         return station, 1.0 / (number * share * self.efficiency)
-
-    def order(self, harmonic: int) -> float:
-        """Return the order of the crankshaft of harmonic 1, 2, .. of a cycle."""
-        return harmonic / self.revolutions
