@@ -178,6 +178,19 @@ def test_cases_of_a_misfire_state_which_of_them_is_judged() -> None:
     assert "case warm" in line.note
 
 
+def test_a_misfire_with_cases_is_not_told_to_compute_the_cold_and_the_warm_coupling() -> None:
+    cases = "cases: {warm: {set: {rubber.stiffness: 14 kN*m/rad}}}\n"
+    study = torsion.parse(ENGINE.replace("MISFIRE", ", misfire: 3") + cases)
+    alone = torsion.parse(ENGINE.replace("MISFIRE", ", misfire: 3"))
+    states = {"alone": alone, "with cases": study, "a case": study.cases["warm"]}
+    told = {
+        name: [what for what, _ in not_judged(state) if "cold and warm" in what]
+        for name, state in states.items()
+    }
+    note = "coupling-maker: heat of rubber in misfire, cold and warm"
+    assert told == {"alone": [note], "with cases": [], "a case": []}
+
+
 def test_a_damper_has_a_limit_of_its_heat_in_misfire_too(study, evidence) -> None:
     parts = [
         line()[0],

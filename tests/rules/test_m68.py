@@ -9,8 +9,7 @@ import pytest
 from torsion.model.component import STEEL, Material
 from torsion.rules import m68
 from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
-from torsion.rules.shaft_limits import barred_range
-from torsion.rules.shaft_stress import judging, limits_of
+from torsion.rules.shaft_limits import barred_range, limits_of
 
 RPM = math.pi / 30.0
 RATED = 1000.0
@@ -381,7 +380,7 @@ def test_limits_over_speed_are_those_of_the_formulas(study, evidence) -> None:
     rpm = np.array([500.0, 900.0, 1100.0])
     scene = study(line("thrust"), [("iacs-m68", m68.M68Settings())])
     seen = evidence(scene, rpm, half={"line": stress([3, 4, 5])})
-    rule, shaft = judging(seen, "line")
+    rule, shaft = m68.judging(seen, "line")
     assert rule.name == "iacs-m68"
     speed, continuous, passing, tau = limits_of(seen, shaft)
     assert speed == pytest.approx(rpm * RPM, rel=1e-15)
@@ -389,14 +388,14 @@ def test_limits_over_speed_are_those_of_the_formulas(study, evidence) -> None:
     np.testing.assert_allclose(continuous, tau_c(600, 100, 0.85, rpm / RATED), rtol=1e-14)
     np.testing.assert_allclose(passing, tau_t(600, 100, 0.85, rpm / RATED), rtol=1e-14)
     with pytest.raises(KeyError):
-        judging(seen, "another")
+        m68.judging(seen, "another")
 
 
 def test_limits_use_the_settings_of_the_study(study, evidence) -> None:
     strong = {"steel": Material(shear_modulus=79e9, density=7850.0, tensile_strength=900e6)}
     scene = study(line(), [("iacs-m68", m68.M68Settings(alloy=("line",)))], materials=strong)
     seen = evidence(scene, np.array([500.0]), half={"line": stress([3])})
-    assert limits_of(seen, judging(seen, "line")[1]).tau_c == pytest.approx(
+    assert limits_of(seen, m68.judging(seen, "line")[1]).tau_c == pytest.approx(
         tau_c(800, 100, 1, [0.5]), rel=1e-14
     )
 

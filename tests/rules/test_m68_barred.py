@@ -7,8 +7,7 @@ import pytest
 from tests.for_all import for_all
 
 from torsion.rules.rule_over_speed import Curve
-from torsion.rules.shaft_limits import barred_range
-from torsion.rules.shaft_stress import barring
+from torsion.rules.shaft_limits import barred_range, barring
 
 RATED = 1000.0
 SPEED = np.linspace(100, 1050, 96)  # steps of 10; any unit of speed

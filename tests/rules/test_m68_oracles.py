@@ -14,19 +14,20 @@ from torsion.cli import app
 from torsion.output.headline import headline
 from torsion.rules import m68, societies
 from torsion.rules.m68_shafts import (
+    SLOT_FACTOR,
     least_diameter,
     size_factor,
-    slot_c_k,
     slot_concentration,
     tau_c,
     tau_t,
     used_strength,
 )
-from torsion.rules.rule_over_speed import full_torque
-from torsion.rules.shaft_limits import barred_range, may_be_barred
+from torsion.rules.rule_over_speed import Curve, full_torque
+from torsion.rules.shaft_limits import barred_range, barring
 from torsion.rules.verdict_line import Checks
 
 RPM = math.pi / 30.0
+ONES = np.ones(3), np.zeros(3, dtype=int)  # limits, and a response that is ok
 VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))[
     "vectors"
 ]
@@ -64,8 +65,8 @@ def test_barred_ranges(name: str) -> None:
         np.atleast_1d(expected["permitted"]),
         strict=True,
     ):
-        upper = ends[1] * (1.0 + tolerance)
-        assert bool(may_be_barred(upper / given["n_o"])) == permitted
+        peak = Curve(given["n_c"] * np.array([0.99, 1, 1.01]), np.array([0.0, 2, 0]), *ONES)
+        assert bool(barring(peak, given["n_o"], "shaft", tolerance).permitted) == permitted
     if name == "m68-barred-tachometer":
         assert [ends[1] * (1.0 + one) for one in given["tachometer"]] == close(
             expected["upper end"]
@@ -90,7 +91,7 @@ def test_least_diameters(name: str) -> None:
 def test_a_slot_by_formula() -> None:
     given, expected = BY_NAME["m68-slot"]["input"], BY_NAME["m68-slot"]["expected"]
     concentration = slot_concentration(given["d"], given["d_i"], given["l"], given["e"])
-    assert (concentration, slot_c_k(concentration)) == (
+    assert (concentration, SLOT_FACTOR / concentration) == (
         close(expected["scf"]),
         close(expected["C_K"]),
     )

@@ -10,6 +10,7 @@ from tests.for_all import for_all
 from torsion.model.shaft import Feature
 from torsion.rules import m68_shafts as m68
 from torsion.rules import shaft_limits
+from torsion.rules.rule_over_speed import Curve
 
 VECTORS = [  # sigma_B, d, C_K, lambda, C_D, tau_C, tau_T
     (600, 400, 1.0, 0.5, 0.63059, 66.56219, 113.15573),
@@ -47,7 +48,7 @@ def test_least_diameter_agrees_with_the_check_vector() -> None:
 def test_slot_agrees_with_the_check_vector() -> None:
     scf = m68.slot_concentration(1.0, 0.5, 0.7, 0.2)
     assert round(scf, 5) == 3.66491
-    assert round(m68.slot_c_k(scf), 5) == 0.39564
+    assert round(m68.SLOT_FACTOR / scf, 5) == 0.39564
 
 
 def test_slot_depends_on_shape_alone() -> None:
@@ -136,21 +137,6 @@ def test_bore_counts_from_0_4_of_the_diameter() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("role", "smooth", "factor"),
-    [
-        ("intermediate", True, 95),
-        ("thrust", True, 100),
-        ("intermediate", False, 100),
-        ("propeller", True, 100),
-    ],
-)
-def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(
-    role, smooth, factor
-) -> None:
-    assert m68.drive_factor(role, smooth=smooth) == factor
-
-
 def test_the_stress_of_passing_has_a_limit_up_to_0_8_of_the_rated_speed() -> None:
     at = np.array([0.8, np.nextafter(0.8, 1.0), 0.8 * (1.0 + 1e-6)])
     limits = m68.tau_t(600, 100, 1.0, at)
@@ -166,8 +152,16 @@ def test_bounds_of_the_speed_ratio_hold_but_for_rounding() -> None:
     assert np.isfinite(last).tolist() == [True, False]
     passing = m68.tau_t(600, 100, 1.0, [0.8 * EDGE, 0.8 * (1 + 2e-9)])
     assert np.isfinite(passing).tolist() == [True, False]
-    barred = shaft_limits.may_be_barred([0.4, 0.8 * (1 - 2e-9), 0.8 * (1 - 1e-9), 0.8, 0.9])
-    assert barred.tolist() == [True, True, False, False, False]
+    for upper, is_permitted in ((0.4, 1), (0.8 * (1 - 2e-9), 1), (0.8 * (1 - 5e-10), 0), (0.8, 0)):
+        critical = 9.0 - math.sqrt(81.0 - 16.0 * upper)  # of a range that ends at this speed ratio
+        peak = Curve(
+            critical * np.array([0.99, 1.0, 1.01]),
+            np.array([0.0, 2.0, 0.0]),
+            np.ones(3),
+            np.zeros(3, dtype=int),
+        )
+        barred = shaft_limits.barring(peak, 1.0, "shaft")
+        assert (len(barred.permitted), len(barred.refused)) == (is_permitted, 1 - is_permitted)
 
 
 def test_a_slot_is_at_least_as_long_as_it_is_wide() -> None:

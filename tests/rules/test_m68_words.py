@@ -242,3 +242,17 @@ def test_what_is_left_out_is_said(study, operation, lines) -> None:
     assert ("line", "not judged", m68.NOT_ROUND) in [
         (row.where, row.verdict, row.note) for row in rows
     ]
+
+
+@pytest.mark.parametrize("role", ["thrust", "propeller"])
+def test_a_smooth_drive_favours_intermediate_shafts_alone(study, evidence, role) -> None:
+    found = m68.M68(m68.M68Settings(drive="electric")).check(
+        evidence(
+            study(line(role=role), load="constant"),
+            [500.0, 1100.0],
+            half={},
+            mean={f"line [{piece}]": TORQUE for piece in (1, 2)},
+        )
+    )
+    (check,) = [one for one in found if one.clause == "minimum diameter"]
+    assert check.note.startswith("F 100 (drive: electric)")

@@ -274,3 +274,24 @@ def test_a_conical_tube_lacks_what_the_closed_formula_needs(study, ends, lacks) 
     (found,) = tubes(study(parts, materials={"steel": STEEL}).train)
     assert found.lacks == lacks
     assert math.isnan(found.critical) == bool(lacks)
+
+
+def test_names_of_a_line_follow_the_power_and_its_parts_the_greatest_non_uniformity(judge, study):
+    """The report marks the first of the parts: the joint whose angle is to be made smaller."""
+    for angles in ((3, 5), (5, 3)):
+        parts = [joint(angle, name=f"of {angle} deg") for angle in angles]
+        train = study(parts).train
+        found = judge(parts)
+        place = ", ".join(f"of {angle} deg" for angle in angles)
+        for clause in ("U", "torsional"):
+            named = [train.parts[part].name for part in found[clause, place].parts]
+            assert named == ["of 5 deg", "of 3 deg"]
+
+
+def test_shafts_between_two_joints_are_named_from_the_second_joint_back(study):
+    pieces = [("shaft", {"name": name, "length": 0.5, "diameter": 0.1}) for name in ("fore", "aft")]
+    scene = study([joint(1), *pieces, joint(2)], materials={"steel": STEEL})
+    (tube,) = tubes(scene.train)
+    assert tube.name == "aft, fore"
+    assert [scene.train.parts[part].name for part in tube.parts] == ["aft", "fore"]
+    assert tube.lacks == "it is not one tube from joint to joint"

@@ -1,6 +1,5 @@
 """How long motions over time stay within barred or unstable ranges, and how much of the steady resonance they reach."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,24 +16,21 @@ def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[Ba
     """Of every motion that enters a range, in the order of the motions."""
     # Its class is not loaded where there is none.
     transients: Transients | None = evidence.results.get("transient")
-    return () if transients is None else tuple(_times(evidence, transients, ranges))
-
-
-def _times(
-    evidence: Results, transients: "Transients", ranges: tuple[BarredRange, ...]
-) -> Iterator[BarredTime]:
+    if transients is None:
+        return ()
     from torsion.analyses.motion.derived.resonances_passed import mean_speed
 
+    times = list[BarredTime]()
     for motion in transients.each:
         speed = np.abs(mean_speed(evidence.system, motion.speed))
-        passages = [(abs(passage.speed), passage.share) for passage in motion.passages]
         for barred in ranges:
             low, high = barred.lower, barred.upper
-            seconds = within(motion.time, speed, low, high)
-            if seconds:
-                shares = [share for passed, share in passages if low <= passed <= high]
+            if seconds := within(motion.time, speed, low, high):
+                passed = (part for part in motion.passages if low <= abs(part.speed) <= high)
+                share = max((passage.share for passage in passed), default=None)
                 stays = low < float(speed[-1]) < high
-                yield BarredTime(motion.name, low, high, seconds, max(shares, default=None), stays)
+                times.append(BarredTime(motion.name, low, high, seconds, share, stays))
+    return tuple(times)
 
 
 def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> float:
@@ -52,25 +48,19 @@ def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> f
     return float(round(float(share @ np.diff(time)), 12))
 
 
-def words(times: tuple[BarredTime, ...]) -> str:
-    """Of all motions within barred ranges in a remark; empty where none enters one."""
-    return "; ".join(map(_words, times))
-
-
-def unstable_words(times: tuple[BarredTime, ...]) -> str:
-    """Of all motions within unstable ranges."""
-    ends = "within an unstable range, where it grows"
-    return "; ".join(f"{_name(time)} is {time.seconds:.3g} s {ends}" for time in times)
-
-
-def _name(time: BarredTime) -> str:
-    return f"the motion over time {time.motion}".rstrip()
-
-
-def _words(time: BarredTime) -> str:
-    reaches = ""
-    if time.share is not None:
-        reaches = f", {100.0 * time.share:.3g} % of the steady resonance"
-    if time.stays:
-        return f"{_name(time)} ends within the range, after {time.seconds:.3g} s in it{reaches}"
-    return f"passed in {time.seconds:.3g} s{reaches} by {_name(time)}: as fast as possible, without a limit"
+def words(times: tuple[BarredTime, ...], within_range: str = "") -> str:
+    """Of all motions within ranges in a remark: how they pass barred ones, or that they are `within_range`."""
+    remarks = list[str]()
+    for time in times:
+        name, seconds = f"the motion over time {time.motion}".rstrip(), f"{time.seconds:.3g} s"
+        reaches = ""
+        if time.share is not None:
+            reaches = f", {100.0 * time.share:.3g} % of the steady resonance"
+        if within_range:
+            remarks.append(f"{name} is {seconds} {within_range}")
+        elif time.stays:
+            remarks.append(f"{name} ends within the range, after {seconds} in it{reaches}")
+        else:
+            fast = "as fast as possible, without a limit"
+            remarks.append(f"passed in {seconds}{reaches} by {name}: {fast}")
+    return "; ".join(remarks)

@@ -82,9 +82,8 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
             if not ratings.limit_anything:
                 rows.append((f"{self.name} for {part.name}", "its maker's limits are not given"))
         words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
-        for _, part, ratings in _couplings(study):
-            is_cold = ratings.heat_in_misfire and part.kind == "coupling" and not part.warming
-            if is_cold and misfires(study) and not has_states:
+        for _, part, ratings in _couplings(study) if misfires(study) and not has_states else ():
+            if ratings.heat_in_misfire and part.kind == "coupling" and not part.warming:
                 rows.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
         return tuple(rows)
 
@@ -111,7 +110,22 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
                 yield Clause("T_KN", part.name, "Mean torque", "maker", curve, always)
             if ratings.limit_vibration:
                 yield from self._vibration(evidence, part, ratings, spans)
-            yield from self._temperature(evidence, part)
+            if part.warming is None:
+                continue
+            # The highest temperature of equilibrium; one that runs away, or has no answer, never passes.
+            from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
+
+            temperatures, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
+            rise = np.full(speed.shape, np.nan)
+            reason = "its temperatures were not solved, which is never a pass"
+            for coupling in () if temperatures is None else temperatures.each:
+                if coupling.coupling == part.name:
+                    speed, rise, reason = coupling.speed, coupling.rise, ""
+            limit = np.full(speed.shape, part.warming.highest - part.warming.now)
+            curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
+            use, what = within(self.use, speed), "Temperature rise by its own heat"
+            about, notes = ("ΔT", part.name, what, "maker"), (reason, self.use_words, MOSTLY)
+            yield Clause(*about, curve, use, "K", notes, infinite_fails=True)
 
     def _vibration(
         self, evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray
@@ -137,41 +151,34 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
 
         if (limit := ratings.vibratory_torque) is not None:
             yield compare("T_KW", "Vibratory torque", synthesis.half_range[:, spans[0]], limit)
-        if (limits := ratings.vibratory_over_frequency) is not None:
-            for what, value, permitted, words, sizes in _over_frequency(evidence, limits, spans):
-                yield compare("T_KW(f)", what, value, permitted, words=words, size=sizes)
+        if (law := ratings.vibratory_over_frequency) is not None:
+            # Each harmonic component against a torque that depends on its frequency.
+            limits, (frequency, lowest) = law.at(response.frequency), law.rows[0]
+            phasors = response.torque[:, :, spans[0]]
+            share = raised(evidence, spans, np.abs(phasors)) / limits
+            worst = np.arange(len(share)), np.argmax(np.nan_to_num(share, nan=np.inf), axis=1)
+            about = "T_KW(f)", "Vibratory torque of one harmonic component"
+            yield compare(*about, (share * limits)[worst], limits[worst], size=share)
+            # All together, each times the limit of the lowest frequency of the maker's data / that of its own: the
+            # half range, and the root of the sum of squares where that is larger, which stands for the heat.
+            weighted = phasors * (lowest / limits)
+            squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
+            value = raised(evidence, spans, np.maximum(half_range_of(response, weighted), squares))
+            about = "T_KW(f)", "Vibratory torque of all components, weighted by frequency"
+            words = f"each component times T_KW({frequency:g} Hz) / T_KW(f)"
+            yield compare(*about, value, lowest, words=words, size=share)
         if (heat_limit := _heat_limit(evidence.study, ratings)) is not None:
             name, what, limit_of_heat, words = heat_limit
             power = raised_heat(evidence, spans)
-            if isinstance(limit_of_heat, float):
-                smallest = limit_of_heat
-            else:
+            if not isinstance(limit_of_heat, float):
                 # Every share of a limit over frequency counts as a share of the smallest limit.
                 limit_at = limit_of_heat.at(response.frequency)
-                smallest = float(limit_at.min())
-                power = power * (smallest / limit_at)
-            yield compare(name, what, np.sum(power, axis=1), smallest, "W", words)
+                limit_of_heat = float(limit_at.min())
+                power = power * (limit_of_heat / limit_at)
+            yield compare(name, what, np.sum(power, axis=1), limit_of_heat, "W", words)
         if (limit := ratings.max_torque) is not None:
             what, always = "Greatest torque in steady operation", np.ones(len(response.speed), bool)
-            yield compare("T_Kmax", what, synthesis.peak[:, spans[0]], limit, within=always)
-
-    def _temperature(self, evidence: Results, part: Part) -> Iterator[Clause]:
-        """Yield the highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
-        if part.warming is None:
-            return
-        from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
-
-        temperatures, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
-        rise, reason = np.full(speed.shape, np.nan), "its temperatures were not solved"
-        reason += ", which is never a pass"
-        for coupling in () if temperatures is None else temperatures.each:
-            if coupling.coupling == part.name:
-                speed, rise, reason = coupling.speed, coupling.rise, ""
-        limit = np.full(speed.shape, part.warming.highest - part.warming.now)
-        curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
-        use, what = within(self.use, speed), "Temperature rise by its own heat"
-        notes = reason, self.use_words, MOSTLY
-        yield Clause("ΔT", part.name, what, "maker", curve, use, "K", notes, infinite_fails=True)
+            yield compare("T_Kmax", what, synthesis.peak[:, spans[0]], limit, is_judged=always)
 
 
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
@@ -190,41 +197,12 @@ def _heat_limit(
     if misfires(study):
         if (limit := ratings.heat_in_misfire) is not None:
             duration = "" if limit.time is None else f"for {limit.time / 60.0:.4g} min at most"
-            return (
-                "P_KW misfire",
-                "Heat in misfire",
-                limit.power,
-                "; ".join(filter(None, (duration, case))),
-            )
+            remark = "; ".join(filter(None, (duration, case)))
+            return "P_KW misfire", "Heat in misfire", limit.power, remark
         words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation"
     if ratings.heat_over_frequency is not None:
         return "P_KW(f)", "Heat, weighted by frequency", ratings.heat_over_frequency, words
     return None if ratings.heat_limit is None else ("P_KW", "Heat", ratings.heat_limit, words)
-
-
-def _over_frequency(
-    evidence: Results, limit: "OverFrequency", spans: IntArray
-) -> Iterator[tuple[str, FloatArray, float | FloatArray, str, FloatArray]]:
-    """Yield each harmonic component, and all together, against a torque that depends on the frequency of each.
-
-    What is compared, value and limit (speeds,), a remark, and the sizes of the components (speeds, lines). Together
-    each counts times the limit of the lowest frequency of the maker's data / that of its own; of these the half range,
-    and the root of the sum of squares where that is larger, which stands for the heat.
-    """
-    response = evidence.need(Response)
-    limits, (frequency, lowest) = limit.at(response.frequency), limit.rows[0]
-    phasors = response.torque[:, :, spans[0]]
-    share = raised(evidence, spans, np.abs(phasors)) / limits
-    worst = np.arange(len(share)), np.argmax(np.nan_to_num(share, nan=np.inf), axis=1)
-    what = "Vibratory torque of one harmonic component"
-    yield what, (share * limits)[worst], limits[worst], "", share
-
-    weighted = phasors * (lowest / limits)
-    squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
-    value = raised(evidence, spans, np.maximum(half_range_of(response, weighted), squares))
-    words = f"each component times T_KW({frequency:g} Hz) / T_KW(f)"
-    what = "Vibratory torque of all components, weighted by frequency"
-    yield what, value, lowest, words, share
 
 
 def misfires(study: Study) -> bool:

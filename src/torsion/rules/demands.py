@@ -60,23 +60,25 @@ def with_reach(
     demanded, limited = demanded_speed(study, scope)
     is_own = study.case is not None and study.case.has_own_speeds
     computed = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
-    first, last = min(computed), max(computed)
+    first, last, lacking = min(computed), max(computed), dict[str, Reach]()
     if isinstance(speeds, SpeedsAbove):
         first = speeds.begin
-    lacking = list[tuple[str, Reach]]()
 
-    reach, from_start = Reach(first, last, demanded), Reach(first, last, 0.0)
+    # Above.
+    reach = Reach(first, last, demanded)
     needed = demanded if is_own else min(demanded, rated.speed)
     if coverage(last, rated.speed, needed / rated.speed):
         if is_own and scope <= 1.0:
             check = restricted(check, reach_words(reach, rated.speed), reach=reach)
         else:
-            lacking.append(("above", reach))
+            lacking["above"] = reach
     elif use is not None and coverage(use.last, rated.speed):
         reach = Reach(use.first, use.last, rated.speed)
         check = restricted(check, reach_words(reach, rated.speed), reach=reach)
     check = restricted(check, limited, cut)
 
+    # Below.
+    from_start = Reach(first, last, 0.0)
     if first > begin * rated.speed * (1 + SAME_SPEED):
         has_rated = first <= rated.speed * (1 + SAME_SPEED)
         above_barred = first >= BARRED_BELOW * rated.speed * (1 - SAME_SPEED)
@@ -85,9 +87,9 @@ def with_reach(
         if is_stated or (has_rated and not lacks_barred):
             check = restricted(check, reach_words(from_start, rated.speed))
         else:
-            lacking.append(("below", from_start))
+            lacking["below"] = from_start
     yield check
-    for side, reach in lacking:
+    for side, reach in lacking.items():
         words, what = reach_words(reach, rated.speed), f"{subject} {side} the computed speeds"
         row = unjudged(check.rule, "speeds", check.where, what, words, check.standing)
         yield replace(row, reach=reach)
@@ -136,8 +138,7 @@ def demanded_study(study: Study) -> Study | None:
     short = {name: end for name, end in ends.items() if coverage(speeds.last, end)}
     if not short:
         return None
-    step = (speeds.last - speeds.first) / (speeds.steps - 1)
-    end = max(short.values())
+    step, end = (speeds.last - speeds.first) / (speeds.steps - 1), max(short.values())
     steps = max(2, math.ceil((end - rated.speed) / step) + 1)
     above = SpeedsAbove.model_construct(
         first=rated.speed, last=end, steps=steps, begin=speeds.first
@@ -219,20 +220,15 @@ def engines_of(study: Study) -> "list[EngineRecord]":
 
 def misfire_row(rule: str, study: Study, source: str) -> Iterator[Check]:
     """Yield the row about one cylinder that does not fire; nothing of a train without an engine."""
-    engines, cranks = list[str](), list[str]()
-    for part in study.train.parts:
-        if part.engine is not None:
-            engines.append(part.name)
-            is_motored = any(cylinder.state == "motored" for cylinder in part.engine.cylinders)
-            if part.engine.tries_all or is_motored:
-                return
-        if part.shaft is not None and part.shaft.role == "crank":
-            cranks.append(part.name)
-    if not (engines or cranks) or study.covers(MISFIRE, rule):
-        return
-    note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
-    where = (engines or cranks)[0]
-    yield unjudged(rule, MISFIRE, where, "Misfiring of one cylinder", note)
+    parts, engines = study.train.parts, engines_of(study)
+    for engine in engines:
+        if engine.tries_all or any(cylinder.state == "motored" for cylinder in engine.cylinders):
+            return
+    names = [part.name for part in parts if part.engine is not None]
+    names += (part.name for part in parts if part.shaft is not None and part.shaft.role == "crank")
+    if names and not study.covers(MISFIRE, rule):
+        note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
+        yield unjudged(rule, MISFIRE, names[0], "Misfiring of one cylinder", note)
 
 
 def lacking_orders(strokes: int, excited: Container[Fraction]) -> list[Fraction]:
@@ -270,18 +266,15 @@ def zero_pitch_rows(rule: str, study: Study, source: str) -> Iterator[Check]:
 
     A `propeller` of a train without a shaft of that role may be any load.
     """
-    drives_ship = any(
-        part.shaft is not None and part.shaft.role == "propeller" for part in study.train.parts
-    )
-    for part in study.train.parts:
-        if part.kind != "propeller" or part.propeller is None or part.propeller.pitch == "fixed":
-            continue
-        if study.covers(ZERO_PITCH, rule):
+    parts = study.train.parts
+    drives_ship = any(part.shaft is not None and part.shaft.role == "propeller" for part in parts)
+    for part in parts if not study.covers(ZERO_PITCH, rule) else ():
+        if part.kind != "propeller" or part.propeller is None:
             continue
         if part.propeller.pitch == "controllable":
             note = f"{source} demands it: a case with another `operation.load`"
             yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note)
-        elif drives_ship:
+        elif part.propeller.pitch is None and drives_ship:
             words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
             yield restriction(rule, ZERO_PITCH, part.name, "Zero pitch", words)
 
@@ -290,43 +283,27 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
     """Yield a restriction if no rule of the file judges the variants of a sweep, or stiffnesses within tolerances."""
     if not study.rules:
         return
-    sweep = study.analyses.get("sweep")
-    judged = None
+    first, sweep, judged = study.rules[0][0], study.analyses.get("sweep"), None
     if sweep is not None:
         from torsion.what_if.sweep.sweep_settings import SweepSettings
 
         judged = sweep if isinstance(sweep, SweepSettings) and sweep.judges(study) else None
-    if sweep is not None and judged is None:
-        words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
-        first = study.rules[0][0]
-        what = "Variants of the sweep"
-        yield restriction(first, "variants", "sweep", what, words, "by definition")
+        if judged is None:
+            words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
+            about = first, "variants", "sweep", "Variants of the sweep"
+            yield restriction(*about, words, "by definition")
     has_corners = study.varies_tolerances or any(
         STIFFNESS in case.states for case in study.case_states
     )
     names = [
         part.name
         for part in study.train.parts
-        if part.kind == "coupling" and part.stiffness_tolerance
+        if part.kind == "coupling"
+        and part.stiffness_tolerance
+        # A sweep that names no figures varies all within their tolerances.
+        and (judged is None or (judged.vary and f"{part.name}.stiffness" not in judged.vary))
     ]
-    if judged is not None:  # one that names no figures varies all within their tolerances
-        names = [name for name in names if judged.vary and f"{name}.stiffness" not in judged.vary]
     if names and study.has_tolerances and not has_corners:
         words = f"tolerances of {', '.join(map(repr, names))} not judged: write `cases: {{from: tolerances}}`"
-        first, what = study.rules[0][0], "Stiffness within the tolerances"
-        yield restriction(first, "tolerances", names[0], what, words, "by definition")
-
-
-def stiffness_row(rule: str, study: Study, standing: Standing) -> Iterator[Check]:
-    """Yield the row about couplings at another stiffness than the nominal one; nothing without rated couplings."""
-    rated = [
-        part.name
-        for part in study.train.parts
-        if part.kind == "coupling" and part.ratings is not None
-    ]
-    is_corner = study.case is not None and study.case.is_corner
-    if rated and not (is_corner or study.covers(STIFFNESS, rule)):
-        note = "cold, warm, soft and stiff couplings: cases with another stiffness, or `cases: {from: tolerances}`"
-        yield unjudged(
-            rule, STIFFNESS, rated[0], "Other stiffness of the couplings", note, standing
-        )
+        about = first, "tolerances", names[0], "Stiffness within the tolerances"
+        yield restriction(*about, words, "by definition")

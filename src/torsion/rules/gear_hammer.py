@@ -8,14 +8,14 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray, IntArray
-from torsion.errors import Fault
+from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.parts import GearRating, Part
 from torsion.rules import rule_over_speed
 from torsion.rules.demands import coverage
 from torsion.rules.rule_over_speed import RATED, Clause, Continuous, RuleOverSpeed, UseSettings
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
+from torsion.rules.verdict_line import TO_BE_VERIFIED
 from torsion.study import Study
 
 USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be verified)
@@ -62,12 +62,11 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
             message = f"{self.name} finds no gear in the train"
             return [Fault(self.path(study), message, "leave the rule out")]
         faults = self.vibration_faults(study)
-        compares = f"{self.name} compares with the rated torque"
-        if study.operation.rated is None:
-            faults.append(Fault(("operation", "rated"), f"`rated` is missing; {compares}", RATED))
-        elif not study.has_mean_torque:
-            path = ("operation", "rated", "power")
-            faults.append(Fault(path, f"`power` is missing; {compares}", RATED))
+        path: Path = ("operation", "rated")
+        if study.operation.rated is None or not study.has_mean_torque:
+            path = path if study.operation.rated is None else (*path, "power")
+            message = f"`{path[-1]}` is missing; {self.name} compares with the rated torque"
+            faults.append(Fault(path, message, RATED))
         return faults
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
@@ -80,7 +79,12 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
         reach = coverage(float(response.speed[-1]), rule_over_speed.rated_speed(evidence.study))
         for mesh in meshes(evidence):
             torque, spans = mesh.vibratory, mesh.spans
-            share, origin, standing = _share(mesh.part, self.settings)
+            rating, standing = mesh.part.get(GearRating), TO_BE_VERIFIED
+            share, origin = USUAL_SHARE, "usual K_A 1.35"
+            if self.settings.limit is not None:
+                share, origin, standing = self.settings.limit, "setting `limit`", "setting"
+            elif rating is not None and (factor := rating.application_factor) is not None:
+                share, origin = factor - 1.0, f"K_A {factor:.4g}"
             if mesh.rated > 0:
                 yield self.compare(
                     response,
@@ -90,7 +94,7 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
                     share * mesh.rated,
                     spans=spans,
                     notes=(f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach),
-                    within=always,
+                    is_judged=always,
                 )
             yield self.compare(
                 response,
@@ -109,26 +113,21 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
     torque = rule_over_speed.rated_torque(evidence)
     if torque is None:
         raise ValueError("the torque at the rated speed is not known")
-    torque = torque * rule_over_speed.share_of_rated(evidence.study.operation)
+    # Rated torque over what a table of load gives at the rated speed: more load rates nothing up.
+    rated, table = evidence.study.operation.rated, evidence.study.operation.load.table
+    if table and rated is not None and rated.power is not None:
+        given_torque = abs(float(np.interp(rated.speed, *np.array(table).T[:2])))
+        if given_torque:
+            torque = torque * min(1.0, rated.power / rated.speed / given_torque)
     for number, part in evidence.study.train.of_kind("gear"):
         for span in rule_over_speed.spans_of(evidence.system, number):
             # A torque of a share below NO_LOAD is nothing but rounding.
-            rated = float(torque[span]) if torque[span] > NO_LOAD * np.max(torque) else 0.0
+            is_loaded = torque[span] > NO_LOAD * np.max(torque)
             yield Mesh(
                 part,
                 evidence.system.spans[span].name,
                 np.array([span]),
                 synthesis.half_range[:, span],
                 np.abs(response.mean[:, span]),
-                rated,
+                float(torque[span]) if is_loaded else 0.0,
             )
-
-
-def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
-    """Return the permissible vibratory share of the rated torque, its origin and its standing."""
-    if settings.limit is not None:
-        return settings.limit, "setting `limit`", "setting"
-    rating = part.get(GearRating)
-    if rating is not None and (factor := rating.application_factor) is not None:
-        return factor - 1.0, f"K_A {factor:.4g}", TO_BE_VERIFIED
-    return USUAL_SHARE, "usual K_A 1.35", TO_BE_VERIFIED

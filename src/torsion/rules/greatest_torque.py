@@ -57,7 +57,16 @@ def _checks(
         note = "the larger of two motions that impacts set apart, and their difference added"
     without = [words for words in motion.not_acting if words.endswith(LEFT_OUT)]
     left_out = f"does not act: {'; '.join(without)}" if without else ""
-    conditions = left_out, _early_end(evidence, motion)
+    # The largest torque of a step comes half a period of the lowest mode after it, a beat of several modes later.
+    modes, early = evidence.get(Modes), ""
+    if modes is not None and len(modes.frequency):
+        period = 1.0 / float(modes.frequency[0])
+        for settings, _ in cases(evidence.study):
+            times = [event.time for event in settings.events]
+            left = settings.duration - max(times, default=0.0)
+            if settings.name == motion.name and times and left < period:
+                early = f"ends {left:.3g} s after the last event, within a period of mode 1 ({period:.3g} s)"
+    conditions = left_out, early
 
     def judge(
         clause: str, what: str, values: FloatArray, limit: float, unit: str, standing: Standing
@@ -78,20 +87,3 @@ def _checks(
     if motion.damage is not None and spans.size and not np.isnan(motion.damage[spans]).all():
         # A life that is used up fails.
         yield judge("D", "Damage of one event", motion.damage, WHOLE_LIFE, "1", "setting")
-
-
-def _early_end(evidence: Results, motion: TransientMotion) -> str:
-    """That a motion ends within a period of the lowest mode after its last event; empty if it does not.
-
-    The largest torque of a step comes half a period after it, and a beat of several modes later.
-    """
-    modes = evidence.get(Modes)
-    if modes is None or not len(modes.frequency):
-        return ""
-    period = 1.0 / float(modes.frequency[0])
-    for settings, _ in cases(evidence.study):
-        times = [event.time for event in settings.events]
-        left = settings.duration - max(times, default=0.0)
-        if settings.name == motion.name and times and left < period:
-            return f"ends {left:.3g} s after the last event, within a period of mode 1 ({period:.3g} s)"
-    return ""

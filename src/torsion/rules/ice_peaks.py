@@ -27,6 +27,7 @@ from torsion.rules.verdict_line import (
     Rule,
     RuleSettings,
     Standing,
+    Verdict,
     verdict_of,
 )
 from torsion.study import Study
@@ -36,6 +37,7 @@ SHEAR = 1.0 / math.sqrt(3.0)  # yield in shear / yield in tension (von Mises)
 # beyond the speeds of the operation, within which the first blade order is to meet no mode
 MARGIN = 0.2
 SAME_SPEED = 0.01  # a motion this near to a resonance is at it
+MAKER: Standing = "maker"
 STRESS = "Shear stress at the greatest torque in ice"
 LACKING = {
     "shaft": "not judged: give `yield_strength` of its material",
@@ -61,11 +63,6 @@ class InIce:
     settings: TransientSettings
     path: Path
     milled: tuple[tuple[str, Ice, float], ...]  # propellers, what they mill, and from when (s) on
-
-    @property
-    def is_steady(self) -> bool:
-        """It begins with the mean torques of the operation."""
-        return self.settings.initial in (None, "steady")
 
     @property
     def words(self) -> str:
@@ -98,12 +95,14 @@ class IcePeaks(Rule[IceSettings]):
             message = "no shaft has a yield strength, and no coupling or gear a maximum torque"
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
             faults.append(Fault(path, message, hint))
-        if any(motion.is_steady for motion in motions) and not study.has_mean_torque:
+        # A motion begins with the mean torques of the operation, or starts.
+        steady = [motion.settings.initial in (None, "steady") for motion in motions]
+        if any(steady) and not study.has_mean_torque:
             faults.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
         hint = "initial: steady, or an event `start`"
-        for motion in motions:
+        for motion, is_steady in zip(motions, steady, strict=True):
             starts = any(isinstance(event.body, Start) for event in motion.settings.events)
-            if not (motion.is_steady or starts):
+            if not (is_steady or starts):
                 faults.append(Fault((*motion.path, "initial"), UNDRIVEN, hint))
         return faults
 
@@ -130,29 +129,46 @@ class IcePeaks(Rule[IceSettings]):
         resonances = tuple(_resonances(evidence, list(computed.values())))
         notes += [f"{words} at {where} not judged" for where, words in _missing_cases(study)]
         notes += [words for _, words, _ in resonances]
+
         checks = list[Check]()
         for number, part in enumerate(study.train.parts):
-            limit = _limit(study, part, self.settings)
-            if limit is not None:
-                values = {
-                    words: _value(evidence, number, part, motion)
-                    for words, motion in computed.items()
-                }
-                checks.append(_check(part, limit, values, notes, is_sound=is_sound))
+            if (limited := _limit(study, part, self.settings)) is None:
+                continue
+            # The greatest shear stress or torque in every motion, mean torque included; NaN where not known.
+            (clause, limit), spans = limited, spans_of(evidence.system, number)
+            what, unit, standing, scale = "Greatest torque in ice", "N m", MAKER, 1.0
+            if part.is_bar:
+                what, unit, standing, scale = STRESS, "N/mm2", TO_BE_VERIFIED, PA
+            values = dict[str, float]()
+            for words, motion in computed.items():
+                amount = motion.stress if part.is_bar else motion.peak
+                values[words] = math.nan if amount is None else float(amount[spans].max()) * scale
+            verdict: Verdict = "fail"
+            note, worst = "no value is known", math.inf
+            if values and all(map(math.isfinite, values.values())):
+                words, worst = max(values.items(), key=lambda pair: pair[1])
+                note = f"worst in {words}"
+                verdict = verdict_of(worst <= limit, standing) if is_sound else "fail"
+            about = "ice", clause, part.name, what, worst, limit, unit, verdict, standing
+            checks.append(Check(*about, note="; ".join((note, *notes))))
         what = "Transient response at the resonance"
-        return (*checks, *(_open_row("resonance", *row[:2], what) for row in resonances if row[2]))
+        return (
+            *checks,
+            *(_open_row("resonance", *row[:2], what) for row in resonances if row[2]),
+        )
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
-        shafts = [part for part in study.train.parts if part.is_bar]
-        without = [part for part in shafts if _limit(study, part, self.settings) is None]
-        return (
-            *(
-                _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
-                for name, words in _missing_cases(study)
-            ),
-            *(_open_row("yield", part.name, LACKING["shaft"], STRESS) for part in without),
+        rows = [
+            _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
+            for name, words in _missing_cases(study)
+        ]
+        rows += (
+            _open_row("yield", part.name, LACKING["shaft"], STRESS)
+            for part in study.train.parts
+            if part.is_bar and _limit(study, part, self.settings) is None
         )
+        return tuple(rows)
 
 
 def _open_row(clause: str, where: str, words: str, what: str) -> Check:
@@ -160,35 +176,15 @@ def _open_row(clause: str, where: str, words: str, what: str) -> Check:
     return unjudged("ice", clause, where, what, words, TO_BE_VERIFIED)
 
 
-def _check(
-    part: Part,
-    limit: tuple[str, float],
-    values: dict[str, float],
-    notes: list[str],
-    *,
-    is_sound: bool,
-) -> Check:
-    """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
-    what, unit = (STRESS, "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
-    is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
-    note, worst = "no value is known", math.inf
-    if is_known:
-        words, worst = max(values.items(), key=lambda pair: pair[1])
-        note = f"worst in {words}"
-    standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"
-    verdict = verdict_of(worst <= limit[1], standing) if is_known and is_sound else "fail"
-    note = "; ".join((note, *notes))
-    return Check(
-        "ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note
-    )
-
-
 def ice_motions(study: Study) -> list[InIce]:
     """The motions with an event `ice`."""
-    motions = []
+    motions = list[InIce]()
     for settings, path in cases(study):
-        events = [(event.at, event.body, event.time) for event in settings.events]
-        milled = tuple((at, body, time) for at, body, time in events if isinstance(body, Ice))
+        milled = tuple(
+            (event.at, event.body, event.time)
+            for event in settings.events
+            if isinstance(event.body, Ice)
+        )
         if milled:
             motions.append(InIce(settings, path, milled))
     return motions
@@ -230,14 +226,6 @@ def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float]
     return f"0.577 R_e/{factor:g}", SHEAR * strength * PA / factor
 
 
-def _value(evidence: Results, number: int, part: Part, motion: TransientMotion) -> float:
-    """The greatest shear stress (N/mm2) or torque (N m) of a part, its mean torque included; NaN where not known."""
-    spans = spans_of(evidence.system, number)
-    if not part.is_bar:
-        return float(motion.peak[spans].max())
-    return math.nan if motion.stress is None else float(motion.stress[spans].max()) * PA
-
-
 def _resonances(
     evidence: Results, motions: list[TransientMotion]
 ) -> Iterator[tuple[str, str, bool]]:
@@ -255,8 +243,7 @@ def _resonances(
     milling = (name for motion in ice_motions(study) for name, _, _ in motion.milled)
     for name in dict.fromkeys(milling):
         part = study.train.part(name)
-        blades = part.propeller.blades if part.propeller is not None else None
-        if not blades:
+        if part.propeller is None or not (blades := part.propeller.blades):
             continue
         ratio = abs(float(evidence.system.speed_ratio[part.stations[0]]))
         met = 2.0 * math.pi * modes.frequency / (blades * ratio)

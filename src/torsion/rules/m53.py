@@ -7,7 +7,8 @@ are the engine maker's. Q = fatigue strength / equivalent alternating stress is 
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from fractions import Fraction
+
+import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import excited_orders
@@ -15,7 +16,6 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
-from torsion.model.parts import Part
 from torsion.rules import m53_settings as factors
 from torsion.rules.demands import (
     START,
@@ -41,6 +41,7 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
 LEAST_Q = 1.15
+ROOT_3 = math.sqrt(3.0)  # equivalent stress of a shear stress of 1 (von Mises)
 LEAST_STRENGTH = 400.0  # N/mm2, ours: below it sigma_DW comes near the tensile strength itself
 PIN, JOURNAL, BORE = "pin fillet", "journal fillet", "oil bore"  # clauses
 OF_FILLETS = "s", "w", "b", "d of the bore of the pin", "d of the bore of the journal"
@@ -88,20 +89,32 @@ class M53(RuleOverSpeed[M53Settings]):
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
             for location, stress, fatigue in _places(settings, torque, strength):
-                if location in _stated_places(settings) and not any(
-                    _doubts(settings, location, strength)
-                ):
-                    yield self.compare(
-                        response,
-                        (location, part.name, STRESS.format(location)),
-                        TO_BE_VERIFIED,
-                        stress,
-                        fatigue / LEAST_Q,
-                        "N/mm2",
-                        spans=spans,
-                        notes=(f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",),
-                        remarks=tuple(_notes(settings, location)),
-                    )
+                if location not in _stated_places(settings):
+                    continue
+                if any(_doubts(settings, location, strength)):
+                    continue
+                # Nominal stresses that the file states as 0, and what else the stress counts in.
+                remarks = [
+                    f"`{key}` stated as 0 MPa"
+                    for key in NOMINAL[location]
+                    if getattr(settings, key) == 0.0
+                ]
+                if location != BORE:
+                    added, source = settings.added_bending
+                    remarks.append(f"additional bending {added:g} N/mm2 ({source})")
+                    if settings.throw.ratios["s"] < factors.LEAST_OVERLAP:
+                        remarks.append("overlap below -0.5: all factors at -0.5, shear included")
+                yield self.compare(
+                    response,
+                    (location, part.name, STRESS.format(location)),
+                    TO_BE_VERIFIED,
+                    stress,
+                    fatigue / LEAST_Q,
+                    "N/mm2",
+                    spans=spans,
+                    notes=(f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",),
+                    remarks=tuple(remarks),
+                )
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the checks, each with its acceptability factor and its restrictions."""
@@ -128,7 +141,15 @@ class M53(RuleOverSpeed[M53Settings]):
             if settings.built == "semi-built":
                 what = "Shrink fits of the crankshaft"
                 rows.append(("shrink fits", part.name, what, UNJUDGED_FITS))
-            if lacking := _lacking(study, settings, number, part):
+            # Orders that the rule requires in the synthesis, and that nothing excites. Of an engine only its gas counts:
+            # moving masses have nearly every order, and loads may have the missing ones.
+            engine = next((record for record in engines_of(study) if number in record.cranks), None)
+            if engine is None:
+                excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
+            else:
+                excited = set() if engine.gas is None else set(engine.gas_orders)
+            strokes = settings.strokes
+            if strokes is not None and (lacking := lacking_orders(strokes, excited)):
                 what = "Orders of the synthesis"
                 rows.append(("orders", part.name, what, orders_words(lacking)))
         return (
@@ -185,33 +206,6 @@ def _restrictions(settings: M53Settings, location: str, outer: float) -> Iterato
         yield "journal oil bores with separate evidence: the journal is smaller than the pin"
 
 
-def _notes(settings: M53Settings, location: str) -> Iterator[str]:
-    """Yield what the stress of a place counts in, in words, and nominal stresses that the file states as 0."""
-    for key in NOMINAL[location]:
-        if getattr(settings, key) == 0.0:
-            yield f"`{key}` stated as 0 MPa"
-    if location != BORE:
-        stress, source = settings.added_bending
-        yield f"additional bending {stress:g} N/mm2 ({source})"
-        if settings.throw.ratios["s"] < factors.LEAST_OVERLAP:
-            yield "overlap below -0.5: all factors at -0.5, shear included"
-
-
-def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> list[Fraction]:
-    """Return orders of a crankshaft that the rule requires in the synthesis, and that nothing excites.
-
-    Of an engine only its gas counts: moving masses have nearly every order, and loads may have the missing ones.
-    """
-    if settings.strokes is None:
-        return []
-    engine = next((record for record in engines_of(study) if crank in record.cranks), None)
-    if engine is None:
-        excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
-    else:
-        excited = set() if engine.gas is None else set(engine.gas_orders)
-    return lacking_orders(settings.strokes, excited)
-
-
 def _places(
     settings: M53Settings, torque: FloatArray, strength: float
 ) -> Iterator[tuple[str, FloatArray, float]]:
@@ -223,13 +217,13 @@ def _places(
 
     local = factors.alpha_b(throw) * bending + added
     fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.factor)
-    yield PIN, factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
+    yield PIN, np.hypot(local, ROOT_3 * factors.alpha_t(throw) * of_pin), fatigue
 
     local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + added
     size = throw.journal, throw.journal_fillet
     fatigue = factors.fatigue_strength(strength, *size, settings.factor)
     torsion = factors.alpha_t(throw, journal=True) * of_journal
-    yield JOURNAL, factors.of_fillet(local, torsion), fatigue
+    yield JOURNAL, np.hypot(local, ROOT_3 * torsion), fatigue
 
     if throw.oil_bore:
         local = factors.gamma_b(throw) * (settings.bore_bending or 0.0) * PA

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval2d
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator
 
@@ -79,7 +80,7 @@ RANGES = {  # in which the factors were measured
 def alpha_b(throw: Throw) -> float:
     """Return the stress concentration factor of bending in the fillet of the pin."""
     _, w, b, r, _, _, d_h, d_g = throw.ratios.values()
-    overlap = (
+    overlap = (  # a row of powers of w for every power of 1 - s
         (-4.1883, 29.2004, -77.5925, 91.9454, -40.0416),
         (9.5440, -58.3480, 159.3415, -192.5846, 85.2916),
         (-3.8399, 25.0444, -70.5571, 87.0328, -39.1832),
@@ -89,7 +90,12 @@ def alpha_b(throw: Throw) -> float:
     of_pin = 0.9978 + 0.3145 * d_h - 1.5241 * d_h**2 + 2.4147 * d_h**3
     of_bores = of_journal * of_pin * throw.recess
     return float(
-        2.6914 * _overlap(overlap, throw.overlap, w) * of_web * 0.2081 * r**-0.5231 * of_bores
+        2.6914
+        * polyval2d(1.0 - throw.overlap, w, overlap)
+        * of_web
+        * 0.2081
+        * r**-0.5231
+        * of_bores
     )
 
 
@@ -101,7 +107,12 @@ def beta_b(throw: Throw) -> float:
     of_journal = 1.0012 - 0.6441 * d_g + 1.2265 * d_g**2
     of_bores = of_journal * (1.0022 - 0.1903 * d_h + 0.0073 * d_h**2) * throw.recess
     return float(
-        2.7146 * _overlap(overlap, throw.overlap, w) * of_web * 0.1908 * r**-0.5568 * of_bores
+        2.7146
+        * polyval2d(1.0 - throw.overlap, w, overlap)
+        * of_web
+        * 0.1908
+        * r**-0.5568
+        * of_bores
     )
 
 
@@ -143,23 +154,11 @@ def gamma_t(throw: Throw) -> float:
     return 4.0 - 6.0 * d + 30.0 * d**2
 
 
-def _overlap(rows: tuple[tuple[float, ...], ...], s: float, w: float) -> float:
-    """Return the sum of polynomials of w, lowest power first, each times the next power of 1 - s."""
-    return float(
-        sum((1.0 - s) ** k * sum(c * w**j for j, c in enumerate(row)) for k, row in enumerate(rows))
-    )
-
-
 def fatigue_strength(strength: float, diameter: float, radius: float, factor: float) -> float:
     """Return sigma_DW of a fillet or an oil bore of that radius, at least 2 mm of it; factor: K of the manufacture."""
     of_radius = 196.0 / strength * max(radius, LEAST_RADIUS) ** -0.5
     size = 0.264 + 1.073 * diameter**-0.2 + (785.0 - strength) / 4900.0 + of_radius
     return float(factor * (0.42 * strength + 39.3) * size)
-
-
-def of_fillet(bending: float, torsion: ArrayLike) -> FloatArray:
-    """Return the equivalent alternating stress of a fillet, from the local ones, the additional bending included."""
-    return np.asarray(np.sqrt(bending**2 + 3.0 * np.square(np.asarray(torsion, dtype=float))))
 
 
 def of_bore(bending: float, torsion: ArrayLike) -> FloatArray:
@@ -198,11 +197,8 @@ def _read_manufacture(value: Any) -> Any:
 
 
 def _read_bore(value: Any) -> Any:
-    return (
-        0.0
-        if value == "none"
-        else Quantity("m", at_least=0, usual="diameter of a shaft").read(value)
-    )
+    bore = Quantity("m", at_least=0, usual="diameter of a shaft")
+    return 0.0 if value == "none" else bore.read(value)
 
 
 Manufacture = Annotated[Any, BeforeValidator(_read_manufacture, float | str)]
@@ -296,10 +292,8 @@ class M53Settings(UseSettings):
         if self.engine == "trunk piston":
             return MISALIGNMENT, "trunk piston engine"
         if self.axial is not None:
-            return (
-                self.axial * PA + MISALIGNMENT,
-                "crosshead engine, axial vibration stated by user",
-            )
+            words = "crosshead engine, axial vibration stated by user"
+            return self.axial * PA + MISALIGNMENT, words
         return AXIAL + MISALIGNMENT, "crosshead engine"
 
     def refuse_clashes(self) -> None:

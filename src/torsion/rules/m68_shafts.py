@@ -4,6 +4,7 @@ Diameters in mm, stresses in N/mm2. "rule text" was compared with a class societ
 Ch. 4); "to be verified" is to be compared with the edition in force before it is relied on.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -89,6 +90,9 @@ MOST_SLOT_LENGTH = 0.8  # of the diameter (rule text, note 4), as the next two
 MOST_SLOT_BORE = 0.7
 LEAST_SLOT_WIDTH = 0.15
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
+SLOT_FACTOR = (
+    1.45  # C_K of a longitudinal slot times its stress concentration factor (to be verified)
+)
 LEAST_FLANGE_FILLET = 0.08  # of the diameter, of an integral flange (to be verified)
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
 SEAT = "shrink fit of '{}': seat 1 to 2 % thicker, with a blending radius of about that change"  # (rule text, note 1)
@@ -124,20 +128,10 @@ def tau_t(strength: float, diameter: float, c_k: float, speed_ratio: ArrayLike) 
 
 
 def slot_concentration(diameter: float, bore: float, length: float, width: float) -> float:
-    """Return the stress concentration factor of a longitudinal slot (to be verified)."""
+    """Return the stress concentration factor of a longitudinal slot, at least 2.15 (to be verified)."""
     e, hollow = width / diameter, bore / diameter
     a = 2.3 - 3.0 * e + 15.0 * e**2 + 10.0 * e**2 * hollow**2
     return float(a + 0.8 * (length - width) / diameter / np.sqrt((1.0 - hollow) * e))
-
-
-def slot_c_k(concentration: float) -> float:
-    """Return C_K = 1.45/scf of a longitudinal slot (to be verified); at most 1.45/2.15 by the formula above."""
-    return 1.45 / concentration
-
-
-def drive_factor(role: Role, *, smooth: bool) -> float:
-    """Return F of the least diameter (to be verified)."""
-    return SMOOTH_DRIVE_FACTOR if smooth and role == "intermediate" else DRIVE_FACTOR
 
 
 def least_diameter(
@@ -211,122 +205,117 @@ def classed_shafts(
     study: Study, settings: M68Settings, letters: tuple[str, str] = ("tau_C", "tau_T")
 ) -> Iterator[ClassedShaft]:
     """Yield every round line shaft of the train that has a role; letters: of its limits, in use and in passing."""
-    for number, _, shaft in with_role(study.train, *ROLES):
-        yield _classed(study, settings, letters, number, shaft)
+    for number, part, record in with_role(study.train, *ROLES):
+        # A tube shaft is ruled with the propeller shafts (cap of sigma_B, F).
+        is_tube = "tube shaft" in record.features
+        role: Role = "propeller" if is_tube else cast(Role, record.role)
+        sizes = diameters(study.train, number)
+        ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in sizes))
+        outers = [outer for outer, _ in ends]
+        details = _details(record, role, part.name, ends, settings)
+        governing = min(details, key=lambda entry: entry[1].c_k)
+        feature, detail = governing
+        open_conditions, broken = _conditions(record, part.name, ends, settings)
 
+        # The strength that is used, and what is to be said of the one that is stated.
+        tensile = study.train.materials[record.material].tensile_strength
+        stated, origin = None if tensile is None else tensile * PA, ""
+        is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
+        steel = LEAST_STRENGTH if stated is None else stated
+        strength = used_strength(steel, role, alloy=is_alloy)
+        strongest = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
+        if stated is None:
+            origin = " (none stated: the least of shaft steel assumed, to be verified)"
+        elif strength < stated:
+            origin = f" (of {stated:.4g})"
+        if steel < LEAST_STRENGTH * (1 - ROUNDING):
+            weak = f"tensile strength {steel:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds"
+            broken.insert(0, weak)
+        if steel > strongest * (1 + ROUNDING):
+            kind = f"{'alloy' if is_alloy else 'carbon'} steel of {steel:.4g} N/mm2"
+            approval = f"special approval of '{part.name}': {kind}, above {strongest:g}"
+            open_conditions.append(approval)
 
-def _classed(
-    study: Study,
-    settings: M68Settings,
-    letters: tuple[str, str],
-    number: int,
-    record: ShaftRecord,
-) -> ClassedShaft:
-    part, material = study.train.parts[number], study.train.materials[record.material]
-    # A tube shaft is ruled with the propeller shafts (cap of sigma_B, F).
-    is_tube = "tube shaft" in record.features
-    role: Role = "propeller" if is_tube else cast(Role, record.role)
-    sizes = ((outer * MM, bore * MM) for outer, bore in diameters(study.train, number))
-    ends = cast(Ends, tuple(sizes))
-    details = _details(record, role, part.name, ends, settings)
-    governing = min(details, key=lambda entry: entry[1].c_k)
-
-    stated = None if material.tensile_strength is None else material.tensile_strength * PA
-    is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
-    steel = LEAST_STRENGTH if stated is None else stated
-    strength = used_strength(steel, role, alloy=is_alloy)
-    open_conditions, broken = _conditions(record, part.name, ends, settings)
-    if stated is not None and stated < LEAST_STRENGTH * (1 - ROUNDING):
-        weak = f"tensile strength {stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds"
-        broken.insert(0, weak)
-    strongest = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
-    if stated is not None and stated > strongest * (1 + ROUNDING):
-        kind = f"{'alloy' if is_alloy else 'carbon'} steel of {stated:.4g} N/mm2"
-        open_conditions.append(f"special approval of '{part.name}': {kind}, above {strongest:g}")
-    is_open = settings.conditions is None  # no document answers them
-    seat = (SEAT.format(part.name),) if "shrink fit" in record.features else ()
-
-    made_of: tuple[Any, ...] = strength, max(outer for outer, _ in ends), governing[1].c_k
-    continuous, passing = partial(tau_c, *made_of), partial(tau_t, *made_of)
-    ends_of_pieces = FLAT_FROM, LAST_CONTINUOUS
-    pieces = tuple(Piece(letters[0], last, continuous) for last in ends_of_pieces)
-    return ClassedShaft(
-        number,
-        part.name,
-        LimitCurve(pieces, Piece(letters[1], BARRED_BELOW, passing)),
-        governing[1].c_k_mark if stated is not None else "to be verified",
-        _notes(*governing, ends, strength, stated),
-        keyways=tuple(feature for feature, detail in details if detail.has_keyway),
-        restrictions=tuple(open_conditions) if is_open else (),
-        doubts=tuple(broken),
-        near_limit=seat if is_open else (),
-        role=role,
-        strength=strength,
-        stated=stated,
-        governing=governing,
-        k=max(detail.k for _, detail in details),
-        ends=ends,
-    )
-
-
-def _notes(
-    feature: str, governing: Detail, ends: Ends, strength: float, stated: float | None
-) -> tuple[str, ...]:
-    """Return in words which factors were used for a shaft, whose feature governs."""
-    doubt = "" if governing.c_k_mark == "rule text" else ", to be verified"
-    condition = f": {governing.condition}" if governing.condition else ""
-    origin = " (none stated: the least of shaft steel assumed, to be verified)"
-    if stated is not None:
-        origin = f" (of {stated:.4g})" if strength < stated else ""
-    (first, _), (last, _) = ends
-    factors = (
-        f"C_K {governing.c_k:.4g} ({feature}{condition}{doubt})",
-        f"C_D {size_factor(max(first, last)):.4g}",
-        f"sigma_B {strength:.4g} N/mm2{origin}",
-    )
-    cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
-    return (", ".join(factors), *([cone] if first != last else []))
+        doubt = "" if detail.c_k_mark == "rule text" else ", to be verified"
+        condition = f": {detail.condition}" if detail.condition else ""
+        factors = (
+            f"C_K {detail.c_k:.4g} ({feature}{condition}{doubt}), C_D {size_factor(max(outers)):.4g}, "
+            f"sigma_B {strength:.4g} N/mm2{origin}"
+        )
+        cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
+        made_of: tuple[Any, ...] = strength, max(outers), detail.c_k
+        continuous, passing = partial(tau_c, *made_of), partial(tau_t, *made_of)
+        pieces = (
+            Piece(letters[0], FLAT_FROM, continuous),
+            Piece(letters[0], LAST_CONTINUOUS, continuous),
+        )
+        seat = (SEAT.format(part.name),) if "shrink fit" in record.features else ()
+        is_open = settings.conditions is None  # no document answers them
+        yield ClassedShaft(
+            number,
+            part.name,
+            LimitCurve(pieces, Piece(letters[1], BARRED_BELOW, passing)),
+            detail.c_k_mark if stated is not None else "to be verified",
+            (factors, cone) if min(outers) != max(outers) else (factors,),
+            keyways=tuple(name for name, factors_of in details if factors_of.has_keyway),
+            restrictions=tuple(open_conditions) if is_open else (),
+            doubts=tuple(broken),
+            near_limit=seat if is_open else (),
+            role=role,
+            strength=strength,
+            stated=stated,
+            governing=governing,
+            k=max(factors_of.k for _, factors_of in details),
+            ends=ends,
+        )
 
 
 def _conditions(
-    shaft: ShaftRecord, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
+    shaft: ShaftRecord, name: str, ends: Ends, settings: M68Settings
 ) -> tuple[list[str], list[str]]:
     """Return conditions of a shaft's factors that the file does not answer, and those that it breaks, in words."""
-    smallest, largest = (choose(outer for outer, _ in ends) for choose in (min, max))
-    open_conditions, broken = list[str](), list(_without_factor(shaft, name, smallest))
+    smallest, largest = sorted(outer for outer, _ in ends)
+    below, above = 1 - ROUNDING, 1 + ROUNDING
+    open_conditions, broken = list[str](), list[str]()
+    # What the table has no factor for.
+    if any(notch.form == "splines" for notch in shaft.notches):
+        broken.append(f"splines of '{name}': the table has no C_K for them")
+    flange = None if shaft.step is None else shaft.step.flange
+    if flange is not None and "flange" in shaft.features:
+        fillet = (flange.fillet or 0.0) * MM / smallest
+        if fillet < LEAST_FLANGE_FILLET * below:
+            share = f"{fillet:.3g} of the diameter, below {LEAST_FLANGE_FILLET:g}"
+            broken.append(f"flange of '{name}': fillet {share}")
     if "radial hole" in shaft.features:
         open_conditions.append(f"radial hole of '{name}' at most 0.3 of the diameter")
     if "slot" not in shaft.features:
         return open_conditions, broken
 
-    slot, bore = settings.slots.get(name), max(inner / outer for outer, inner in ends)
-    length = None if slot is None else slot.length * MM / smallest
-    width = None if slot is None else slot.width * MM / largest
-    radius = None if slot is None or slot.end_radius is None else slot.end_radius / slot.width
-    number = None if slot is None else slot.number
-    below, above = 1 - ROUNDING, 1 + ROUNDING
+    bore, slot = max(inner / outer for outer, inner in ends), settings.slots.get(name)
+    if bore >= MOST_SLOT_BORE * below:
+        share = f"{bore:.3g} of the diameter, not below {MOST_SLOT_BORE:g}"
+        broken.append(f"slot of '{name}': bore {share}")
+    length = width = radius = number = math.nan  # where it is not stated
+    if slot is not None:
+        length, width = slot.length * MM / smallest, slot.width * MM / largest
+        radius = math.nan if slot.end_radius is None else slot.end_radius / slot.width
+        number = slot.number or math.nan
     conditions = (  # value, whether it keeps the condition, what is required, what is broken
         (
-            bore,
-            bore < MOST_SLOT_BORE * below,
-            "",
-            f"bore {bore:.3g} of the diameter, not below {MOST_SLOT_BORE:g}",
-        ),
-        (
             length,
-            (length or 0.0) < MOST_SLOT_LENGTH * below,
+            length < MOST_SLOT_LENGTH * below,
             f"length below {MOST_SLOT_LENGTH:g} of the diameter",
-            f"length {length or 0.0:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}",
+            f"length {length:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}",
         ),
         (
             width,
-            (width or 0.0) > LEAST_SLOT_WIDTH * above,
+            width > LEAST_SLOT_WIDTH * above,
             f"width above {LEAST_SLOT_WIDTH:g} of the diameter",
-            f"width {width or 0.0:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}",
+            f"width {width:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}",
         ),
         (
             radius,
-            (radius or 0.0) >= 0.5 * below,
+            radius >= 0.5 * below,
             "radius of its ends at least half of the width",
             "radius of its ends below half of the width",
         ),
@@ -338,48 +327,29 @@ def _conditions(
         ),
     )
     for value, is_met, required_words, breach in conditions:
-        if value is None:
+        if math.isnan(value):
             open_conditions.append(f"slot of '{name}': {required_words}")
         elif not is_met:
             broken.append(f"slot of '{name}': {breach}")
     return open_conditions, broken
 
 
-def _without_factor(shaft: ShaftRecord, name: str, diameter: float) -> Iterator[str]:
-    """Yield in words what the table has no factor for: splines, and a flange with a small fillet; diameter: mm."""
-    if any(notch.form == "splines" for notch in shaft.notches):
-        yield f"splines of '{name}': the table has no C_K for them"
-    flange = None if shaft.step is None else shaft.step.flange
-    if flange is None or "flange" not in shaft.features:
-        return
-    fillet = (flange.fillet or 0.0) * MM / diameter
-    if fillet < LEAST_FLANGE_FILLET * (1 - ROUNDING):
-        yield f"flange of '{name}': fillet {fillet:.3g} of the diameter, below {LEAST_FLANGE_FILLET:g}"
-
-
 def _details(
-    shaft: ShaftRecord,
-    role: Role,
-    name: str,
-    ends: tuple[tuple[float, float], ...],
-    settings: M68Settings,
-) -> tuple[tuple[str, Detail], ...]:
+    shaft: ShaftRecord, role: Role, name: str, ends: Ends, settings: M68Settings
+) -> list[tuple[str, Detail]]:
     """Return the shaft's features with their factors, and those of its role and notches that no feature states."""
     features, kinds = shaft.features, {notch.form for notch in shaft.notches}
-    details: list[tuple[str, Detail]] = []
-    if not features:
-        details.append(("no feature given", ASSUMED[role]))
-    elif not set(features) & OF_ROLE[role]:
-        details.append((f"{role} shaft", ASSUMED[role]))
-    if "keyway" in kinds and not any(DETAILS[feature].has_keyway for feature in features):
-        details.append(("keyway of `notches`", DETAILS["cylinder keyway"]))
+    details = [(feature, DETAILS[feature]) for feature in features]
     if "hole" in kinds and "radial hole" not in features:
-        details.append(("hole of `notches`", DETAILS["radial hole"]))
-    for feature in features:
-        detail = DETAILS[feature]
-        if feature == "slot" and name in settings.slots:
-            slot = settings.slots[name].length * MM, settings.slots[name].width * MM
-            worst = max(slot_concentration(diameter, bore, *slot) for diameter, bore in ends)
-            detail = replace(detail, c_k=slot_c_k(worst), c_k_mark="to be verified")
-        details.append((feature, detail))
-    return tuple(details)
+        details.insert(0, ("hole of `notches`", DETAILS["radial hole"]))
+    if "keyway" in kinds and not any(detail.has_keyway for _, detail in details):
+        details.insert(0, ("keyway of `notches`", DETAILS["cylinder keyway"]))
+    if not set(features) & OF_ROLE[role]:
+        details.insert(0, (f"{role} shaft" if features else "no feature given", ASSUMED[role]))
+    if "slot" in features and name in settings.slots:
+        slot = settings.slots[name].length * MM, settings.slots[name].width * MM
+        concentration = max(slot_concentration(outer, bore, *slot) for outer, bore in ends)
+        c_k = SLOT_FACTOR / concentration
+        stated = replace(DETAILS["slot"], c_k=c_k, c_k_mark="to be verified")
+        details = [(key, stated if key == "slot" else detail) for key, detail in details]
+    return details

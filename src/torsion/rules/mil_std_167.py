@@ -17,7 +17,7 @@ from torsion.rules import rule_over_speed
 from torsion.rules.demands import START, in_rpm, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.m68_shafts import LEAST_STRENGTH
-from torsion.rules.rule_over_speed import Clause, Continuous, RuleOverSpeed, UseSettings
+from torsion.rules.rule_over_speed import Clause, Continuous, RuleOverSpeed, UseSettings, within
 from torsion.rules.shaft_limits import PA, nominal_stress, unknown_strengths, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
@@ -74,7 +74,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
         train, use, in_use = evidence.study.train, self.use, ""
         below = np.zeros(len(response.speed), dtype=bool)
         if use is not None:  # what is above the range is judged as what is in it
-            below = ~self.in_use(response) & (response.speed < use.first)
+            below = ~within(use, response.speed) & (response.speed < use.first)
             in_use = f"operating range from {in_rpm(use.first)}"
         ranges = (
             ("S_v", "operating range", 1.0, ~below, in_use),
@@ -95,7 +95,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
                     "N/mm2",
                     spans=spans,
                     notes=(words, f"sigma_B {strength:.4g} N/mm2{assumed}"),
-                    within=judged,
+                    is_judged=judged,
                 )
         if rule_over_speed.rated_torque(evidence) is None:
             return
@@ -109,5 +109,5 @@ class MilStd167(RuleOverSpeed[MilSettings]):
                 np.minimum(MESH_OF_MEAN * mesh.mean, MESH_OF_RATED * mesh.rated),
                 spans=mesh.spans,
                 notes=(in_use, text),
-                within=~below,
+                is_judged=~below,
             )

@@ -21,7 +21,6 @@ from torsion.rules.rule_over_speed import (
     Continuous,
     RuleOverSpeed,
     UseSettings,
-    exact_share,
 )
 from torsion.study import Study
 from torsion.train import name_fault
@@ -95,13 +94,18 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
             is_chosen = np.array([line.order == order for line in response.lines], dtype=bool)
             acceleration = np.where(is_chosen, acceleration, 0.0)
             words = f", order {settings.order} of its own speed"
+        raised = np.ones(len(response.speed))  # by exact motions of nonlinear couplings
+        if evidence.study.train.has_nonlinear_couplings and spans.size:
+            from torsion.analyses.motion.derived.raised_synthesis import surplus
+
+            raised = surplus(evidence)[0][:, spans].max(axis=1)
         rows = (
             ("acceleration", f"Angular acceleration{words}", acceleration, 1.0, "rad/s2"),
             ("fluctuation", "Speed fluctuation", velocity, RPM, "rpm"),
         )
         for key, what, phasors, factor, unit in rows:
             if (limit := getattr(settings, key)) is not None:
-                value = half_range(response, phasors) * exact_share(evidence, spans)
+                value = half_range(response, phasors) * raised
                 yield self.compare(
                     response,
                     (key, name, what),

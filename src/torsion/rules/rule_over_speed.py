@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,7 @@ from torsion.rules.verdict_line import (
     Verdict,
     verdict_of,
 )
-from torsion.study import Operation, Range, Study
+from torsion.study import Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
@@ -123,54 +122,38 @@ class RuleOverSpeed(Rule[Settings]):
         spans: IntArray,
         notes: tuple[str, ...] = (),
         remarks: tuple[str, ...] = (),
-        within: BoolArray | None = None,
+        is_judged: BoolArray | None = None,
         size: FloatArray | None = None,
     ) -> Clause:
-        """Return a clause that compares a vibration (speeds,) with its limit, in continuous use or `within`.
+        """Return a clause that compares a vibration (speeds,) with its limit, in continuous use or where `is_judged`.
 
         name: clause, component and what is compared. `notes` stand before the main harmonic component, `remarks`
         after it.
         """
-        use = self.use_words if within is None else ""
-        return Clause(
-            *name,
-            standing,
-            curve_of(response, value, limit),
-            self.in_use(response) if within is None else within,
-            unit,
-            (*notes, use, MOSTLY, *remarks),
-            spans,
-            size,
-        )
-
-    def in_use(self, response: Response) -> BoolArray:
-        """Return (speeds,) which speeds of the response are in continuous use."""
-        return within(self.use, response.speed)
+        judged, use = is_judged, ""
+        if judged is None:
+            judged, use = within(self.use, response.speed), self.use_words
+        curve, said = curve_of(response, value, limit), (*notes, use, MOSTLY, *remarks)
+        return Clause(*name, standing, curve, judged, unit, said, spans, size)
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return a check for every clause that has a speed."""
         checks, rated = list[Check](), evidence.study.operation.rated
-        has_rated = rated is not None and bool(within(self.use, np.array([rated.speed]))[0])
+        has_rated = rated is not None and within(self.use, np.array([rated.speed])).all()
         for clause in self.clauses(evidence):
-            check = judge_clause(self.name, clause, evidence)
-            if check is None:
-                continue
-            judges_all = clause.within.all() or (self.has_limits_outside_use and has_rated)
-            checks += with_reach(
-                check,
-                evidence.study,
-                self.scope,
-                clause.curve.speed,
-                None if judges_all else self.use,
-                begin=self.begin,
-            )
+            if (check := judge_clause(self.name, clause, evidence)) is not None:
+                is_whole = clause.within.all() or (self.has_limits_outside_use and has_rated)
+                use, speed = None if is_whole else self.use, clause.curve.speed
+                checks += with_reach(
+                    check, evidence.study, self.scope, speed, use, begin=self.begin
+                )
         return distinct(checks)
 
     def speeds(self, study: Study) -> tuple[float, ...]:
         """Return in rad/s the rated speed and the ends of continuous use."""
-        rated = study.operation.rated
-        speeds = () if rated is None else (rated.speed,)
-        return speeds if self.use is None else (*speeds, self.use.first, self.use.last)
+        rated, use = study.operation.rated, self.use
+        named = () if rated is None else (rated.speed,)
+        return named if use is None else (*named, use.first, use.last)
 
     def speeds_between(self, evidence: Results) -> FloatArray:
         """Return (speeds,) rad/s between those computed at which a vibration may be worse."""
@@ -179,9 +162,8 @@ class RuleOverSpeed(Rule[Settings]):
 
     def vibration_faults(self, study: Study) -> list[Fault]:
         """Return what the file lacks for any rule that reads the response over speed."""
-        faults = []
-        operation, train = study.operation, study.train
-        if operation.speeds is None:
+        faults, train = list[Fault](), study.train
+        if study.operation.speeds is None:
             message = f"`speeds` is missing; {self.name} judges a speed range"
             hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
             faults.append(Fault(("operation", "speeds"), message, hint))
@@ -202,13 +184,12 @@ class RuleOverSpeed(Rule[Settings]):
             hint = "give an excitation, or leave the rule out"
             faults.append(Fault(self.path(study), message, hint))
 
+        hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
         for torque in acting:
             part = train.parts[train.stations[torque.station].part]
             if part.is_opposed:
                 message = f"what acts at '{part.name}' moves the halves unlike, and {self.name} judges both by their mean"
-                hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
                 faults.append(Fault(torque.path, message, hint))
-
         return faults + self.continuous_faults(study)
 
     def continuous_faults(self, study: Study) -> list[Fault]:
@@ -252,43 +233,47 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
     if np.any(is_exceeded):
         share = np.where(is_exceeded, share, -np.inf)
     row = worst_of(share, curve.value)
+    value, limit, speed = (float(part[row]) for part in (curve.value, curve.limit, curve.speed))
 
-    main = main_component(evidence, row, clause.spans, clause.size)
+    main, status = (
+        main_component(evidence, row, clause.spans, clause.size),
+        Status(curve.status[row]),
+    )
     mainly = "" if main is None else f"{MOSTLY} {main.words}"
-    notes, at_speed = list[str](), in_rpm(curve.speed[row])
-    if curve.status[row] != Status.OK:
-        word = Status(int(curve.status[row])).name.lower().replace("_", "-")
-        notes.append(f"the response is {word} at {at_speed}, which is never a pass")
-    elif not np.isfinite(curve.value[row]):
-        notes.append(f"no value at {at_speed}")
-    notes += (mainly if note == MOSTLY else note for note in clause.notes)
-    doubt = ""
+    notes = [mainly if note == MOSTLY else note for note in clause.notes]
+    if status != Status.OK:
+        word = status.name.lower().replace("_", "-")
+        notes.insert(0, f"the response is {word} at {in_rpm(speed)}, which is never a pass")
+    elif not math.isfinite(value):
+        notes.insert(0, f"no value at {in_rpm(speed)}")
+    is_open = np.zeros(len(curve.speed), dtype=bool)
     if evidence.study.train.has_nonlinear_couplings:
         from torsion.rules.supplements import UNPROVEN, unproven, words
 
-        notes.append(words(evidence, clause.spans, float(curve.speed[row])))
+        notes.append(words(evidence, clause.spans, speed))
         if clause.spans.size and np.any(is_open := unproven(evidence) & clause.within):
-            doubt = UNPROVEN.format(speed=in_rpm(float(curve.speed[is_open][0])))
+            notes.append(UNPROVEN.format(speed=in_rpm(float(curve.speed[is_open][0]))))
 
-    is_known = curve.status[row] == Status.OK and not is_missing[row]
     verdict: Verdict = "fail"
     if is_missing[row]:
-        verdict = "not judged"
-    elif is_known and not doubt:
+        value, verdict = math.nan, "not judged"
+    elif status != Status.OK:
+        value = math.inf
+    elif not np.any(is_open):
         verdict = verdict_of(bool(share[row] <= 1.0), clause.standing)
     return Check(
         rule,
         clause.clause,
         clause.where,
         clause.what,
-        value=float(curve.value[row]) if is_known else math.nan if is_missing[row] else math.inf,
-        limit=float(curve.limit[row]),
-        unit=clause.unit,
-        verdict=verdict,
-        standing=clause.standing,
-        speed=float(curve.speed[row]),
-        order=None if main is None else main.order,
-        note="; ".join(filter(None, (*notes, doubt))),
+        value,
+        limit,
+        clause.unit,
+        verdict,
+        clause.standing,
+        speed,
+        None if main is None else main.order,
+        "; ".join(filter(None, notes)),
     )
 
 
@@ -297,15 +282,12 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
 
     curves: over the same speeds, each with the speeds at which it is judged.
     """
-    shares, speed = [], np.empty(0)
+    shares, speed = list[FloatArray](), np.empty(0)
     for curve, judged in curves:
         share, speed = curve.utilisation(), curve.speed
         shares.append(np.where(judged & (share <= OBVIOUS), share, np.nan))
-    if not shares:
-        return speed
-    return missed_peaks(
-        speed, np.array(shares).T[:, None, :], np.ones(len(speed), dtype=bool)[:, None]
-    )[0]
+    is_sound = np.ones((len(speed), 1), dtype=bool)
+    return missed_peaks(speed, np.array(shares).T[:, None], is_sound)[0] if shares else speed
 
 
 def worst_of(share: FloatArray, value: FloatArray) -> int:
@@ -335,15 +317,15 @@ def judged_speeds(study: Study) -> FloatArray:
     speeds = study.operation.speeds
     if speeds is None:
         return np.empty(0)
-    named = [speed for rule in _vibration_rules(study) for speed in rule.speeds(study)]
+    named = [speed for rule in of_study(study) for speed in rule.speeds(study)]
     for torque in study.train.torques:  # straight between two rows of a table
         ratio = float(study.train.stations[torque.station].ratio)
         named += [row[0] / ratio for row in torque.table]
     if study.has_mean_torque:
         named += power_balance(study.train, study.operation).corners
     judged = np.unique(named)
-    even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
     if speeds.steps < FEWEST_JUDGED:
+        even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
         judged = np.union1d(judged, apart(judged, even)) if judged.size else even
     return np.asarray(judged[(judged >= speeds.first) & (judged <= speeds.last)])
 
@@ -351,14 +333,9 @@ def judged_speeds(study: Study) -> FloatArray:
 def speeds_between(evidence: Results) -> FloatArray:
     """Return (speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at their neighbours."""
     speed = evidence.need(Response).speed
-    between = [rule.speeds_between(evidence) for rule in _vibration_rules(evidence.study)]
+    between = [rule.speeds_between(evidence) for rule in of_study(evidence.study)]
     further = np.unique(np.concatenate([np.empty(0), *between]))
     return apart(speed, further[(further > speed[0]) & (further < speed[-1])])
-
-
-def _vibration_rules(study: Study) -> Iterator[Rule[Any]]:
-    """Yield the study's rules that read the response over speed."""
-    return (rule for rule in of_study(study) if "response" in rule.needs)
 
 
 def within(use: Range | None, speed: FloatArray) -> BoolArray:
@@ -371,15 +348,6 @@ def within(use: Range | None, speed: FloatArray) -> BoolArray:
 def spans_of(system: System, part: int) -> IntArray:
     """Return (spans of the part,) positions of the spans that a component was made into, from driving to driven."""
     return np.flatnonzero(system.span_part == part)
-
-
-def exact_share(evidence: Results, spans: IntArray) -> FloatArray:
-    """Return (speeds,) by which exact motions of nonlinear couplings exceed the torques in spans; 1 without them."""
-    if not (evidence.study.train.has_nonlinear_couplings and spans.size):
-        return np.ones(len(evidence.need(Response).speed))
-    from torsion.analyses.motion.derived.raised_synthesis import surplus
-
-    return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))
 
 
 def rated_torque(evidence: Results) -> FloatArray | None:
@@ -414,15 +382,6 @@ def full_torque(evidence: Results) -> FloatArray | None:
     if carried > 0:
         return torque * max(1.0, power / carried)
     return torque if np.any(torque) else np.asarray(power / rated.speed / np.abs(system.span_ratio))
-
-
-def share_of_rated(operation: Operation) -> float:
-    """Return rated torque over what a table of load gives at the rated speed, at most 1: more load rates nothing up."""
-    rated, table = operation.rated, operation.load.table
-    if not table or rated is None or rated.power is None:
-        return 1.0
-    torque = abs(float(np.interp(rated.speed, *np.array(table).T[:2])))
-    return min(1.0, rated.power / rated.speed / torque) if torque else 1.0
 
 
 def rated_speed(study: Study) -> float:

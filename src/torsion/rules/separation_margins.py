@@ -15,13 +15,12 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.analyses.response.harmonic_components import Line, in_runs, lines
+from torsion.analyses.response.harmonic_components import in_runs, lines
 from torsion.analyses.undamped_modes import Modes, ModesSettings, modes_up_to
 from torsion.arrays import FloatArray
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
-from torsion.model.parts import Part
 from torsion.rules.demands import distinct, in_rpm, unjudged, with_reach
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.rule_over_speed import Continuous, UseSettings
@@ -153,22 +152,41 @@ class SeparationMargins(Rule[MarginSettings]):
 
         worst = dict[str, Check]()  # of several frequencies of one source
         for excitation in excitations:
-            words = margin_words(evidence, excitation.lowest, excitation.highest)
-            check = self._judge(excitation, frequency, known_to, words)
+            check = self._judge(evidence, excitation, frequency, known_to)
             worst[check.what] = max(worst.get(check.what, check), check, key=rank)
-        checks = (*worst.values(), *self._unstated(study.train))
+        rows = list(worst.values())
+
+        # What the file does not state: the grid of a machine, teeth of a gear, blades of a machine.
+        train = study.train
+        machines = [
+            part.name
+            for part in train.parts
+            if part.kind in MACHINES or (part.shaft is not None and part.shaft.role == "generator")
+        ]
+        if machines and self.settings.line_frequency is None:
+            note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
+            row = self._row(WHERE, "1 x line frequency", note)
+            rows.append(replace(row, limit=self.standard.first))
+        counts = [
+            (mesh.name, "gear mesh", "teeth")
+            for mesh in train.constraints
+            if train.parts[mesh.part].kind == "gear" and not mesh.meshings
+        ]
+        counts += (
+            (part.name, "blade passing", "blades")
+            for part in train.parts
+            if part.impeller is not None and not part.impeller.blades
+        )
+        for name, passing, key in counts:
+            words = f"{passing} frequency of '{name}' not judged: its `{key}` are not given"
+            row = self._row(name, passing, words)
+            rows.append(replace(row, verdict="restricted", restrictions=(words,)))
         return distinct(
-            row
-            for check in checks
-            for row in with_reach(check, study, use=use, subject="Separation")
+            row for check in rows for row in with_reach(check, study, use=use, subject="Separation")
         )
 
     def _judge(
-        self,
-        excitation: Excitation,
-        frequency: FloatArray,
-        known_to: float,
-        within_tolerances: list[str],
+        self, evidence: Results, excitation: Excitation, frequency: FloatArray, known_to: float
     ) -> Check:
         """Return the check of one excitation; all modes up to `known_to` (Hz) are in `frequency`."""
         below = (excitation.lowest - frequency) / excitation.lowest
@@ -177,16 +195,15 @@ class SeparationMargins(Rule[MarginSettings]):
         near = np.flatnonzero(margin < excitation.margin * (1.0 - ROUNDING))
         worst = int(np.argmin(margin))
 
-        nearest = float(frequency[worst])
+        nearest, speed = float(frequency[worst]), None
         words = [f"mode {worst + 1}, {nearest:.5g} Hz"]
-        speed = None
         if excitation.order is not None:
             speed = RADIANS * nearest / float(excitation.order)
             words[0] += f", critical speed {in_rpm(speed)}"
         else:
             ends = f"{excitation.lowest:.5g}", f"{excitation.highest:.5g}"
             words.append(" to ".join(dict.fromkeys(ends)) + " Hz")
-        words += within_tolerances
+        words += margin_words(evidence, excitation.lowest, excitation.highest)
         if near.size:
             modes = ", ".join(str(mode + 1) for mode in near.tolist())
             words.append(f"modes {modes}: {STRESS_ANALYSIS}")
@@ -207,45 +224,9 @@ class SeparationMargins(Rule[MarginSettings]):
 
     def _row(self, where: str, excitation: str, note: str) -> Check:
         """Return a row about an excitation that is not judged."""
-        row = unjudged(
-            self.name,
-            CLAUSE,
-            where,
-            f"Separation from {excitation}",
-            note,
-            TO_BE_VERIFIED,
-            "1",
-        )
+        what = f"Separation from {excitation}"
+        row = unjudged(self.name, CLAUSE, where, what, note, TO_BE_VERIFIED, "1")
         return replace(row, at_least=True)
-
-    def _unstated(self, train: Train) -> Iterator[Check]:
-        """Yield what the file does not state: a row NOT JUDGED without the grid of a machine, restrictions without counts.
-
-        Counts are the teeth of a gear and the blades of a machine.
-        """
-        machines = [
-            part.name
-            for part in train.parts
-            if part.kind in MACHINES or (part.shaft is not None and part.shaft.role == "generator")
-        ]
-        if machines and self.settings.line_frequency is None:
-            note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
-            row = self._row(WHERE, "1 x line frequency", note)
-            yield replace(row, limit=self.standard.first)
-        counts = [
-            (mesh.name, "gear mesh", "teeth")
-            for mesh in train.constraints
-            if train.parts[mesh.part].kind == "gear" and not mesh.meshings
-        ]
-        counts += (
-            (part.name, "blade passing", "blades")
-            for part in train.parts
-            if part.impeller is not None and not part.impeller.blades
-        )
-        for name, passing, key in counts:
-            words = f"{passing} frequency of '{name}' not judged: its `{key}` are not given"
-            row = self._row(name, passing, words)
-            yield replace(row, verdict="restricted", restrictions=(words,))
 
 
 def list_excitations(
@@ -258,15 +239,16 @@ def list_excitations(
     train = evidence.study.train
     acting = lines(evidence.system)
     orders = dict[Fraction, tuple[str, float]]()
-    for order, name, margin in (
-        *_of_shafts(train, standard),
-        *_of_teeth_and_blades(train, standard),
-    ):
+    for order, name, margin in _possible(train, standard):
         first_name, largest = orders.get(order, (name, 0.0))
         orders[order] = first_name, max(largest, margin)
+    # Orders of the file, by the shaft whose own order is whole, or else the first: '7 x motor speed'.
     for line in acting:
-        if line.order is not None:
-            orders.setdefault(line.order, (_own_words(line, train), standard.further))
+        if line.order is not None and line.order not in orders:
+            own_orders = line.own_orders
+            turns = next((turn for turn in own_orders if turn.denominator == 1), own_orders[0])
+            shaft = _name_shaft(train, abs(line.order / turns)) if line.order else ""
+            orders[line.order] = f"{turns} x {shaft} speed", standard.further
     for order, (name, margin) in sorted(orders.items()):
         hertz = float(order) / RADIANS
         yield Excitation(name, margin, use.first * hertz, use.last * hertz, order)
@@ -282,45 +264,31 @@ def list_excitations(
             yield Excitation(f"{multiple} x line frequency", standard.first, *ends)
 
 
-def _of_shafts(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
-    """Yield multiples of the speed of every shaft, excited or not: order of the reference, name, margin."""
+def _possible(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
+    """Yield what counts whether the file excites it or not: order of the reference, name, margin.
+
+    Multiples of the speed of every shaft, then gear meshes and blades whose number the file states. What is once one
+    shaft's speed is named by that shaft.
+    """
     ratios = sorted({abs(station.ratio) for station in train.stations if not station.is_ground})
-    # What is once one shaft's speed is named by that shaft.
     for multiple in range(1, standard.multiples + 1):
-        margin = standard.first if multiple == 1 else standard.further
         for ratio in ratios:
+            margin = standard.first if multiple == 1 else standard.further
             yield multiple * ratio, f"{multiple} x {_name_shaft(train, ratio)} speed", margin
-
-
-def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
-    """Yield gear meshes and blades whose number the file states, likewise."""
     for mesh in train.constraints:
         if mesh.meshings:
             order = mesh.meshings * abs(train.stations[mesh.driving].ratio)
             yield order, f"gear mesh of {mesh.name}", standard.first
     for part in train.parts:
         if part.impeller is not None and part.impeller.blades:
-            yield (
-                part.impeller.blades * abs(part.ratio),
-                f"blade passing of {part.name}",
-                standard.first,
-            )
+            order = part.impeller.blades * abs(part.ratio)
+            yield order, f"blade passing of {part.name}", standard.first
 
 
 def _name_shaft(train: Train, ratio: Fraction) -> str:
     """Return the component that names all that turns at a ratio to the reference: a machine before a disc, a gear last."""
-
-    def rank(part: Part) -> tuple[bool, bool, bool]:
-        return part.kind == "gear", not part.is_point, part.kind == "disc"
-
     turning = [part for part in train.parts if part.stations and abs(part.ratio) == ratio]
     if turning:
-        return min(turning, key=rank).name
+        ranks = [(part.kind == "gear", not part.is_point, part.kind == "disc") for part in turning]
+        return turning[ranks.index(min(ranks))].name
     return next(station.name for station in train.stations if abs(station.ratio) == ratio)
-
-
-def _own_words(line: Line, train: Train) -> str:
-    """Return an order of the file by the shaft whose own order is whole, or else the first: '7 x motor speed'."""
-    orders = line.own_orders
-    order = next((order for order in orders if order.denominator == 1), orders[0])
-    return f"{order} x {_name_shaft(train, abs(line.order / order)) if line.order else ''} speed"

@@ -1,24 +1,26 @@
-"""Permissible stress amplitudes of a shaft over its speed ratio, and the shafts with a role whose stress is known.
+"""Permissible stress amplitudes of a shaft over its speed ratio, the ranges to be barred, and the shafts with a role.
 
-Stresses in N/mm2; the speed ratio is the speed of a shaft / its rated speed.
+The stress is the half range of the synthesis of all orders, nominal on the plain section. Stresses in N/mm2; the speed
+ratio is the speed of a shaft / its rated speed.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.section.solved_sections import span_moduli
 from torsion.assembly.system import System
 from torsion.errors import Fault
+from torsion.findings import Results
 from torsion.model.component import STEEL, Material
 from torsion.model.parts import Part, ShaftRecord
 from torsion.rules.demands import BARRED_BELOW
-from torsion.rules.rule_over_speed import spans_of
-from torsion.rules.verdict_line import Rule
+from torsion.rules.rule_over_speed import Curve, rated_speed, spans_of, worst_of
+from torsion.rules.verdict_line import BarredRange, Rule
 from torsion.study import Study
 from torsion.train import Train
 
@@ -106,11 +108,6 @@ class LimitedShaft:
     near_limit: tuple[str, ...] = ()  # conditions of a stress near the limit of continuous use
 
 
-def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
-    """Return where a barred range is accepted in normal firing: below 0.8 of the rated speed (M68, KR; rule text)."""
-    return np.asarray(np.asarray(speed_ratio, dtype=float) < BARRED_BELOW * (1 - ROUNDING))
-
-
 def barred_range(critical: float, rated: float) -> tuple[float, float]:
     """Return the least barred range (M68, KR; rule text): 16 n_c/(18 - lambda) to (18 - lambda) n_c/16."""
     width = 18.0 - critical / rated
@@ -168,3 +165,85 @@ def nominal_stress(system: System, part: int, torque: FloatArray) -> tuple[IntAr
     """Return the spans of a shaft, and (speeds,) N/mm2 the greatest torque / W_p in them; torque: (speeds, spans) N m."""
     spans, modulus = stress_modulus(system, part)
     return spans, np.asarray(np.max(torque[:, spans] / modulus * PA, axis=1))
+
+
+class Limits(NamedTuple):
+    """Stress amplitude of a shaft and its limits over speed."""
+
+    speed: FloatArray  # (speeds,) rad/s of the reference station
+    tau_c: FloatArray  # (speeds,) N/mm2 in continuous use, NaN where there is no limit
+    tau_t: FloatArray  # (speeds,) N/mm2 while a barred range is passed, NaN where none is permitted
+    tau: FloatArray  # (speeds,) N/mm2, half range of the synthesis
+
+
+@dataclass(frozen=True)
+class Barring:
+    """What is to be barred for the stress above its limit, and where the rule permits it."""
+
+    permitted: tuple[BarredRange, ...]  # ascending and apart
+    refused: tuple[BarredRange, ...]  # those that reach 0.8 of the rated speed, ascending and apart
+    passed: BoolArray  # (speeds,) inside a permitted range, and not above the limit within a refused one
+
+
+def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:
+    """Return stress and limits of one shaft over speed."""
+    speed, torque = evidence.need(Response).speed, evidence.need(Synthesis).half_range
+    _, tau = nominal_stress(evidence.system, shaft.part, torque)
+    ratio, curve = speed / rated_speed(evidence.study), shaft.curve
+    return Limits(speed, curve.continuous(ratio), curve.while_passing(ratio), tau)
+
+
+def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> Barring:
+    """Return the barred ranges for stress over speed against its limit; rated in rad/s.
+
+    A run of speeds above it has its critical speed at its worst, wherever that lies; the range about it is refused
+    where its upper end reaches 0.8 of the rated speed (M68, KR; rule text). Both ends move apart by the `tolerance` of
+    the tachometer.
+    """
+    share, permitted, refused = curve.utilisation(), list[BarredRange](), list[BarredRange]()
+    passed, above = np.zeros((2, len(curve.speed)), dtype=bool)
+    exceeds = np.isfinite(curve.limit) & (share > 1.0)
+    edges = np.flatnonzero(np.diff(exceeds, prepend=False, append=False))
+    for first, end in edges.reshape(-1, 2).tolist():
+        critical = float(curve.speed[first + worst_of(share[first:end], curve.value[first:end])])
+        formula = barred_range(critical, rated)
+        lower = min(formula[0], _crossing(curve, first, first - 1)) * (1.0 - tolerance)
+        upper = max(formula[1], _crossing(curve, end - 1, end)) * (1.0 + tolerance)
+        is_permitted = upper / rated < BARRED_BELOW * (1 - ROUNDING)
+        ranges = permitted if is_permitted else refused
+        ranges.append(BarredRange(lower, upper, critical, shaft, *formula))
+        above[first:end] |= not is_permitted
+    merged = _merged(curve, permitted)
+    for barred in merged:
+        passed |= (curve.speed > barred.lower) & (curve.speed < barred.upper)
+    return Barring(merged, _merged(curve, refused), passed & ~above)
+
+
+def _merged(curve: Curve, ranges: list[BarredRange]) -> tuple[BarredRange, ...]:
+    """Return ascending ranges, those that overlap as one about the worst of their critical speeds."""
+    merged: list[BarredRange] = []
+    for barred in ranges:
+        if not merged or barred.lower > merged[-1].upper:
+            merged.append(barred)
+            continue
+        pair = merged.pop(), barred
+        rows = [int(np.flatnonzero(curve.speed == band.critical)[0]) for band in pair]
+        worse = pair[worst_of(curve.utilisation()[rows], curve.value[rows])]
+        lower, upper = min(band.lower for band in pair), max(band.upper for band in pair)
+        merged.append(replace(worse, lower=lower, upper=upper))
+    return tuple(merged)
+
+
+def _crossing(curve: Curve, above: int, beyond: int) -> float:
+    """Return the speed between two neighbours at which the stress meets its limit, by a straight line.
+
+    The flank of a resonance is hollow, so the line errs toward the wider range. The far neighbour where a value is not
+    finite.
+    """
+    if not 0 <= beyond < len(curve.speed):
+        return float(curve.speed[above])
+    share = curve.utilisation()[[above, beyond]]
+    if not np.all(np.isfinite(share)):
+        return float(curve.speed[beyond])
+    step = (share[0] - 1.0) / (share[0] - share[1])
+    return float(curve.speed[above] + step * (curve.speed[beyond] - curve.speed[above]))

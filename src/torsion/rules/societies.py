@@ -15,19 +15,18 @@ from pydantic import Field
 from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
-from torsion.model.parts import Part, ShaftRecord
+from torsion.model.parts import ShaftRecord
 from torsion.results import listed
 from torsion.rules import rule_over_speed
 from torsion.rules.demands import (
     BARRED_BELOW,
     MISFIRE,
+    STIFFNESS,
     coverage,
     engines_of,
-    stiffness_row,
     unjudged,
     unknown_gears,
 )
@@ -57,41 +56,33 @@ SET_RANGE = 0.9, 1.1  # speed ratios of a generator set in use
 Duty = Literal["propulsion", "generator set"]
 
 
-@dataclass(frozen=True)
-class Row:
-    """constant + square r^2 + (root + slope (r - 0.8)) sqrt(r - 1) of the speed ratio r, the root from r = 1 on."""
-
-    constant: float
-    square: float = 0.0
-    root: float = 0.0
-    slope: float = 0.0
-
-    def evaluate(self, ratio: FloatArray) -> FloatArray:
-        """Return (speeds,) the row at speed ratios."""
-        rise = (self.root + self.slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
-        return np.asarray(self.constant + self.square * ratio**2 + rise)
+Coefficients = tuple[float, float, float, float]
+NONE: Coefficients = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class CrankTable:
-    """Limits of crankshafts up to the rated speed and above it, and while a barred range is passed."""
+    """Limits of crankshafts up to the rated speed and above it.
 
-    below: Row
-    above: Row
-    passing: float = 2.0  # times the limit in continuous use
-    below_per_mm: Row = Row(0.0)  # more for every mm of the diameter
-    above_per_mm: Row = Row(0.0)
+    Of coefficients c, s, w and v: c + s r^2 + (w + v (r - 0.8)) sqrt(r - 1) of the speed ratio r, the root from r = 1 on.
+    """
+
+    below: Coefficients
+    above: Coefficients
+    below_per_mm: Coefficients = NONE  # more for every mm of the diameter
+    above_per_mm: Coefficients = NONE
 
 
-KR_IN_LINE = CrankTable(
-    Row(45.0, -24.0), Row(21.0, slope=237.0)
-)  # four-stroke in-line, V 45 and 60 degrees
-KR_OTHER = CrankTable(Row(45.0, -29.0), Row(16.0, slope=237.0))  # two-stroke, and other V
+PASSING = 2.0  # limit while a barred range is passed / that of continuous use
+# four-stroke in-line, V 45 and 60 degrees
+KR_IN_LINE = CrankTable((45.0, -24.0, 0.0, 0.0), (21.0, 0.0, 0.0, 237.0))
+# two-stroke, and other V
+KR_OTHER = CrankTable((45.0, -29.0, 0.0, 0.0), (16.0, 0.0, 0.0, 237.0))
 CCS_CRANK = CrankTable(
-    Row(52.0, -33.8),
-    Row(18.1, root=87.3),
-    below_per_mm=Row(-0.031, 0.02),
-    above_per_mm=Row(-0.0113, root=-0.052),
+    (52.0, -33.8, 0.0, 0.0),
+    (18.1, 0.0, 87.3, 0.0),
+    (-0.031, 0.02, 0.0, 0.0),
+    (-0.0113, 0.0, -0.052, 0.0),
 )
 KR_SET_CRANK = {"in-line": (21.0, 90.0), "other": (16.0, 90.0)}  # in use, and below
 KR_SET_SHAFT = 31.0, 118.0
@@ -183,8 +174,16 @@ def crank_curve(
     [29.64, 21.0, 34.2487]
     """
 
-    def limit(row: Row, per_mm: Row, factor: float) -> Limit:
-        return lambda ratio: factor * (row.evaluate(ratio) + diameter * per_mm.evaluate(ratio))
+    def limit(row: Coefficients, per_mm: Coefficients, factor: float) -> Limit:
+        constant, square, root, slope = np.array(row) + diameter * np.array(per_mm)
+        return lambda ratio: (
+            factor
+            * (
+                constant
+                + square * ratio**2
+                + (root + slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+            )
+        )
 
     below, above = (table.below, table.below_per_mm), (table.above, table.above_per_mm)
     last = "tau_3" if letters == NUMBERED else letters[0]
@@ -193,7 +192,7 @@ def crank_curve(
             Piece(letters[0], 1.0, limit(*below, strength)),
             Piece(last, LAST, limit(*above, strength)),
         ),
-        Piece(letters[1], BARRED_BELOW, limit(*below, table.passing * yields)),
+        Piece(letters[1], BARRED_BELOW, limit(*below, PASSING * yields)),
     )
 
 
@@ -252,20 +251,9 @@ class CrankSettings(SocietySettings):
     )
     duty: Duty = given("what the engine drives", "propulsion")
 
-    @property
-    def engine(self) -> tuple[str, bool]:
-        """The engine in words, and whether the higher limits hold: four strokes, in line or a V of 45 or 60 degrees."""
-        if self.strokes == 2 or self.arrangement == "other V":
-            return "two-stroke, or another V than of 45 or 60 degrees", False
-        values = {"strokes": self.strokes, "arrangement": self.arrangement}
-        missing = " and ".join(key for key, value in values.items() if value is None)
-        if missing:
-            return f"{missing} of the engine not given, the less favourable taken", False
-        return f"four-stroke, {self.arrangement}", True
-
 
 class SocietyRule(M68):
-    """The rule set of one society that has M68 for line shafts, and at most a table by diameter for crankshafts."""
+    """The rule set of one society: M68 for line shafts, and of some a table for crankshafts and generator shafts."""
 
     settings_class = SocietySettings
 
@@ -274,7 +262,12 @@ class SocietyRule(M68):
         self.society = society = SOCIETIES[name]
         self.title, self.mark, self.scope = society.title, society.mark, society.scope
         self.letters = society.letters
-        if society.crank == "ccs":
+        # The engine, of societies with tables by the engine, those of KR; the other table goes by the diameter.
+        self.engine = settings if isinstance(settings, CrankSettings) else None
+        if self.engine is not None:
+            self.needs = (*M68.needs, "modes")
+            self.has_limits_of = (*M68.has_limits_of, *OTHER_ROLES)
+        elif society.crank:
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
     def edition_of(self, check: Check, study: Study) -> str:
@@ -286,7 +279,7 @@ class SocietyRule(M68):
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Yield line shafts by the formulas of M68 under the society's names, others by the society's own table."""
         # A train without an engine is driven by the motor or turbine of the file, if the rule does not state another.
-        society, drive = self.society, self.settings.drive
+        society, drive, mark = self.society, self.settings.drive, self.society.crank_mark
         kinds = {part.kind for part in study.train.parts}
         if drive == "other" and "engine" not in kinds and not any(with_role(study.train, "crank")):
             drive = next((word for kind, word in DRIVES.items() if kind in kinds), drive)
@@ -295,19 +288,37 @@ class SocietyRule(M68):
             standing = shaft.standing if society.mark == "rule text" else society.mark
             restrictions = (*shaft.restrictions, *agreed)
             yield replace(shaft, standing=standing, restrictions=restrictions)
-        for number, part, record in with_role(study.train, *OTHER_ROLES):
-            if record.role in self.has_limits_of:
-                yield self._limit_other(study, number, part, record)
 
-    def _limit_other(
-        self, study: Study, number: int, part: Part, record: ShaftRecord
-    ) -> LimitedShaft:
-        """Return a crankshaft with the limits of a table by diameter, of which the greatest limits most."""
-        diameter = max(outer for outer, _ in diameters(study.train, number)) * MM
-        table = CCS_CRANK
-        curve = crank_curve(table, self.society.letters, diameter)
-        notes = (f"diameter {diameter:.4g} mm",)
-        return LimitedShaft(number, part.name, curve, self.society.crank_mark, notes)
+        roles = [role for role in OTHER_ROLES if role in self.has_limits_of]
+        for number, part, record in with_role(study.train, *roles):
+            if self.engine is None:  # a table by diameter, of which the greatest limits most
+                diameter = max(outer for outer, _ in diameters(study.train, number)) * MM
+                curve = crank_curve(CCS_CRANK, society.letters, diameter)
+                notes = (f"diameter {diameter:.4g} mm",)
+                yield LimitedShaft(number, part.name, curve, mark, notes)
+                continue
+
+            material = study.train.materials[record.material]
+            tensile = (material.tensile_strength or 0.0) * PA
+            is_alloy = not {part.name, part.whole}.isdisjoint(self.settings.alloy)
+            strength = strength_factor(tensile, alloy=is_alloy)
+            yields = yield_factor((material.yield_strength or 0.0) * PA)
+            cap = ALLOY_CAP if is_alloy else CARBON_CAP
+            beyond = f"strength above {cap:g} N/mm2 by agreement with {society.title}"
+            restrictions = (beyond,) if tensile > cap * (1 + ROUNDING) else ()
+
+            factor, (engine, is_better) = min(strength, yields), _kind(self.engine)
+            curve = set_curve(KR_SET_SHAFT, factor)
+            notes = "generator shaft", f"f_m {factor:.4g}"
+            if record.role == "crank" and self.engine.duty == "propulsion":
+                table = KR_IN_LINE if is_better else KR_OTHER
+                curve = crank_curve(table, society.letters, 0.0, strength, yields)
+                factors = f"f_m {strength:.4g}, of tau_2 {yields:.4g}"
+                notes = engine, factors, "without a calculation by IACS UR M53"
+            elif record.role == "crank":
+                limits = KR_SET_CRANK["in-line" if is_better else "other"]
+                curve, notes = set_curve(limits, factor), (engine, notes[1])
+            yield LimitedShaft(number, part.name, curve, mark, notes, restrictions=restrictions)
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the vibratory torque of gears, where the society limits it."""
@@ -330,7 +341,7 @@ class SocietyRule(M68):
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what was not judged, and why; nothing is skipped silently."""
-        train, named = study.train, {name for name, _ in study.rules}
+        train, named = study.train, dict(study.rules)
         rows = list(self.society.not_judged)
         if any(train.of_kind("gear")) and self.society.mesh is None and "gear-hammer" not in named:
             why = "the rule `gear-hammer` judges them, and the file does not name it"
@@ -340,73 +351,13 @@ class SocietyRule(M68):
             rows.append(("couplings", f"{judges}, and the file does not name it"))
         return *super().left_out(study), *((f"{self.name}: {what}", why) for what, why in rows)
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""
-        rows = [*super().demanded_rows(study), *self._missing_cranks(study)]
-        if self.society.mesh is not None:
-            rows += unknown_gears(self.name, study, TO_BE_VERIFIED)
-        return (*rows, *stiffness_row(self.name, study, self.society.mark))
-
-    def _missing_cranks(self, study: Study) -> Iterator[Check]:
-        """Yield a row for each engine without the diameter of its journals, where the society limits crankshafts."""
-        if not self.society.crank or any(with_role(study.train, "crank")):
-            return
-        what, mark = "Torsional stress amplitude of the crankshaft", self.society.crank_mark
-        for part in study.train.parts:
-            if part.engine is not None:
-                note = "`journal` of the engine is not given"
-                yield unjudged(self.name, "crankshaft", part.name, what, note, mark)
-
-
-class LloydsRule(SocietyRule):
-    """The rule set of LR, with a tolerance of the tachometer of its own."""
-
-    settings_class = LrSettings
-
-
-class EngineSocietyRule(SocietyRule):
-    """The rule set of a society with tables of crankshafts and generator shafts by the engine, those of KR."""
-
-    settings: CrankSettings
-    settings_class = CrankSettings
-    needs = (*M68.needs, "modes")
-    has_limits_of = (*M68.has_limits_of, *OTHER_ROLES)
-
-    def _limit_other(
-        self, study: Study, number: int, part: Part, record: ShaftRecord
-    ) -> LimitedShaft:
-        """Return a crankshaft or generator shaft with the limits of KR for its engine, material and duty."""
-        material, settings = study.train.materials[record.material], self.settings
-        tensile, yielding = material.tensile_strength or 0.0, material.yield_strength or 0.0
-        is_alloy = not {part.name, part.whole}.isdisjoint(settings.alloy)
-        strength = strength_factor(tensile * PA, alloy=is_alloy)
-        yields = yield_factor(yielding * PA)
-        cap = ALLOY_CAP if is_alloy else CARBON_CAP
-        agreed = tuple[str, ...]()
-        if tensile * PA > cap * (1 + ROUNDING):
-            agreed = (f"strength above {cap:g} N/mm2 by agreement with {self.society.title}",)
-
-        engine, is_better = settings.engine
-        factor = min(strength, yields)
-        notes: tuple[str, ...] = "generator shaft", f"f_m {factor:.4g}"
-        curve = set_curve(KR_SET_SHAFT, factor)
-        if record.role == "crank" and settings.duty == "propulsion":
-            table = KR_IN_LINE if is_better else KR_OTHER
-            letters = self.society.letters
-            curve = crank_curve(table, letters, 0.0, strength, yields)
-            factors = f"f_m {strength:.4g}, of tau_2 {yields:.4g}"
-            notes = engine, factors, "without a calculation by IACS UR M53"
-        elif record.role == "crank":
-            limits = KR_SET_CRANK["in-line" if is_better else "other"]
-            curve, notes = set_curve(limits, factor), (engine, notes[1])
-        mark = self.society.crank_mark
-        return LimitedShaft(number, part.name, curve, mark, notes, restrictions=agreed)
-
     def _settings_faults(
         self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
     ) -> list[Fault]:
         """Return the faults of M68, and settings of an engine that no engine of the file has."""
-        faults, settings = super()._settings_faults(study, shafts, where), self.settings
+        faults, settings = super()._settings_faults(study, shafts, where), self.engine
+        if settings is None:
+            return faults
         roles = {shaft.role for shaft in shafts.values()}
         driven = roles & {"propeller", "generator"}
         right = DUTIES[next(iter(driven))] if len(driven) == 1 else settings.duty
@@ -427,38 +378,53 @@ class EngineSocietyRule(SocietyRule):
         return faults
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return the rows of a society; a generator set has no propulsion to misfire."""
-        rows = super().demanded_rows(study)
-        if self.settings.duty == "generator set":
-            rows = tuple(row for row in rows if row.clause != MISFIRE)
-        return rows
-
-    def _missing_cranks(self, study: Study) -> Iterator[Check]:
-        """Yield also the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
-        yield from super()._missing_cranks(study)
-        if not self.society.has_majors or self._cylinders(study):
-            return
+        """Return the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""
+        rows, society, engine = list(super().demanded_rows(study)), self.society, self.engine
         cranks = [part.name for _, part, _ in with_role(study.train, "crank")]
-        if cranks and self.settings.arrangement in (None, "in-line"):
-            note, mark = "`cylinders` of the engine is not given", self.society.crank_mark
-            yield unjudged(self.name, MAJOR, cranks[0], "Major critical speeds", note, mark)
+        if society.crank and not cranks:
+            what, note = (
+                "Torsional stress amplitude of the crankshaft",
+                "`journal` of the engine is not given",
+            )
+            rows += (
+                unjudged(self.name, "crankshaft", part.name, what, note, society.crank_mark)
+                for part in study.train.parts
+                if part.engine is not None
+            )
+        # Major critical speeds of an engine, in line as far as is known, of unknown cylinders.
+        is_in_line = engine is not None and engine.arrangement in (None, "in-line")
+        if society.has_majors and cranks and is_in_line and not self._cylinders(study):
+            about = MAJOR, cranks[0], "Major critical speeds"
+            note = "`cylinders` of the engine is not given"
+            rows.append(unjudged(self.name, *about, note, society.crank_mark))
+        if society.mesh is not None:
+            rows += unknown_gears(self.name, study, TO_BE_VERIFIED)
+        rated = [
+            part.name
+            for part in study.train.parts
+            if part.kind == "coupling" and part.ratings is not None
+        ]
+        is_corner = study.case is not None and study.case.is_corner
+        if rated and not (is_corner or study.covers(STIFFNESS, self.name)):
+            note = "cold, warm, soft and stiff couplings: cases with another stiffness, or `cases: {from: tolerances}`"
+            about = STIFFNESS, rated[0], "Other stiffness of the couplings"
+            rows.append(unjudged(self.name, *about, note, society.mark))
+        # A generator set has no propulsion to misfire.
+        is_set = engine is not None and engine.duty == "generator set"
+        return tuple(row for row in rows if not (is_set and row.clause == MISFIRE))
 
     def check(self, evidence: Results) -> tuple[Check, ...]:
-        """Return all checks, and last where major critical speeds lie."""
-        majors = self._majors(evidence) if self.society.has_majors else ()
-        return (*super().check(evidence), *majors)
+        """Return all checks, and last where major critical speeds lie.
 
-    def _majors(self, evidence: Results) -> Iterator[Check]:
-        """Yield of every mode with one node the order of the number of cylinders, and half of it of four strokes.
-
-        Where the strokes are not given both orders are judged; without a crankshaft those of the reference's speed.
+        They are of every mode with one node that of the order of the number of cylinders, and of half of it of four
+        strokes. Where the strokes are not given both are judged; without a crankshaft those of the reference's speed.
         """
-        cylinders = self._cylinders(evidence.study)
-        if not cylinders:
-            return
-        first, rated = MAJORS_FROM[self.settings.duty], rated_speed(evidence.study)
+        checks, cylinders = list(super().check(evidence)), self._cylinders(evidence.study)
+        if self.engine is None or not self.society.has_majors or not cylinders:
+            return tuple(checks)
+        first, rated = MAJORS_FROM[self.engine.duty], rated_speed(evidence.study)
         ratios = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")}
-        divisors = (1,) if self.settings.strokes == 2 else (1, 2)
+        divisors = (1,) if self.engine.strokes == 2 else (1, 2)
         orders = {
             Fraction(cylinders, divisor) * ratio
             for ratio in ratios or {Fraction(1)}
@@ -470,7 +436,7 @@ class EngineSocietyRule(SocietyRule):
                 speed = 2.0 * math.pi * float(modes.frequency[mode]) / float(order)
                 ratio = speed / rated
                 is_above = ratio > (first + MAJORS_TO) / 2.0
-                yield Check(
+                major = Check(
                     self.name,
                     MAJOR,
                     f"mode {mode + 1}",
@@ -485,12 +451,36 @@ class EngineSocietyRule(SocietyRule):
                     f"not within {first:g} to {MAJORS_TO:g}",
                     at_least=is_above,
                 )
+                checks.append(major)
+        return tuple(checks)
 
     def _cylinders(self, study: Study) -> int:
         """Return the cylinders by the setting, else of an engine in line, the only one of the file; 0 if not known."""
-        if self.settings.cylinders is not None:
-            return self.settings.cylinders
+        if self.engine is not None and self.engine.cylinders is not None:
+            return self.engine.cylinders
         engines = engines_of(study)
         if len(engines) != 1 or len(engines[0].throws) != len(engines[0].cylinders):
             return 0
         return len(engines[0].cylinders)
+
+
+class LloydsRule(SocietyRule):
+    """The rule set of LR, with a tolerance of the tachometer of its own."""
+
+    settings_class = LrSettings
+
+
+class EngineSocietyRule(SocietyRule):
+    """The rule set of a society with tables of crankshafts and generator shafts by the engine, those of KR."""
+
+    settings_class = CrankSettings
+
+
+def _kind(settings: CrankSettings) -> tuple[str, bool]:
+    """Return the engine in words, and whether the higher limits hold: four strokes, in line or a V of 45 or 60 degrees."""
+    if settings.strokes == 2 or settings.arrangement == "other V":
+        return "two-stroke, or another V than of 45 or 60 degrees", False
+    values = {"strokes": settings.strokes, "arrangement": settings.arrangement}
+    if missing := " and ".join(key for key, value in values.items() if value is None):
+        return f"{missing} of the engine not given, the less favourable taken", False
+    return f"four-stroke, {settings.arrangement}", True

@@ -3,14 +3,14 @@
 What was not looked at of the operation is not passed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
-from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
+from torsion.analyses.lateral.tilt_stability import TiltRange
 from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.stability.mean_speed import SLOW
 from torsion.analyses.stability.stability_over_speed import Stability
@@ -18,7 +18,7 @@ from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.machine_torques import DriveLaw
-from torsion.rules.barred_time import barred_times, unstable_words
+from torsion.rules.barred_time import barred_times, words
 from torsion.rules.demands import distinct, with_reach
 from torsion.rules.rule_over_speed import within
 from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, verdict_of
@@ -26,6 +26,7 @@ from torsion.study import Operation, Study
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
+GROWS = "within an unstable range, where it grows"
 MOST = 4  # ranges without an answer that are stated one by one
 _RPM = 30.0 / np.pi
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
@@ -39,19 +40,24 @@ class StableMotion(Rule[RuleSettings]):
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the checks on the torsion of the whole train."""
-        stability = evidence.need(Stability)
-        line = stability_check(stability, evidence.study.operation)
-        times = barred_times(
-            evidence,
-            tuple(BarredRange(band.first, band.last, band.at, WHOLE) for band in stability.ranges),
+        stability, study = evidence.need(Stability), evidence.study
+        line, laws = stability_check(stability, study.operation), drive_laws(study)
+        ranges = (BarredRange(band.first, band.last, band.at, WHOLE) for band in stability.ranges)
+        times = barred_times(evidence, tuple(ranges))
+        # Slopes of drive and load that do not damp torsional vibration.
+        by_key = dict[str, list[str]]()
+        for name, key in mean_speed_slopes(study).items():
+            by_key.setdefault(key, []).append(f"'{name}'")
+        slopes = (
+            f"slope of {', '.join(names)} without `{key}`: it acts on the mean speed only"
+            for key, names in by_key.items()
         )
-        stated, laws = mean_speed_words(stability, evidence.study), drive_laws(evidence.study)
-        words = line.note, unstable_words(times), slope_words(evidence.study), stated
-        note = "; ".join(filter(None, words))
-        lines = [replace(line, note=note, times=times)]
+        stated = mean_speed_words(stability, study)
+        remarks = line.note, words(times, GROWS), "; ".join(slopes), stated
+        lines = [replace(line, note="; ".join(filter(None, remarks)), times=times)]
         if laws and not any(law.is_controlled for law in laws):
-            lines.append(mean_speed_check(stability, evidence.study))
-        return distinct(row for check in lines for row in with_reach(check, evidence.study))
+            lines.append(mean_speed_check(stability, study))
+        return distinct(row for check in lines for row in with_reach(check, study))
 
 
 def drive_laws(study: Study) -> list[DriveLaw]:
@@ -90,15 +96,6 @@ def mean_speed_check(stability: Stability, study: Study) -> Check:
     if growth == -np.inf:
         line = replace(line, value=np.nan, speed=None)
     return _unless_doubtful(line, stability, first, last)
-
-
-def slope_words(study: Study) -> str:
-    """Return which slopes of drive and load do not damp torsional vibration; empty where there are none."""
-    by_key = dict[str, list[str]]()
-    for name, key in mean_speed_slopes(study).items():
-        by_key.setdefault(key, []).append(f"'{name}'")
-    rows = (f"slope of {', '.join(names)} without `{key}`" for key, names in by_key.items())
-    return "; ".join(f"{row}: it acts on the mean speed only" for row in rows)
 
 
 def mean_speed_words(stability: Stability, study: Study) -> str:
@@ -147,12 +144,27 @@ def stability_check(stability: Stability, operation: Operation) -> Check:
     if not unstable and (bare or growth == -np.inf):
         missing = unsolved[(unsolved >= first) & (unsolved <= last)]
         growth, speed = np.inf, float(np.append(missing, first)[0])
-    notes = [
-        *([_bare_words(stability, bare)] if bare else []),
-        *([] if is_whole else ["stability was not requested at all speeds of the operation"]),
-        *([] if stability.loses else [NOTHING_DAMPS]),
-        *_nearest(stability, first, last),
-    ]
+    notes = list[str]()
+    if bare:  # nothing is known there
+        where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
+        further = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
+        missed = f"and so nothing is known, from {where} rpm{further}"
+        notes.append(f"no periodic motion was found, {missed}")
+        if np.isnan(stability.growth).all():
+            tried = f"at any of the {stability.growth.size} speeds tried"
+            notes = [f"no periodic motion was found {tried}"]
+    if not is_whole:
+        notes.append("stability was not requested at all speeds of the operation")
+    if not stability.loses:
+        notes.append(NOTHING_DAMPS)
+    # The distance of the operation from the unstable ranges outside it.
+    outside = [band for band in stability.ranges if not band.meets(first, last)]
+    if below := [band.unknown[1] or band.last for band in outside if band.last <= first]:
+        share = f"{100.0 * (1.0 - max(below) / first):.3g} %"
+        notes.append(f"the next unstable range ends {share} below the lowest speed")
+    if above := [band.unknown[0] or band.first for band in outside if band.first >= last]:
+        share = f"{100.0 * (min(above) / last - 1.0):.3g} %"
+        notes.append(f"the next unstable range begins {share} above the highest speed")
     if stability.doubtful is not None and stability.doubtful.size:
         notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
@@ -194,26 +206,6 @@ def _check(
     return Check(*about, value, 0.0, unit, verdict, "by definition", speed, note=note)
 
 
-def _bare_words(stability: Stability, bare: list[tuple[float, float]]) -> str:
-    """The speed ranges (rad/s) at which nothing is known, in words."""
-    if np.isnan(stability.growth).all():
-        return f"no periodic motion was found at any of the {stability.growth.size} speeds tried"
-    where = ", ".join(f"{low * _RPM:.5g} to {high * _RPM:.5g}" for low, high in bare[:MOST])
-    further_words = f", the first {MOST} of {len(bare)} ranges" if len(bare) > MOST else ""
-    return f"no periodic motion was found, and so nothing is known, from {where} rpm{further_words}"
-
-
-def _nearest(stability: Stability, first: float, last: float) -> Iterator[str]:
-    """The distance of the operation from the unstable ranges outside it."""
-    outside = [band for band in stability.ranges if not band.meets(first, last)]
-    if below := [band.unknown[1] or band.last for band in outside if band.last <= first]:
-        share = f"{100.0 * (1.0 - max(below) / first):.3g} %"
-        yield f"the next unstable range ends {share} below the lowest speed"
-    if above := [band.unknown[0] or band.first for band in outside if band.first >= last]:
-        share = f"{100.0 * (min(above) / last - 1.0):.3g} %"
-        yield f"the next unstable range begins {share} above the highest speed"
-
-
 class StableBending(Rule[RuleSettings]):
     """The rule on whatever bending was computed."""
 
@@ -227,13 +219,39 @@ def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
     """Return one for the whirl and one for the tilting of every shaft whose speeds are known."""
     checks = list[Check]()
     for shaft in bending.shafts:
-        of_shaft = list[Check]()
-        if shaft.whirl is not None and np.isfinite(shaft.whirl.log_decrement).any():
-            speed, decrement = shaft.whirl.speed, shaft.whirl.log_decrement
-            of_shaft.append(_whirl(shaft.name, speed, decrement, operation))
-        if shaft.tilting is not None:
-            of_shaft.append(_tilting(shaft.name, shaft.tilting, operation))
-        checks += (replace(check, parts=shaft.parts) for check in of_shaft)
+        whirl, tilting = shaft.whirl, shaft.tilting
+        # The least logarithmic decrement within the operation against 0.
+        if whirl is not None and np.isfinite(whirl.log_decrement).any():
+            _, _, is_whole = _operated(whirl.speed, operation)
+            inside = within(operation.speeds, whirl.speed)[:, None]
+            is_known = inside & np.isfinite(whirl.log_decrement)
+            decrements = np.where(is_known, whirl.log_decrement, np.inf).min(axis=1)
+            row = int(decrements.argmin())
+            value, speed = float(decrements[row]), float(whirl.speed[row])
+            notes = [] if is_whole else [PART]
+            if abs(value) <= ROUNDING:
+                value = 0.0
+                notes.insert(0, "nothing damps it")
+            kept, what = (
+                is_whole and 0 <= value < np.inf,
+                "Damping of the whirl (logarithmic decrement)",
+            )
+            check = _check("whirl", shaft.name, what, value, "", speed, notes, kept=kept)
+            checks.append(replace(check, at_least=True, parts=shaft.parts))
+        # The fastest growth of the tilt within the operation against 0.
+        if tilting is not None:
+            first, last, is_whole = _operated(tilting.speed, operation)
+            unstable = [zone for zone in tilting.zones if zone.meets(first, last)]
+            growth, speed = _fastest(tilting.speed, tilting.growth, unstable, operation)
+            notes = [] if tilting.is_damped else ["its supports do not damp it in both directions"]
+            notes += [] if is_whole else [PART]
+            has_all = bool(np.isfinite([growth, *tilting.growth]).all())
+            kept, what = (
+                is_whole and not unstable and has_all,
+                f"Growth of the tilt by the couple of {tilting.joint}",
+            )
+            check = _check("tilting", shaft.name, what, growth, "1/s", speed, notes, kept=kept)
+            checks.append(replace(check, parts=shaft.parts))
     return tuple(checks)
 
 
@@ -244,34 +262,6 @@ def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bo
     first, last = operation.speeds.first, operation.speeds.last
     is_whole = speed[0] <= first * (1 + ROUNDING) and speed[-1] >= last * (1 - ROUNDING)
     return first, last, bool(is_whole)
-
-
-def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Operation) -> Check:
-    """The least logarithmic decrement within the operation against 0; decrement: (speeds, modes)."""
-    _, _, is_whole = _operated(speed, operation)
-    decrements = np.where(
-        within(operation.speeds, speed)[:, None] & np.isfinite(decrement), decrement, np.inf
-    )
-    row = int(decrements.min(axis=1).argmin())
-    smallest, what = float(decrements[row].min()), "Damping of the whirl (logarithmic decrement)"
-    notes = ["nothing damps it"] if abs(smallest) <= ROUNDING else []
-    value = 0.0 if notes else smallest
-    notes += [] if is_whole else [PART]
-    kept = is_whole and 0 <= value < np.inf
-    check = _check("whirl", name, what, value, "", float(speed[row]), notes, kept=kept)
-    return replace(check, at_least=True)
-
-
-def _tilting(name: str, tilting: Tilting, operation: Operation) -> Check:
-    """The fastest growth of the tilt within the operation against 0."""
-    first, last, is_whole = _operated(tilting.speed, operation)
-    unstable = [zone for zone in tilting.zones if zone.meets(first, last)]
-    growth, speed = _fastest(tilting.speed, tilting.growth, unstable, operation)
-    notes = [] if tilting.is_damped else ["its supports do not damp it in both directions"]
-    notes += [] if is_whole else [PART]
-    kept = is_whole and not unstable and bool(np.isfinite([growth, *tilting.growth]).all())
-    what = f"Growth of the tilt by the couple of {tilting.joint}"
-    return _check("tilting", name, what, growth, "1/s", speed, notes, kept=kept)
 
 
 def _fastest(

@@ -4,14 +4,11 @@ import numpy as np
 
 from torsion.analyses.damped_modes import damped
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.steady import Steady, steady_if_known
-from torsion.arrays import FloatArray
-from torsion.assembly.system import System
+from torsion.analyses.steady import steady_if_known
 from torsion.errors import SolveError
 from torsion.findings import Results
 from torsion.rules.demands import in_rpm
 from torsion.rules.verdict_line import Check, Rule, RuleSettings, Verdict
-from torsion.study import Study
 
 WHOLE = "whole train"
 SPEEDS = 41  # over the operation, at which the eigenvalues are computed
@@ -40,43 +37,32 @@ class StableVibration(Rule[RuleSettings]):
             for station in np.flatnonzero((damping < 0.0).any(axis=1)).tolist()
         )
         notes = [f"the slope of the load law of {sources} is negative: it feeds vibration"]
+        # The largest growth rate of an oscillating mode, which is not known where damped modes are not built.
+        verdict: Verdict = "not judged"
+        growth, worst_speed, frequency = -np.inf, float(speeds[0]), 0.0
         try:
-            growth, speed, frequency = largest_growth(study, system, speeds)
+            for speed in speeds.tolist():
+                steady = steady_if_known(study, system, np.array([speed]))
+                modes = damped(system, speed=speed, steady=steady, count=None)
+                for root, hertz in zip(modes.eigenvalue.real, modes.frequency, strict=True):
+                    if root > growth:
+                        growth, worst_speed, frequency = float(root), speed, float(hertz)
+            verdict = "pass" if growth <= ROUNDING * 2.0 * np.pi * frequency else "fail"
+            notes.append(f"mode at {frequency:.5g} Hz, at {in_rpm(worst_speed)}")
         except SolveError as error:
+            growth = np.nan
             notes.append(f"the damped modes are not known: {error.message}")
-            return (_check(np.nan, None, "not judged", notes),)
-        is_stable = growth <= ROUNDING * 2.0 * np.pi * frequency
-        notes.append(f"mode at {frequency:.5g} Hz, at {in_rpm(speed)}")
-        return (_check(growth, speed, "pass" if is_stable else "fail", notes),)
-
-
-def largest_growth(study: Study, system: System, speeds: FloatArray) -> tuple[float, float, float]:
-    """Return the largest growth rate (1/s) of an oscillating mode, its reference speed (rad/s) and frequency (Hz).
-
-    Raises SolveError where the damped modes of the train are not built.
-    """
-    growth, at_speed, frequency = -np.inf, float(speeds[0]), 0.0
-    for speed in speeds.tolist():
-        steady: Steady | None = steady_if_known(study, system, np.array([speed]))
-        modes = damped(system, speed=speed, steady=steady, count=None)
-        worst = int(np.argmax(modes.eigenvalue.real)) if modes.eigenvalue.size else -1
-        if worst >= 0 and modes.eigenvalue[worst].real > growth:
-            growth, at_speed = float(modes.eigenvalue[worst].real), speed
-            frequency = float(modes.frequency[worst])
-    return growth, at_speed, frequency
-
-
-def _check(growth: float, speed: float | None, verdict: Verdict, notes: list[str]) -> Check:
-    return Check(
-        "stability",
-        "vibration",
-        WHOLE,
-        "Growth of small vibrations",
-        growth,
-        0.0,
-        "1/s",
-        verdict,
-        "by definition",
-        speed,
-        note="; ".join(notes),
-    )
+        about = "stability", "vibration", WHOLE, "Growth of small vibrations"
+        at_speed = None if np.isnan(growth) else worst_speed
+        return (
+            Check(
+                *about,
+                growth,
+                0.0,
+                "1/s",
+                verdict,
+                "by definition",
+                at_speed,
+                note="; ".join(notes),
+            ),
+        )

@@ -1,18 +1,17 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated
 
-from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
+from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
 from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
-from torsion.primitives import Bar, Constraint, Spring
+from torsion.primitives import Bar, Spring
 from torsion.rules.demands import unjudged
 from torsion.rules.verdict_line import (
     TO_BE_VERIFIED,
@@ -29,6 +28,7 @@ RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
 SPICER_TORSIONAL, SPICER_INERTIAL = 300.0, 1000.0  # rad/s2 (Spicer)
 BENDING = "Speed against the critical bending speed"
+EVENLY = "driven from its first end"
 SHARE_OF_CRITICAL = 0.65  # usual 0.65 to 0.8
 PUBLISHED = {  # setting: its limit by makers, in words
     "unevenness": (ELBE, "limit after Elbe, 3 deg in round figures"),
@@ -49,24 +49,43 @@ class Tube:
     ratio: Fraction  # its speed / reference speed
     critical: float  # rad/s, lowest bending frequency without supports; NaN where it has some or something lacks
     lacks: str  # why it is not judged; empty where it is
-    has_support: bool = (
-        False  # between the joints, so that the analysis of bending knows its critical speeds
+    has_support: (
+        bool  # between the joints, so that the analysis of bending knows its critical speeds
     )
 
 
 def tubes(train: Train) -> tuple[Tube, ...]:
     """Return every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
     joints = {mesh.part: mesh for mesh in train.constraints}
-    between = (
-        (mesh, _path(train, joints[mesh.after].driven, mesh.driving))
-        for mesh in train.constraints
-        if mesh.after is not None
-    )
-    return tuple(
-        _tube(train, mesh, pieces)
-        for mesh, pieces in between
-        if any(isinstance(piece, Bar) for piece in pieces)
-    )
+    shafts = list[Tube]()
+    for joint in train.constraints:
+        pieces = (
+            () if joint.after is None else _path(train, joints[joint.after].driven, joint.driving)
+        )
+        bars = [piece for piece in pieces if isinstance(piece, Bar)]
+        if not bars:
+            continue
+        bar, parts = bars[0], tuple(bar.part for bar in bars)
+        names, ratio = ", ".join(bar.name for bar in bars), train.parts[joint.part].ratio
+        critical, lacks, has_support = math.nan, "", any(train.shaft(bar).support for bar in bars)
+        material = train.materials[train.shaft(bar).material]
+        is_soft = any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces)
+        if has_support:
+            bent = (shaft for shaft in bending_shafts(train)[0] if shaft.lacks)
+            lacks = "; ".join(shaft.lacks for shaft in bent if set(shaft.parts) & set(parts))
+        elif len(bars) > 1 or is_soft:
+            lacks = "it is not one tube from joint to joint"
+        elif bar.section is not None:
+            lacks = "its section is a mesh, which is not solved for bending"
+        elif bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]:
+            lacks = "it is conical"
+        elif material.youngs_modulus is None or material.density == 0:
+            lacks = "its material has no `youngs_modulus` or no density"
+        else:
+            size = bar.length, bar.outer[0], bar.bore[0]
+            critical = critical_speed(*size, material.youngs_modulus, material.density)
+        shafts.append(Tube(names, parts, ratio, critical, lacks, has_support))
+    return tuple(shafts)
 
 
 def critical_speed(
@@ -77,36 +96,6 @@ def critical_speed(
     In the joint makers' form 15 pi/2 sqrt(E/rho) sqrt(D^2 + d^2)/L^2 per minute.
     """
     return math.pi**2 / 4.0 * math.sqrt(modulus / density) * math.hypot(outer, bore) / length**2
-
-
-def _tube(train: Train, joint: Constraint, pieces: tuple[Spring | Bar, ...]) -> Tube:
-    """Return the shaft of these pieces, which ends at a joint."""
-    bars = [piece for piece in pieces if isinstance(piece, Bar)]
-    names = ", ".join(bar.name for bar in bars)
-    bar, ratio, parts = bars[0], train.parts[joint.part].ratio, tuple(bar.part for bar in bars)
-    if any(train.shaft(bar).support for bar in bars):
-        lacking = (
-            shaft.lacks
-            for shaft in bending_shafts(train)[0]
-            if shaft.lacks and set(shaft.parts) & set(parts)
-        )
-        return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
-    lacks, critical = "", math.nan
-    material = train.materials[train.shaft(bar).material]
-    is_soft = any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces)
-    if len(bars) > 1 or is_soft:
-        lacks = "it is not one tube from joint to joint"
-    elif bar.section is not None:
-        lacks = "its section is a mesh, which is not solved for bending"
-    elif bar.outer[0] != bar.outer[1] or bar.bore[0] != bar.bore[1]:
-        lacks = "it is conical"
-    elif material.youngs_modulus is None or material.density == 0:
-        lacks = "its material has no `youngs_modulus` or no density"
-    else:
-        critical = critical_speed(
-            bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density
-        )
-    return Tube(names, parts, ratio, critical, lacks)
 
 
 def _path(train: Train, start: int, end: int) -> tuple[Spring | Bar, ...]:
@@ -180,78 +169,68 @@ class UniversalJoints(Rule[JointRuleSettings]):
         joints, speed = evidence.get(Joints), _speed(evidence.study)
         if joints is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = list[Check]()
+        limits, rows = dict[str, Limit](), list[Check]()
+        for key, (by_maker, words) in PUBLISHED.items():
+            limit = float(getattr(self.settings, key))
+            limits[key] = limit, "setting", f"setting `{key}`"
+            if limit == by_maker:
+                limits[key] = limit, "maker", words
+        # rad/s2: greatest acceleration behind every joint; no gear stands in a line of joints.
+        steepest = [joint.steepest * (speed * float(joint.ratio)) ** 2 for joint in joints.joints]
+
+        # Non-uniformity of every line, and what it does to the driven inertia.
         for line in joints.lines:
-            rows += _of_line(joints, line, self.settings, speed)
-        rows += _between(joints, self.settings, speed).values()
-        if self.settings.speed_angle is not None:
-            limit: Limit = self.settings.speed_angle, "setting", "setting `speed_angle`"
-            for joint in joints.joints:
-                # As its maker counts it.
-                value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
-                about, parts = ("n b", joint.name, "Speed times angle"), (joint.part,)
-                rows.append(_verdict(about, value, "deg/min", limit, speed, parts))
+            members = [joints.joints[position] for position in line.joints]
+            where = ", ".join(joint.name for joint in members)
+            bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
+            worst_first = sorted(members, key=lambda joint: -joint.unevenness)
+            parts = tuple(joint.part for joint in worst_first)
+            about = "U", where, "Non-uniformity of the line"
+            limit = limits["unevenness"]
+            rows.append(_verdict(about, line.index, "1", limit, None, parts, before=bend))
+            about = "torsional", where, "Angular acceleration of the driven side"
+            value, limit = steepest[line.joints[-1]], limits["torsional"]
+            rows.append(_verdict(about, value, "rad/s2", limit, speed, parts))
+
+        # Of every shaft between two joints, each once, the driving shaft of the line turning evenly.
+        what = "Angular acceleration of the shaft downstream of the joint"
+        for position in dict.fromkeys(
+            position for line in joints.lines for position in line.joints[:-1]
+        ):
+            joint, limit = joints.joints[position], limits["inertial"]
+            about, part = ("inertial", joint.name, what), (joint.part,)
+            row = _verdict(about, steepest[position], "rad/s2", limit, speed, part, after=EVENLY)
+            rows.append(row)
+
+        for joint in joints.joints if self.settings.speed_angle is not None else ():
+            limit = self.settings.speed_angle or 0.0, "setting", "setting `speed_angle`"
+            # As its maker counts it.
+            value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
+            about = "n b", joint.name, "Speed times angle"
+            rows.append(_verdict(about, value, "deg/min", limit, speed, (joint.part,)))
         share, bent = self.settings.critical_share, evidence.get(Lateral)
         rows += (_bending(tube, bent, share, speed) for tube in tubes(evidence.study.train))
         return tuple(rows)
 
 
-def _of_line(
-    all_joints: Joints, line: LineFound, settings: JointRuleSettings, speed: float
-) -> Iterator[Check]:
-    """Non-uniformity of the whole line, and what it does to the driven inertia."""
-    joints = [all_joints.joints[k] for k in line.joints]
-    where = ", ".join(joint.name for joint in joints)
-    bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    parts = tuple(joint.part for joint in sorted(joints, key=lambda joint: -joint.unevenness))
-    about, limit = ("U", where, "Non-uniformity of the line"), _published(settings, "unevenness")
-    yield _verdict(about, line.index, "1", limit, None, parts, before=bend)
-    about = "torsional", where, "Angular acceleration of the driven side"
-    limit = _published(settings, "torsional")
-    yield _verdict(about, _steepest(joints[-1], speed), "rad/s2", limit, speed, parts)
-
-
-def _between(joints: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
-    """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    checks, limit = dict[int, Check](), _published(settings, "inertial")
-    what, driven = (
-        "Angular acceleration of the shaft downstream of the joint",
-        "driven from its first end",
-    )
-    for line in joints.lines:
-        for position in line.joints[:-1]:
-            joint = joints.joints[position]
-            value, about = _steepest(joint, speed), ("inertial", joint.name, what)
-            checks[position] = _verdict(
-                about, value, "rad/s2", limit, speed, (joint.part,), after=driven
-            )
-    return checks
-
-
-def _steepest(joint: JointFound, speed: float) -> float:
-    """rad/s2: greatest acceleration behind a joint; no gear stands in a line of joints."""
-    return joint.steepest * (speed * float(joint.ratio)) ** 2
-
-
 def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Check:
     """Speed of a tube against a share of its critical bending speed, that of a tube on supports as it was computed."""
-    about = "n_crit", tube.name, BENDING
-    lacks = tube.lacks
+    about, lacks = ("n_crit", tube.name, BENDING), tube.lacks
     if tube.has_support and bent is None and not lacks:
         lacks = "its bending was not computed"
     if lacks:
         return replace(unjudged(RULE, *about, lacks, TO_BE_VERIFIED), parts=tube.parts)
     first, second, origin = tube.critical, tube.critical / 2.0, "simply supported at the joints"
     if tube.has_support and bent is not None:
+        criticals = [
+            critical
+            for shaft in bent.shafts
+            if set(shaft.parts) & set(tube.parts)
+            for critical in shaft.critical
+        ]
         first, second = (
             min(
-                (
-                    critical.speed
-                    for shaft in bent.shafts
-                    if set(shaft.parts) & set(tube.parts)
-                    for critical in shaft.critical
-                    if critical.order == order
-                ),
+                (critical.speed for critical in criticals if critical.order == order),
                 default=math.inf,
             )
             for order in (1, 2)
@@ -296,12 +275,6 @@ def _verdict(
         note="; ".join(filter(None, (before, words, after))),
         parts=parts,
     )
-
-
-def _published(settings: JointRuleSettings, key: str) -> Limit:
-    """A limit that makers publish and the file may set."""
-    limit, (by_maker, words) = float(getattr(settings, key)), PUBLISHED[key]
-    return (limit, "maker", words) if limit == by_maker else (limit, "setting", f"setting `{key}`")
 
 
 def _speed(study: Study) -> float | None:

@@ -19,7 +19,8 @@ from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters import component_loads
 from torsion.output.numbers import number
 from torsion.output.scene import NO_VALUE
-from torsion.rules.shaft_stress import judging, limits_of
+from torsion.rules.m68 import judging
+from torsion.rules.shaft_limits import limits_of
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 RPM = 30.0 / math.pi

@@ -136,11 +136,11 @@ def stress_curves(findings: Findings, bar: Bar) -> Curves:
     stress = np.where(response.unreliable, np.nan, stress)
     curves = Curves(response.speed, stress, orders)
     if findings.study.rules:
-        from torsion.rules import shaft_stress
+        from torsion.rules import m68, shaft_limits
 
         with suppress(KeyError):
-            rule, shaft = shaft_stress.judging(findings, bar.name)
-            limits = shaft_stress.limits_of(findings, shaft)
+            rule, shaft = m68.judging(findings, bar.name)
+            limits = shaft_limits.limits_of(findings, shaft)
             return replace(curves, continuous=limits.tau_c, transient=limits.tau_t, rule=rule.title)
     return curves
 
