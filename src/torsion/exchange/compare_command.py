@@ -10,8 +10,6 @@ from typing import Any
 from torsion.errors import printable, refusal
 from torsion.exchange.comparison import (
     CaseComparison,
-    Comparison,
-    InputChange,
     compare_results,
     read_results,
 )
@@ -28,27 +26,6 @@ SHORT = 12  # digits of a checksum
 DISCLAIMER = "Both calculations are as they were reported; nothing was solved again."
 
 
-def comparison_document(comparison: Comparison) -> Document:
-    """Return the comparison as a document of tables."""
-    facts = [
-        ("A", f"{comparison.name_before}, input SHA-256 {comparison.checksum_before[:SHORT]}"),
-        ("B", f"{comparison.name_after}, input SHA-256 {comparison.checksum_after[:SHORT]}"),
-    ]
-    blocks = [block for case in comparison.cases for block in _case_blocks(case)]
-    cover = Cover(REPORTS["compare"].title, comparison.name_after, tuple(facts), DISCLAIMER)
-    return Document(cover, tuple(numbered(blocks)), "compare")
-
-
-def comparison_data(comparison: Comparison) -> dict[str, Any]:
-    """Return the comparison as data for JSON; NaN is None."""
-    data: dict[str, Any] = asdict(comparison) | {"is_changed": comparison.is_changed}
-    for case in data["cases"]:
-        for pair in case["modes"]:
-            if math.isnan(pair["criterion"]):
-                pair["criterion"] = None
-    return data
-
-
 def _case_blocks(case: CaseComparison) -> Iterator[Block]:
     """The chapter of one case: verdict, then every table with a change."""
     yield Heading(f"Case {case.name}" if case.name else "Model file")
@@ -62,7 +39,15 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
         return
     if case.inputs:
         titles = "< Component -> | < Input -> | < A -> | < B -> | < Unit -> | Change [%]:3 -> %"
-        yield _table(titles, map(_input_row, case.inputs), "Input that differs")
+        changes = list[tuple[Any, ...]]()
+        for change in case.inputs:
+            before, after, relative = change.before, change.after, None
+            if isinstance(before, int | float) and isinstance(after, int | float) and before:
+                relative = after / before - 1.0
+            values = _value(before), _value(after)
+            about = change.component or NONE, change.what
+            changes.append((*about, *values, change.unit, relative))
+        yield _table(titles, changes, "Input that differs")
     if any(pair.is_changed for pair in case.modes):
         titles = (
             "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
@@ -105,14 +90,6 @@ def _table(titles: str, rows: Iterable[tuple[Any, ...]], caption: str) -> Block:
     return table(titles, rows, caption, short=caption)
 
 
-def _input_row(change: InputChange) -> tuple[Any, ...]:
-    before, after, relative = change.before, change.after, None
-    if isinstance(before, int | float) and isinstance(after, int | float) and before:
-        relative = after / before - 1.0
-    values = _value(before), _value(after)
-    return change.component or NONE, change.what, *values, change.unit, relative
-
-
 def _value(value: Any) -> Any:
     """Return a value of the input for a cell: a number, or the words of anything else."""
     if isinstance(value, list):
@@ -126,9 +103,20 @@ def compare(before: Path, after: Path, page: Path | None = None, *, as_json: boo
     Raises InputError if a file cannot be read or the page cannot be written.
     """
     comparison = compare_results(read_results(before), read_results(after))
-    document = comparison_document(comparison)
+    facts = (
+        ("A", f"{comparison.name_before}, input SHA-256 {comparison.checksum_before[:SHORT]}"),
+        ("B", f"{comparison.name_after}, input SHA-256 {comparison.checksum_after[:SHORT]}"),
+    )
+    blocks = [block for case in comparison.cases for block in _case_blocks(case)]
+    cover = Cover(REPORTS["compare"].title, comparison.name_after, facts, DISCLAIMER)
+    document = Document(cover, tuple(numbered(blocks)), "compare")
     if as_json:
-        say(json.dumps(comparison_data(comparison), indent=2, ensure_ascii=False))
+        data: dict[str, Any] = asdict(comparison) | {"is_changed": comparison.is_changed}
+        for case in data["cases"]:
+            for pair in case["modes"]:
+                if math.isnan(pair["criterion"]):
+                    pair["criterion"] = None
+        say(json.dumps(data, indent=2, ensure_ascii=False))
     else:
         show(document)
     if page is not None:

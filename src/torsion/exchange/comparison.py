@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.errors import InputError, printable, refusal
+from torsion.errors import printable, refusal
 from torsion.findings import Findings
 from torsion.output.results_json import results
 from torsion.rules.verdict_line import WORDS, Verdict
 from torsion.user_files import LARGEST_RESULTS, read_file
 
-FORMAT = 1
+FORMAT, PARTS = 1, {"scene", "stations", "spans", "checks"}
 TOLERANCE = 1e-6  # relative difference of a value or a utilisation that counts as a change
 LEAST_MAC = 0.5  # two modes with a smaller criterion are not the same mode
 HEAD = {  # key of `scene`: words, unit
@@ -31,8 +31,9 @@ HEAD = {  # key of `scene`: words, unit
     "rated_power_W": ("rated power", "W"),
     "rules": ("rules", ""),
 }
+NOT_JUDGED = WORDS["not judged"]
 INERTIA, FLEXIBILITY = ("inertia", "kg m2"), ("flexibility", "rad/(N m)")  # name, unit
-SEVERITY = ("pass", "restricted", "not judged", "not kept", "fail")
+SEVERITY = (None, *reversed(tuple(WORDS)))  # of a check; None: only the other result has it
 
 
 @dataclass(frozen=True)
@@ -82,16 +83,6 @@ class CheckChange:
     utilisation_before: float | None
     utilisation_after: float | None
 
-    @property
-    def severity(self) -> tuple[int, float]:
-        """Sort key: a verdict that worsens first, then the largest rise of the utilisation."""
-        before, after = (
-            -1 if v is None else SEVERITY.index(v)
-            for v in (self.verdict_before, self.verdict_after)
-        )
-        rise = (self.utilisation_after or 0.0) - (self.utilisation_before or 0.0)
-        return before - after, -rise
-
 
 @dataclass(frozen=True)
 class CaseComparison:
@@ -107,12 +98,8 @@ class CaseComparison:
     @property
     def is_changed(self) -> bool:
         """Verdict, input, a mode or a check differs."""
-        is_other = self.verdict_before != self.verdict_after
-        return (
-            is_other
-            or bool(self.inputs or self.checks)
-            or any(pair.is_changed for pair in self.modes)
-        )
+        is_other = self.verdict_before != self.verdict_after or self.inputs or self.checks
+        return bool(is_other) or any(pair.is_changed for pair in self.modes)
 
 
 @dataclass(frozen=True)
@@ -134,26 +121,24 @@ class Comparison:
 def read_results(path: str | Path) -> dict[str, Any]:
     """Return the content of a results.json, or of that in a folder; raises InputError if it cannot be read."""
     file = Path(path) / "results.json" if Path(path).is_dir() else Path(path)
+    data: Any = None
+    why = ""
     try:
         data = json.loads(read_file(file, LARGEST_RESULTS).decode())
     except (OSError, UnicodeDecodeError) as error:
-        raise _refused(
-            file, f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
-        ) from None
+        why = f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
     except (ValueError, RecursionError):
-        raise _refused(file, "is not JSON") from None
-    if not isinstance(data, dict) or not {"scene", "stations", "spans", "checks"} <= data.keys():
-        raise _refused(file, "does not hold the results of `torsion solve`")
-    if data.get("format") != FORMAT:
-        raise _refused(
-            file,
-            f"has format {printable(str(data.get('format')))}; this version reads format {FORMAT}",
-        )
+        why = "is not JSON"
+    is_of_torsion = isinstance(data, dict) and data.keys() >= PARTS
+    if not why and not is_of_torsion:
+        why = "does not hold the results of `torsion solve`"
+    elif not why and data.get("format") != FORMAT:
+        found = printable(str(data.get("format")))
+        why = f"has format {found}; this version reads format {FORMAT}"
+    if why:
+        hint = "write it with `torsion solve FILE -o FOLDER`"
+        raise refusal(f"{printable(str(file))} {why}", hint)
     return data
-
-
-def _refused(file: Path, why: str) -> InputError:
-    return refusal(f"{printable(str(file))} {why}", "write it with `torsion solve FILE -o FOLDER`")
 
 
 def compare(before: str | Path | Findings, after: str | Path | Findings) -> Comparison:
@@ -176,39 +161,43 @@ def compare(before: str | Path | Findings, after: str | Path | Findings) -> Comp
 
 def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comparison:
     """Compare the contents of two results.json, case by case."""
-    heads = before["scene"], after["scene"]
     cases = [_compare_case("", before, after)]
-    for name in dict.fromkeys((*(before.get("cases") or {}), *(after.get("cases") or {}))):
-        pair = [(data.get("cases") or {}).get(name) for data in (before, after)]
-        cases.append(_compare_case(name, *pair))
-    names = [str(head.get("name")) for head in heads]
-    checksums = [str(head.get("sha256") or "") for head in heads]
-    return Comparison(names[0], names[1], checksums[0], checksums[1], tuple(cases))
+    of_cases = before.get("cases") or {}, after.get("cases") or {}
+    for name in dict.fromkeys((*of_cases[0], *of_cases[1])):
+        cases.append(_compare_case(name, *(data.get(name) for data in of_cases)))
+    heads = before["scene"], after["scene"]
+    names = (str(head.get("name")) for head in heads)
+    checksums = (str(head.get("sha256") or "") for head in heads)
+    return Comparison(*names, *checksums, tuple(cases))
 
 
 def _compare_case(
     name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None
 ) -> CaseComparison:
-    old, new = (None if data is None else _verdict(data) for data in (before, after))
-    comparison = CaseComparison(name, old, new)
+    # The worst verdict in words: missing results are NOT JUDGED, variants that fail make a PASS one with restrictions.
+    words = list[str | None]()
+    for data in (before, after):
+        verdicts = {check["verdict"] for check in (data or {}).get("checks") or ()}
+        worst = next((text for verdict, text in WORDS.items() if verdict in verdicts), NOT_JUDGED)
+        if worst != "FAIL" and data and data.get("plan", {}).get("unanswered"):
+            worst = NOT_JUDGED
+        elif data and ((data.get("sweep") or {}).get("any_fails") or {}).get("failing"):
+            worst = WORDS["restricted"] if worst == WORDS["pass"] else worst
+        words.append(None if data is None else worst)
+    comparison = CaseComparison(name, *words)
     if before is None or after is None or not ("checks" in before and "checks" in after):
         return comparison
-    checks = sorted(_checks(before, after), key=lambda change: change.severity)
+
+    def severity(change: CheckChange) -> tuple[int, float]:
+        """Sort a verdict that worsens first, then the largest rise of the utilisation."""
+        verdicts = change.verdict_before, change.verdict_after
+        earlier, later = (SEVERITY.index(verdict) for verdict in verdicts)
+        shares = change.utilisation_before or 0.0, change.utilisation_after or 0.0
+        return earlier - later, shares[0] - shares[1]
+
+    checks = tuple(sorted(_checks(before, after), key=severity))
     inputs, modes = tuple(_inputs(before, after)), tuple(_modes(before, after))
-    return replace(comparison, inputs=inputs, modes=modes, checks=tuple(checks))
-
-
-def _verdict(data: Mapping[str, Any]) -> str:
-    """Return the worst verdict of the checks in words.
-
-    Missing results are NOT JUDGED, and variants that fail make a PASS one with restrictions.
-    """
-    verdicts = {check["verdict"] for check in data.get("checks") or ()}
-    worst = next((words for verdict, words in WORDS.items() if verdict in verdicts), "NOT JUDGED")
-    if worst != "FAIL" and data.get("plan", {}).get("unanswered"):
-        return "NOT JUDGED"
-    some_fail = ((data.get("sweep") or {}).get("any_fails") or {}).get("failing")
-    return WORDS["restricted"] if some_fail and worst == WORDS["pass"] else worst
+    return replace(comparison, inputs=inputs, modes=modes, checks=checks)
 
 
 def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[InputChange]:
@@ -271,38 +260,28 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
     """Yield every mode of A with its partner in B, then the modes of B without a partner."""
     if not before.get("modes") or not after.get("modes"):
         return
-    frequencies = [data["modes"]["frequency_Hz"] for data in (before, after)]
+    old, new = (data["modes"]["frequency_Hz"] for data in (before, after))
     criterion = _assurance(before, after)
-    partners = {mode: mode for mode in range(min(map(len, frequencies)))}
-    if criterion is not None:
-        partners = _partners(criterion)
-    for mode, frequency in enumerate(frequencies[0]):
-        partner = partners.get(mode)
-        other_value = None if partner is None else frequencies[1][partner]
-        value = (
-            np.nan
-            if criterion is None
-            else 0.0
-            if partner is None
-            else float(criterion[mode, partner])
-        )
-        yield ModePair(
-            mode + 1, None if partner is None else partner + 1, frequency, other_value, value
-        )
-    for mode in sorted(set(range(len(frequencies[1]))) - set(partners.values())):
-        yield ModePair(None, mode + 1, None, frequencies[1][mode], 0.0)
-
-
-def _partners(criterion: FloatArray) -> dict[int, int]:
-    """Return the partner of every mode of A in B: the pairs with the largest criterion first, each mode once."""
-    partners: dict[int, int] = {}
-    for index in np.argsort(-criterion, axis=None, kind="stable"):
-        row, column = (int(position) for position in np.unravel_index(index, criterion.shape))
-        if criterion[row, column] <= LEAST_MAC:
+    partners = dict[int, int]()
+    if criterion is None:
+        partners = {mode: mode for mode in range(min(len(old), len(new)))}
+    # The pairs with the largest criterion first, each mode once.
+    for index in () if criterion is None else np.argsort(-criterion, axis=None, kind="stable"):
+        row, column = divmod(int(index), len(new))
+        if criterion is None or criterion[row, column] <= LEAST_MAC:
             break
         if row not in partners and column not in partners.values():
             partners[row] = column
-    return partners
+    for mode, frequency in enumerate(old):
+        value = 0.0 if criterion is not None else np.nan
+        if (partner := partners.get(mode)) is None:
+            yield ModePair(mode + 1, None, frequency, None, value)
+            continue
+        if criterion is not None:
+            value = float(criterion[mode, partner])
+        yield ModePair(mode + 1, partner + 1, frequency, new[partner], value)
+    for mode in sorted(set(range(len(new))) - set(partners.values())):
+        yield ModePair(None, mode + 1, None, new[mode], 0.0)
 
 
 def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArray | None:
@@ -312,13 +291,11 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
     common = [name for name in names[0] if name in set(names[1])]
     if not common or not all(isinstance(shape, list) for shape in shapes):
         return None
-    inertia = dict(
-        zip(names[0], (row.get("inertia_kg_m2") or 0.0 for row in before["stations"]), strict=True)
-    )
+    inertia = {row["name"]: row.get("inertia_kg_m2") or 0.0 for row in before["stations"]}
     weight = np.sqrt([inertia[name] for name in common])
     scaled = []
-    for shape, names_known in zip(shapes, names, strict=True):
-        places = [names_known.index(name) for name in common]
+    for shape, stations in zip(shapes, names, strict=True):
+        places = [stations.index(name) for name in common]
         values = np.array(shape, dtype=float)[:, places] * weight
         norm = np.linalg.norm(values, axis=1, keepdims=True)
         scaled.append(np.divide(values, norm, out=np.zeros_like(values), where=norm > 0))

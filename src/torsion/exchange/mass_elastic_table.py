@@ -5,7 +5,6 @@ first mass; a gear stands between two rows with different ratios.
 """
 
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -44,6 +43,10 @@ SPELLINGS = {  # as makers print it: as the model file has it
 }
 # fmt: on
 LINK = ("stiffness", "flexibility", "viscous", "psi", "loss_factor", "magnifier")
+EDITOR_KEYS = {  # of openTorsion-Editor: type of an element, its keys and their columns
+    "Disk": {"inertia": "inertia", "damping": "ground"},
+    "ShaftDiscrete": {"stiffness": "stiffness", "damping": "viscous"},
+}
 EMPTY = ("", "-", "–", "—")
 TEMPLATE = """\
 no;name;J [kg m2];k [kN m/rad];d [N m s/rad];psi;ground [N m s/rad];ratio
@@ -94,7 +97,28 @@ def _table_masses(source: Source) -> list[Mass]:
     columns = [_column(cell, table) for cell in rows[0]]
     table.read_signs(cell for row in rows[1:] for cell in row)
     masses = [_mass(row, columns, table) for row in rows[1:]]
-    _check_links(masses, rows[1:], table)
+
+    # Masses that nothing connects to the next, a stiffness after the last, and inertias stated twice.
+    for mass, following, row in zip(masses, [*masses[1:], None], rows[1:], strict=True):
+        elastic = {"stiffness", "flexibility"} & mass.values.keys()
+        faults = {
+            ("has a stiffness and a flexibility", "leave one of them empty"): len(elastic) > 1,
+            (
+                "is the last mass and has a shaft to the next",
+                "leave its cells empty",
+            ): following is None and not mass.values.keys().isdisjoint(LINK),
+            (
+                "has no stiffness to the next mass",
+                "write it, or 0 in a column `flexibility` for a rigid connection",
+            ): following is not None and not elastic and following.ratio == mass.ratio,
+            ("states its inertia twice", "leave one of the cells empty"): len(
+                {"inertia", "gd2", "wr2"} & mass.values.keys()
+            )
+            > 1,
+        }
+        for (words, hint), is_so in faults.items():
+            if is_so:
+                table.fault(row[0], f"'{mass.name}' {words}", hint)
     if table.faults:
         raise input_error(table.faults, source)
     return masses
@@ -125,6 +149,7 @@ def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) ->
     if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
         table.fault(row[len(columns)], "the row has more cells than there are titles")
     for cell, (key, unit, title) in zip(row, columns, strict=False):
+        text = table.plain(cell.text)
         if cell.text in EMPTY:
             continue
         if key in ("no", "name"):
@@ -132,92 +157,61 @@ def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) ->
         elif not key:
             unread.append(f"{title or 'column without title'}: {cell.text}")
         elif key == "ratio":
-            ratio = _ratio(cell, table.plain(cell.text), table)
-        elif not is_number(table.plain(cell.text)):
-            table.fault(
-                cell, f"`{cell.text}` is not a number", "write a number, or leave the cell empty"
-            )
+            try:  # `23/71`, `0.324` or `1`
+                ratio = Fraction(text.replace(" ", ""))
+            except (ValueError, ZeroDivisionError):
+                ratio = Fraction(0)
+            if ratio <= 0:
+                hint = "write speed of the mass / speed of the first: 23/71"
+                table.fault(cell, f"`{cell.text}` is not a speed ratio", hint)
+                ratio = Fraction(1)
+        elif not is_number(text):
+            hint = "write a number, or leave the cell empty"
+            table.fault(cell, f"`{cell.text}` is not a number", hint)
         else:
-            values[key] = f"{table.plain(cell.text)} {unit}".strip()
-    name = values.pop("name", "") or (f"mass {values['no']}" if "no" in values else "")
+            values[key] = f"{text} {unit}".strip()
+    number = values.pop("no", "")
+    name = values.pop("name", "") or (number and f"mass {number}")
     if not name:
-        table.fault(
-            row[0], "the row has neither a name nor a number", "add a column `name` or `no`"
-        )
-    values.pop("no", None)
+        hint = "add a column `name` or `no`"
+        table.fault(row[0], "the row has neither a name nor a number", hint)
     return Mass(name, row[0].line, values, ratio, tuple(unread))
-
-
-def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
-    """Read a speed ratio like `23/71`, `0.324` or `1`; a fault is noted for another text."""
-    try:
-        ratio = Fraction(text.replace(" ", ""))
-    except (ValueError, ZeroDivisionError):
-        ratio = Fraction(0)
-    if ratio <= 0:
-        table.fault(
-            cell,
-            f"`{cell.text}` is not a speed ratio",
-            "write speed of the mass / speed of the first: 23/71",
-        )
-        return Fraction(1)
-    return ratio
-
-
-def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> None:
-    """Note every mass that nothing connects to the next, a stiffness after the last, and inertias stated twice."""
-    for number, (mass, row) in enumerate(zip(masses, rows, strict=True)):
-        elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
-        is_last = number + 1 == len(masses)
-        if len(elastic) > 1:
-            table.fault(
-                row[0],
-                f"'{mass.name}' has a stiffness and a flexibility",
-                "leave one of them empty",
-            )
-        if is_last and any(key in mass.values for key in LINK):
-            table.fault(
-                row[0],
-                f"'{mass.name}' is the last mass and has a shaft to the next",
-                "leave its cells empty",
-            )
-        if not is_last and not elastic and masses[number + 1].ratio == mass.ratio:
-            hint = "write it, or 0 in a column `flexibility` for a rigid connection"
-            table.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
-        if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
-            table.fault(
-                row[0], f"'{mass.name}' states its inertia twice", "leave one of the cells empty"
-            )
 
 
 def _editor_masses(source: Source) -> list[Mass]:
     """Read the disks and discrete shafts of an openTorsion-Editor file in their order."""
     try:
         data = json.loads(source.text)
-        elements = [
-            (part["name"], element) for part in data["components"] for element in part["elements"]
-        ]
         kinds = [
-            (f"{component}.{element['name']}", element["type"], element)
-            for component, element in elements
+            (f"{part['name']}.{element['name']}", element["type"], element)
+            for part in data["components"]
+            for element in part["elements"]
         ]
     except (ValueError, KeyError, TypeError, RecursionError):
         hint = "expected: components: [{name, elements: [{name, type: Disk, inertia: 1.0}, ...]}]"
-        raise input_error(
-            [Fault((), "this is not an openTorsion-Editor file", hint, line=1, column=1)], source
-        ) from None
+        fault = Fault((), "this is not an openTorsion-Editor file", hint, line=1, column=1)
+        raise input_error([fault], source) from None
     masses, faults = list[Mass](), list[Fault]()
     for name, kind, element in kinds:
-        if kind == "Disk":
-            values = _editor_values(element, {"inertia": "inertia", "damping": "ground"})
-            masses.append(Mass(name, 1, values, unread=_unread(element, ("inertia", "damping"))))
-        elif kind == "ShaftDiscrete" and masses:
-            masses[-1].values.update(
-                _editor_values(element, {"stiffness": "stiffness", "damping": "viscous"})
-            )
-        else:
+        if kind not in EDITOR_KEYS or (kind != "Disk" and not masses):
             hint = "elements that are read: Disk, and ShaftDiscrete after a Disk"
             faults.append(Fault((), f"'{name}' of type {kind} is not read", hint, line=1, column=1))
+            continue
+        keys = EDITOR_KEYS[kind]
+        values = {  # with their SI units; zero damping is left out
+            column: f"{element[key]!r} {UNITS[column]}"
+            for key, column in keys.items()
+            if isinstance(element.get(key), int | float) and (element[key] or column == "inertia")
+        }
+        if kind == "Disk":
+            unread = (
+                f"{key}: {json.dumps(value)}"
+                for key, value in element.items()
+                if key not in ("name", "type", *keys) and value
+            )
+            masses.append(Mass(name, 1, values, unread=tuple(unread)))
+        else:
+            masses[-1].values.update(values)
     if not masses:
         faults.append(Fault((), "the file has no Disk", line=1, column=1))
     if faults:
@@ -225,66 +219,34 @@ def _editor_masses(source: Source) -> list[Mass]:
     return masses
 
 
-def _editor_values(element: dict[str, object], keys: dict[str, str]) -> dict[str, str]:
-    """Return the numbers of an element with their SI units, by column; zero damping is left out."""
-    values_of_element = {column: element.get(key) for key, column in keys.items()}
-    return {
-        column: f"{value!r} {UNITS[column]}"
-        for column, value in values_of_element.items()
-        if isinstance(value, int | float) and (value or column == "inertia")
-    }
-
-
-def _unread(element: dict[str, object], keys: Iterable[str]) -> tuple[str, ...]:
-    read_keys = {"name", "type", *keys}
-    return tuple(
-        f"{key}: {json.dumps(value)}"
-        for key, value in element.items()
-        if key not in read_keys and value
-    )
-
-
 def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
     """Write the model file: a disc a mass, a coupling or a gear between two."""
-    lines, used = [f"name: {json.dumps(title, ensure_ascii=False)}", "train:"], set[str]()
-    names = []
+    lines = [f"name: {json.dumps(title, ensure_ascii=False)}", "train:"]
+
+    def add(kind: str, name: str, **values: str | None) -> None:
+        keys = [f"{key}: {value}" for key, value in values.items() if value is not None]
+        body = ", ".join([f"name: {json.dumps(name, ensure_ascii=False)}", *keys])
+        lines.append(f"  - {kind}: {{{body}}}")
+
+    names = list[str]()
     for mass in masses:
-        name = mass.name if mass.name not in used else f"{mass.name} (line {mass.line})"
-        used.add(name)
-        names.append(name)
+        names.append(mass.name if mass.name not in names else f"{mass.name} (line {mass.line})")
     for number, (mass, name) in enumerate(zip(masses, names, strict=True)):
         lines += [f"  # not read of {name}: {words}" for words in mass.unread]
-        lines.append(
-            f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}"
-        )
+        values = mass.values
+        # GD2 of technical tables is four times J, WR2 is J.
+        inertia = values.get("inertia") or values.get("wr2") or f"0 {UNITS['inertia']}"
+        if "gd2" in values:
+            amount, unit = units.amount(values["gd2"])
+            inertia = f"{float(amount / 4)!r} {unit}"
+        add("disc", name, inertia=inertia, damping=values.get("ground"))
         if number + 1 == len(masses):
             break
         following = names[number + 1]
-        if any(key in mass.values for key in ("stiffness", "flexibility")):
-            link = "".join(_key(key, mass.values.get(key)) for key in LINK)
-            lines.append(f"  - coupling: {{name: {_quoted(f'{name} to {following}')}{link}}}")
+        if "stiffness" in values or "flexibility" in values:
+            add("coupling", f"{name} to {following}", **{key: values.get(key) for key in LINK})
         ratio = mass.ratio / masses[number + 1].ratio
         if ratio != 1:
-            extra = ", referred: true" if referred else ""
-            lines.append(
-                f"  - gear: {{name: {_quoted(f'gear before {following}')}, ratio: {ratio}{extra}}}"
-            )
+            extra = "true" if referred else None
+            add("gear", f"gear before {following}", ratio=str(ratio), referred=extra)
     return "\n".join(lines) + "\n"
-
-
-def _inertia(mass: Mass) -> str:
-    """The inertia of a mass: GD2 of technical tables is four times J, WR2 is J."""
-    if "gd2" in mass.values:
-        number, unit = units.amount(mass.values["gd2"])
-        return _key("inertia", f"{float(number / 4)!r} {unit}")
-    return _key(
-        "inertia", mass.values.get("inertia") or mass.values.get("wr2") or f"0 {UNITS['inertia']}"
-    )
-
-
-def _key(key: str, value: str | None) -> str:
-    return "" if value is None else f", {key}: {value}"
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)

@@ -12,10 +12,10 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.response.harmonic_components import Excitation, amplitude, excitations
+from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.over_speed import response_of_orders
 from torsion.analyses.response.solver import ground_damping
-from torsion.analyses.steady import steady_if_known
+from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, refusal
@@ -65,64 +65,11 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     Raises InputError for what has no counterpart: another model, universal joints, damping by mode, couplings that
     follow their amplitude, and several orders of a train with loss factors.
     """
-    _check(system)
-    grid = np.array([speed])
-    acting = [
-        excitation
-        for excitation in excitations(system)
-        if excitation.line.order is not None and order in (None, excitation.line.order)
-    ]
-    if not acting:
-        orders = ", ".join(
-            str(excitation.line.order)
-            for excitation in excitations(system)
-            if excitation.line.order is not None
-        )
-        raise refusal(f"order {order} does not excite the train", f"orders: {orders or 'none'}")
-    response = response_of_orders(
-        study,
-        system,
-        [excitation.line.order for excitation in acting if excitation.line.order],
-        grid,
-    )
-    system = response.system
-    steady = steady_if_known(study, system, grid)
-    frequencies = np.array(
-        [float(excitation.line.circular_frequency(grid)[0]) for excitation in acting]
-    )  # rad/s
-
-    text = _Text({"Train"})
-    _declare_stations(text, system, response, frequencies)
-    _declare_spans(text, system, _stiffness_and_damping(study, system, speed, frequencies))
-    _declare_ground_damping(text, system, ground_damping(system, grid, steady)[:, 0])
-    _declare_torques(text, study, system, acting, speed)
-
-    title = _safe(f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm")
-    end = 2.0 * np.pi * PERIODS / float(frequencies.min())
-    experiment = f'annotation(uses(Modelica(version="4.0.0")), experiment(StopTime={end!r}, Tolerance=1e-9));'
-    lines = [
-        f'model Train "{title}"',
-        *text.declared,
-        "equation",
-        *text.connections,
-        f"  {experiment}",
-        "end Train;",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _safe(text: str) -> str:
-    """Return a text as it stands within a Modelica string."""
-    return text.replace("\\", "\\\\").replace('"', '\\"')
-
-
-def _check(system: System) -> None:
-    """Refuse what has no counterpart in the library."""
-    reasons = {
+    reasons = {  # for which there is no counterpart in the library
         f"the model {system.model} has no discrete components (write `model: lumped`)": system.bars
         is not None,
         "a universal joint has no counterpart in Modelica.Mechanics.Rotational": any(
-            s.error for s in system.own_spans
+            span.error for span in system.own_spans
         ),
         "a coupling that follows its amplitude has no linear counterpart": (
             system.train.has_nonlinear_couplings or system.train.has_tables_over("vibratory torque")
@@ -133,40 +80,57 @@ def _check(system: System) -> None:
     }
     if faults := [Fault((), reason) for reason, is_so in reasons.items() if is_so]:
         raise InputError(faults)
-
-
-def _stiffness_and_damping(
-    study: Study, system: System, speed: float, frequencies: FloatArray
-) -> FloatArray:
-    """(spans, 2) N m/rad and N m s/rad; zero for a rigid span. Raises InputError for a loss at several frequencies."""
     grid = np.array([speed])
+    possible = {
+        item.line.order: item for item in excitations(system) if item.line.order is not None
+    }
+    acting = [item for known, item in possible.items() if order in (None, known)]
+    if not acting:
+        orders = ", ".join(map(str, possible)) or "none"
+        raise refusal(f"order {order} does not excite the train", f"orders: {orders}")
+    response = response_of_orders(
+        study, system, [line_order for line_order in possible if order in (None, line_order)], grid
+    )
+    system = response.system
     steady = steady_if_known(study, system, grid)
-    mean = np.zeros((len(system.spans), 1)) if steady is None else steady.torque
-    values = np.zeros((len(system.spans), 2))
-    for span in np.flatnonzero(system.flexibility != 0).tolist():
-        pairs = np.array(
-            [
-                [
-                    float(np.ravel(part)[0])
-                    for part in system.elastic(
-                        span, np.array([[frequency]]), mean[span][:, None], grid[:, None]
-                    )
-                ]
-                for frequency in frequencies
-            ]
-        )
-        damping = pairs[:, 1] / frequencies
-        spread = [
-            np.ptp(pairs[:, 0]) / max(abs(pairs[0, 0]), 1e-300),
-            np.ptp(damping) / max(abs(damping).max(), 1e-300),
-        ]
-        if max(spread) > SAME_DAMPING:
-            message = (
-                f"stiffness and damping of '{system.spans[span].name}' differ from order to order"
-            )
-            raise refusal(message, "write one order at a time: --order 1/2")
-        values[span] = (0.0 if np.isinf(system.flexibility[span]) else pairs[0, 0]), damping[0]
-    return values
+    # (orders,) rad/s
+    frequencies = np.array([float(item.line.circular_frequency(grid)[0]) for item in acting])
+
+    text = _Text({"Train"})
+    _declare_stations(text, system, response, frequencies)
+    _declare_spans(text, system, grid, steady, frequencies)
+    # A damper from every station with damping to one fixed ground.
+    damping = ground_damping(system, grid, steady)[:, 0]
+    stations = np.flatnonzero(damping).tolist()
+    ground = text.declare(f"{ROTATIONAL}.Components.Fixed", "ground") if stations else ""
+    for station in stations:
+        label, size = f"{system.stations[station].name} to ground", float(damping[station])
+        damper = text.declare(f"{ROTATIONAL}.Components.Damper", label, f"d={size!r}")
+        text.join(station, f"{damper}.flange_a")
+        text.connect(f"{damper}.flange_b", f"{ground}.flange")
+    # A sine and a torque for every harmonic component at every station; cos(wt + p) = sin(wt + p + pi/2).
+    for item, frequency in zip(acting, frequencies.tolist(), strict=True):
+        for torque in item.torques:
+            phasor = complex(amplitude(system, torque, grid, steady)[0])
+            label = f"{torque.name} order {item.line.order}"
+            phase, hertz = float(np.angle(phasor)) + np.pi / 2.0, frequency / (2.0 * np.pi)
+            modifiers = f"amplitude={abs(phasor)!r}, f={hertz!r}, phase={phase!r}"
+            sine = text.declare("Modelica.Blocks.Sources.Sine", label, modifiers)
+            about = f"{label} torque", "useSupport=false"
+            source = text.declare(f"{ROTATIONAL}.Sources.Torque", *about)
+            text.connect(f"{sine}.y", f"{source}.tau")
+            text.join(torque.station, f"{source}.flange")
+
+    title = _safe(f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm")
+    end = 2.0 * np.pi * PERIODS / float(frequencies.min())
+    experiment = f'annotation(uses(Modelica(version="4.0.0")), experiment(StopTime={end!r}, Tolerance=1e-9));'
+    lines = [f'model Train "{title}"', *text.declared, "equation", *text.connections]
+    return "\n".join([*lines, f"  {experiment}", "end Train;"]) + "\n"
+
+
+def _safe(text: str) -> str:
+    """Return a text as it stands within a Modelica string."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _declare_stations(
@@ -194,62 +158,40 @@ def _declare_stations(
             )
 
 
-def _declare_spans(text: _Text, system: System, values: FloatArray) -> None:
-    """Declare what joins two stations: spring and damper, then the ideal gear; a rigid span is a torque sensor."""
+def _declare_spans(
+    text: _Text, system: System, grid: FloatArray, steady: Steady | None, frequencies: FloatArray
+) -> None:
+    """Declare what joins two stations: spring and damper, then the ideal gear; a rigid span is a torque sensor.
+
+    Raises InputError for a loss at several frequencies.
+    """
+    mean = np.zeros((len(system.spans), 1)) if steady is None else steady.torque
     for number, span in enumerate(system.spans):
-        (stiffness, damping), ratio = values[number].tolist(), float(span.ratio)
-        ends = list[tuple[str, str]]()
+        ends, ratio = list[tuple[str, str]](), float(span.ratio)
         if system.flexibility[number] != 0:
-            kind = "SpringDamper" if stiffness and damping else "Spring" if stiffness else "Damper"
-            coefficients = {"c": stiffness, "d": damping}
-            modifiers = ", ".join(
-                f"{key}={value!r}" for key, value in coefficients.items() if value
-            )
+            about = frequencies[None], mean[number][:, None], grid[:, None]
+            parts = system.elastic(number, *about)
+            stiffness, loss = (np.broadcast_to(part, (1, len(frequencies)))[0] for part in parts)
+            damping = loss / frequencies
+            if any(
+                np.ptp(x) > SAME_DAMPING * max(abs(x).max(), 1e-300) for x in (stiffness, damping)
+            ):
+                message = f"stiffness and damping of '{span.name}' differ from order to order"
+                raise refusal(message, "write one order at a time: --order 1/2")
+            is_free = np.isinf(system.flexibility[number])
+            sizes = {"c": 0.0 if is_free else float(stiffness[0]), "d": float(damping[0])}
+            kind = "SpringDamper" if all(sizes.values()) else "Spring" if sizes["c"] else "Damper"
+            modifiers = ", ".join(f"{key}={value!r}" for key, value in sizes.items() if value)
             part = text.declare(f"{ROTATIONAL}.Components.{kind}", span.name, modifiers)
             ends.append((f"{part}.flange_a", f"{part}.flange_b"))
         elif ratio == 1:
             part = text.declare(f"{ROTATIONAL}.Sensors.TorqueSensor", span.name)
             ends.append((f"{part}.flange_a", f"{part}.flange_b"))
         if ratio != 1:
-            gear = text.declare(
-                f"{ROTATIONAL}.Components.IdealGear", f"{span.name} gear", f"ratio={1.0 / ratio!r}"
-            )
+            kind, label = f"{ROTATIONAL}.Components.IdealGear", f"{span.name} gear"
+            gear = text.declare(kind, label, f"ratio={1.0 / ratio!r}")
             ends.append((f"{gear}.flange_a", f"{gear}.flange_b"))
         text.join(span.driving, ends[0][0])
         if len(ends) == 2:
             text.connect(ends[0][1], ends[1][0])
         text.join(span.driven, ends[-1][1])
-
-
-def _declare_ground_damping(text: _Text, system: System, damping: FloatArray) -> None:
-    """Declare a damper from every station with damping to one fixed ground."""
-    stations = np.flatnonzero(damping).tolist()
-    ground = text.declare(f"{ROTATIONAL}.Components.Fixed", "ground") if stations else ""
-    for station in stations:
-        label = f"{system.stations[station].name} to ground"
-        damper = text.declare(
-            f"{ROTATIONAL}.Components.Damper", label, f"d={float(damping[station])!r}"
-        )
-        text.join(station, f"{damper}.flange_a")
-        text.connect(f"{damper}.flange_b", f"{ground}.flange")
-
-
-def _declare_torques(
-    text: _Text, study: Study, system: System, acting: list[Excitation], speed: float
-) -> None:
-    """Declare a sine and a torque for every harmonic component at every station; cos(wt + p) = sin(wt + p + pi/2)."""
-    grid = np.array([speed])
-    steady = steady_if_known(study, system, grid)
-    for excitation in acting:
-        frequency = float(excitation.line.circular_frequency(grid)[0]) / (2.0 * np.pi)
-        for torque in excitation.torques:
-            phasor = complex(amplitude(system, torque, grid, steady)[0])
-            label = f"{torque.name} order {excitation.line.order}"
-            phase = float(np.angle(phasor)) + np.pi / 2.0
-            modifiers = f"amplitude={abs(phasor)!r}, f={frequency!r}, phase={phase!r}"
-            sine = text.declare("Modelica.Blocks.Sources.Sine", label, modifiers)
-            source = text.declare(
-                f"{ROTATIONAL}.Sources.Torque", f"{label} torque", "useSupport=false"
-            )
-            text.connect(f"{sine}.y", f"{source}.tau")
-            text.join(torque.station, f"{source}.flange")

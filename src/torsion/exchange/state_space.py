@@ -77,8 +77,15 @@ def state_space(
     root = np.linalg.cholesky(view.inertia)
     lift = np.linalg.solve(root, np.eye(len(root))).T
     coupling = np.sqrt(stiffness)[:, None] * (twist @ lift)
-    places = [_station(view.stations, view.basis, name) for name in inputs or _free(system)]
-    seen = [_station(view.stations, view.basis, name) for name in outputs or _free(system)]
+    free = [
+        station.name
+        for station, is_held in zip(system.stations, system.held, strict=True)
+        if not (is_held or station.is_ground)
+    ]
+    places, seen = (
+        [_station(view.stations, view.basis, name) for name in names or free]
+        for names in (inputs, outputs)
+    )
     count = len(spans)
     names = [system.spans[span].name for span in spans.tolist()]
     return StateSpace(
@@ -134,14 +141,6 @@ def _check(system: System, loss_at: float | None) -> None:
         name = system.spans[int(np.argmax(system.loss_factor > 0))].name
         message = f"the loss factor of '{name}' has no state space"
         raise refusal(message, "name the frequency at which it is exact: --at 12 (Hz)")
-
-
-def _free(system: System) -> list[str]:
-    return [
-        station.name
-        for station, is_held in zip(system.stations, system.held, strict=True)
-        if not (is_held or station.is_ground)
-    ]
 
 
 def _station(stations: tuple[str, ...], basis: FloatArray, name: str) -> int:
