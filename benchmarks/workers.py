@@ -20,13 +20,12 @@ from benchmarks.page_file import Report
 from benchmarks.papers.writing import table
 
 SCENE = Path(__file__).parents[1] / "shafting_specs" / "toleranced_drive.yaml"
-TOGETHER, JUDGED, ENDED, FREQUENCIES = 1 << 15, 512, 256, 1 << 20
-BY_ITSELF = "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which no variants are judged together
+JUDGED, ENDED, FREQUENCIES = 512, 256, 1 << 20
 PORT = 8799
 HOW = """\
-`torsion sweep` of the model file toleranced_drive in processes of its own; eight figures vary. Judged: verdicts
-side by side by the rule of the model file, and, with the rule `nvh` too, each variant read, solved and judged as a file
-of its own. Frequencies only: three modes of every variant side by side, each proven.
+`torsion sweep` of the model file toleranced_drive in processes of its own; eight figures vary. Judged: each variant
+solved and judged by the rule of the model file as a file of its own. Frequencies only: three modes of every variant
+side by side, each proven.
 Wall time is that of the sweep in the plan of the report, with the start of the workers, reading and writing of the
 parts; the rate after the first part leaves the start out. Processor time is that of the whole command with all of its
 processes. The machine is shared with other work: where its load, printed next to them, is near the number of processors
@@ -42,20 +41,12 @@ def main() -> None:
     share = 8 if report.chosen.quick else 1
     with TemporaryDirectory() as place:
         folder = Path(place)
-        together = _scene(folder / "together.yaml", TOGETHER // share)
-        judged = _by_itself(_scene(folder / "judged.yaml", max(JUDGED // share, 128)))
+        judged = _scene(folder / "judged.yaml", max(JUDGED // share, 128))
         frequencies = _scene(folder / "frequencies.yaml", FREQUENCIES // share, "results: [modes]")
-        ended = _by_itself(_scene(folder / "ended.yaml", ENDED))
+        ended = _scene(folder / "ended.yaml", ENDED)
         parts = [
             HOW,
-            _times(
-                {
-                    "judged side by side": together,
-                    "judged one by one": judged,
-                    "frequencies only": frequencies,
-                },
-                folder,
-            ),
+            _times({"judged": judged, "frequencies only": frequencies}, folder),
             _ended(ended, folder),
             _by_tls(ended, folder),
         ]
@@ -68,12 +59,6 @@ def _scene(file: Path, samples: int, more: str = "") -> Path:
         text.replace("samples: 128", f"samples: {samples}" + (f"\n    {more}" if more else "")),
         "utf-8",
     )
-    return file
-
-
-def _by_itself(file: Path) -> Path:
-    text = file.read_text(encoding="utf-8")
-    file.write_text(text.replace("rules: [coupling-maker]", BY_ITSELF), encoding="utf-8")
     return file
 
 
