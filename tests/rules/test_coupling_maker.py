@@ -173,7 +173,7 @@ def test_coupling_without_limits_gives_nothing_but_is_said_to_be_left_out(study,
         )
         == ()
     )
-    assert coupling.CouplingMaker(coupling.CouplingSettings()).left_out(scene) == (
+    assert tuple(coupling.CouplingMaker(coupling.CouplingSettings()).left_out(scene)) == (
         ("coupling-maker for rubber", "its maker's limits are not given"),
     )
 

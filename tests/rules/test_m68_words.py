@@ -230,7 +230,7 @@ NO_ROLE = ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1})
 )
 def test_what_is_left_out_is_said(study, operation, lines) -> None:
     scene = study([line()[0], NO_ROLE, *line()[1:]], **operation)
-    assert m68.M68(m68.M68Settings()).left_out(scene) == (
+    assert tuple(m68.M68(m68.M68Settings()).left_out(scene)) == (
         ("iacs-m68 for stub", "the shaft has no `role`"),
         *lines,
     )
@@ -238,7 +238,7 @@ def test_what_is_left_out_is_said(study, operation, lines) -> None:
     meshed = replace(
         scene, train=replace(scene.train, bars=(stub, replace(judged, section=object())))
     )
-    rows = m68.M68(m68.M68Settings()).demanded_rows(meshed)
+    rows = list(m68.M68(m68.M68Settings()).demanded_rows(meshed))
     assert ("line", "not judged", m68.NOT_ROUND) in [
         (row.where, row.verdict, row.note) for row in rows
     ]

@@ -1,6 +1,6 @@
 """Rule `coupling-maker`: the limits in a coupling's catalogue (terms of DIN 740-2: T_KN, T_KW, T_Kmax, P_KW)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,29 +75,27 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
                 return faults + self.mean_torque_faults(study, f"that of '{part.name}'")
         return faults
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """Return what was not judged, and why."""
-        rows, has_states = list[tuple[str, str]](), study.cases or study.case
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
+        """Yield what was not judged, and why."""
+        has_states = study.cases or study.case
         for _, part, ratings in _couplings(study):
             if not ratings.limit_anything:
-                rows.append((f"{self.name} for {part.name}", "its maker's limits are not given"))
+                yield f"{self.name} for {part.name}", "its maker's limits are not given"
         words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
         for _, part, ratings in _couplings(study) if misfires(study) and not has_states else ():
             if ratings.heat_in_misfire and part.kind == "coupling" and not part.warming:
-                rows.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
-        return tuple(rows)
+                yield f"{self.name}: heat of {part.name} in misfire, cold and warm", words
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return limits of the heat in misfire where every cylinder of an engine fires."""
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
+        """Yield limits of the heat in misfire where every cylinder of an engine fires."""
         has_misfire = any(map(misfires, (study, *study.cases.values())))
         if not engines_of(study) or has_misfire or study.covers(MISFIRE, self.name):
-            return ()
+            return
         note = "every cylinder fires: compute a misfire, as a case"
-        return tuple(
-            unjudged(self.name, "P_KW misfire", part.name, "Heat in misfire", note, "maker")
-            for _, part, ratings in _couplings(study)
-            if ratings.heat_in_misfire is not None
-        )
+        for _, part, ratings in _couplings(study):
+            if ratings.heat_in_misfire is not None:
+                about = "P_KW misfire", part.name, "Heat in misfire", note
+                yield unjudged(self.name, *about, "maker")
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield mean torque, vibratory torque and heat in continuous use, and maximum torque always, of every coupling."""

@@ -51,8 +51,14 @@ def with_reach(
     above the share `begin` of the rated speed; that share is START for limits that hold while the train starts, which
     are not judged if the speeds begin where no barred range may lie.
     """
-    rated, speeds = study.operation.rated, study.operation.speeds
-    cut = use_words(use, study)
+    rated, speeds, cut = study.operation.rated, study.operation.speeds, ""
+    # Speeds of the operation that a setting of the rule leaves out.
+    ends = [] if speeds is None else [speeds.first, speeds.last]
+    ends += [] if rated is None else [rated.speed]
+    if use is not None and ends:
+        has_first = use.first <= min(ends) * (1 + SAME_SPEED)
+        if not (has_first and use.last >= max(ends) * (1 - SAME_SPEED)):
+            cut = f"judged in continuous use only, {in_rpm(use.first)} to {in_rpm(use.last)}"
     if rated is None or speeds is None:
         yield restricted(check, cut)
         return
@@ -93,18 +99,6 @@ def with_reach(
         words, what = reach_words(reach, rated.speed), f"{subject} {side} the computed speeds"
         row = unjudged(check.rule, "speeds", check.where, what, words, check.standing)
         yield replace(row, reach=reach)
-
-
-def use_words(use: Range | None, study: Study) -> str:
-    """Return which speeds of the operation a setting of the rule leaves out; empty where it leaves none out."""
-    rated, speeds = study.operation.rated, study.operation.speeds
-    ends = [] if speeds is None else [speeds.first, speeds.last]
-    ends += [] if rated is None else [rated.speed]
-    if use is None or not ends:
-        return ""
-    if use.first <= min(ends) * (1 + SAME_SPEED) and use.last >= max(ends) * (1 - SAME_SPEED):
-        return ""
-    return f"judged in continuous use only, {in_rpm(use.first)} to {in_rpm(use.last)}"
 
 
 def demanded_speed(study: Study, scope: float) -> tuple[float, str]:

@@ -1,6 +1,6 @@
 """Rule `engine-maker`: nominal stress of the crankshaft against the limit that the maker of the engine gives."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
@@ -39,14 +39,14 @@ class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
             faults.append(Fault(self.path(study), message, hint))
         return faults + no_crank(study, self)
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""
         reason = "the rule limits the torsional stress only"
         return ((f"{self.name}: damper, front end and bearings of the engine", reason),)
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Return the orders that the synthesis lacks."""
-        return tuple(order_rows(self.name, study, "maker"))
+        return order_rows(self.name, study, "maker")
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the stress of every crankshaft in continuous use."""

@@ -1,6 +1,6 @@
 """Rule `fillets`: the vibratory shear stress in fillets and notches of shafts against the endurance that is stated."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -35,13 +35,11 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
             return [Fault(self.path(study), message, hint)]
         return self.vibration_faults(study)
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return also a row NOT JUDGED of each endurance that is stated where no K_t is known."""
-        rows = (
-            unjudged(self.name, "endurance", bar.name, what, UNKNOWN, "setting", "N/mm2")
-            for bar, what in unknown_fillets(evidence.need(Response).system.train)
-        )
-        return *super().judge(evidence), *rows
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Yield also a row NOT JUDGED of each endurance that is stated where no K_t is known."""
+        yield from super().judge(evidence)
+        for bar, what in unknown_fillets(evidence.need(Response).system.train):
+            yield unjudged(self.name, "endurance", bar.name, what, UNKNOWN, "setting", "N/mm2")
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield K_t times the half range of the nominal stress, of every fillet with an endurance."""

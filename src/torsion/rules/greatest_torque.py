@@ -3,7 +3,7 @@
 Where damage is counted, a life that is used up fails too.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -24,13 +24,13 @@ WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
 class GreatestTorque(Rule[RuleSettings]):
     """The rule on every motion over time that was computed; what has no rating is not judged."""
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
 
         Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
         ok never passes. What the rule `ice` judges at the worst of the motions in ice is left to it.
         """
-        motions, in_ice, checks = evidence.need(Transients).each, set[str | None](), list[Check]()
+        motions, in_ice = evidence.need(Transients).each, set[str | None]()
         if any(name == "ice" for name, _ in evidence.study.rules):
             from torsion.rules.ice_peaks import ice_motions
 
@@ -43,8 +43,7 @@ class GreatestTorque(Rule[RuleSettings]):
                     # The rule `ice` compares the same torque with the same rating.
                     is_of_ice = rated and check.clause.partition(", ")[0] == rated[0]
                     if not (motion.name in in_ice and is_of_ice):
-                        checks.append(check)
-        return tuple(checks)
+                        yield check
 
 
 def _checks(

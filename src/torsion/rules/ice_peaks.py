@@ -4,7 +4,7 @@ From memory of the Finnish-Swedish ice class rules (2017): to be verified agains
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -106,15 +106,18 @@ class IcePeaks(Rule[IceSettings]):
                 faults.append(Fault((*motion.path, "initial"), UNDRIVEN, hint))
         return faults
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """What was not judged, and why."""
-        parts = (part for part in study.train.parts if part.kind in LACKING and not part.is_bar)
-        without = (part for part in parts if _limit(study, part, self.settings) is None)
-        rows = [(f"ice for {part.name}", LACKING[part.kind]) for part in without]
-        message = "the rule judges the maximum torques only"
-        return (*rows, ("ice for fatigue and for failure of a blade", message))
+        for part in study.train.parts:
+            is_missing = part.kind in LACKING and not part.is_bar
+            if is_missing and _limit(study, part, self.settings) is None:
+                yield f"ice for {part.name}", LACKING[part.kind]
+        yield (
+            "ice for fatigue and for failure of a blade",
+            "the rule judges the maximum torques only",
+        )
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
         study = evidence.study
         by_name = {motion.name: motion for motion in evidence.need(Transients).each}
@@ -130,7 +133,6 @@ class IcePeaks(Rule[IceSettings]):
         notes += [f"{words} at {where} not judged" for where, words in _missing_cases(study)]
         notes += [words for _, words, _ in resonances]
 
-        checks = list[Check]()
         for number, part in enumerate(study.train.parts):
             if (limited := _limit(study, part, self.settings)) is None:
                 continue
@@ -150,25 +152,19 @@ class IcePeaks(Rule[IceSettings]):
                 note = f"worst in {words}"
                 verdict = verdict_of(worst <= limit, standing) if is_sound else "fail"
             about = "ice", clause, part.name, what, worst, limit, unit, verdict, standing
-            checks.append(Check(*about, note="; ".join((note, *notes))))
+            yield Check(*about, note="; ".join((note, *notes)))
         what = "Transient response at the resonance"
-        return (
-            *checks,
-            *(_open_row("resonance", *row[:2], what) for row in resonances if row[2]),
-        )
+        for name, words, is_open in resonances:
+            if is_open:
+                yield _open_row("resonance", name, words, what)
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
-        rows = [
-            _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
-            for name, words in _missing_cases(study)
-        ]
-        rows += (
-            _open_row("yield", part.name, LACKING["shaft"], STRESS)
-            for part in study.train.parts
-            if part.is_bar and _limit(study, part, self.settings) is None
-        )
-        return tuple(rows)
+        for name, words in _missing_cases(study):
+            yield _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
+        for part in study.train.parts:
+            if part.is_bar and _limit(study, part, self.settings) is None:
+                yield _open_row("yield", part.name, LACKING["shaft"], STRESS)
 
 
 def _open_row(clause: str, where: str, words: str, what: str) -> Check:

@@ -5,7 +5,7 @@ are the engine maker's. Q = fatigue strength / equivalent alternating stress is 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -116,9 +116,9 @@ class M53(RuleOverSpeed[M53Settings]):
                     remarks=tuple(remarks),
                 )
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return the checks, each with its acceptability factor and its restrictions."""
-        train, checks = evidence.study.train, list[Check]()
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Yield the checks, each with its acceptability factor and its restrictions."""
+        train = evidence.study.train
         cranks = {part.name: number for number, part, _ in with_role(train, "crank")}
         for check in super().judge(evidence):
             notes = [check.note]
@@ -127,20 +127,20 @@ class M53(RuleOverSpeed[M53Settings]):
             outer = diameters(train, cranks[check.where])[0][0] * MM
             conditions = _restrictions(self.settings, check.clause, outer)
             check_with_factor = replace(check, note="; ".join(filter(None, notes)))
-            checks.append(restricted(check_with_factor, *conditions))
-        return tuple(checks)
+            yield restricted(check_with_factor, *conditions)
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
-        rows, settings = list[tuple[str, str, str, str]](), self.settings
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
+        """Yield places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
+        settings = self.settings
         for number, part, shaft in with_role(study.train, "crank"):
             strength = (study.train.materials[shaft.material].tensile_strength or 0.0) * PA
             for location in _stated_places(settings):
                 if doubts := "; ".join(_doubts(settings, location, strength)):
-                    rows.append((location, part.name, STRESS.format(location), doubts))
+                    about = location, part.name, STRESS.format(location), doubts
+                    yield unjudged(self.name, *about)
             if settings.built == "semi-built":
                 what = "Shrink fits of the crankshaft"
-                rows.append(("shrink fits", part.name, what, UNJUDGED_FITS))
+                yield unjudged(self.name, "shrink fits", part.name, what, UNJUDGED_FITS)
             # Orders that the rule requires in the synthesis, and that nothing excites. Of an engine only its gas counts:
             # moving masses have nearly every order, and loads may have the missing ones.
             engine = next((record for record in engines_of(study) if number in record.cranks), None)
@@ -151,11 +151,8 @@ class M53(RuleOverSpeed[M53Settings]):
             strokes = settings.strokes
             if strokes is not None and (lacking := lacking_orders(strokes, excited)):
                 what = "Orders of the synthesis"
-                rows.append(("orders", part.name, what, orders_words(lacking)))
-        return (
-            *(unjudged(self.name, *row) for row in rows),
-            *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"),
-        )
+                yield unjudged(self.name, "orders", part.name, what, orders_words(lacking))
+        yield from misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)")
 
 
 def _stated_places(settings: M53Settings) -> tuple[str, ...]:

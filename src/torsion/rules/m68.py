@@ -1,7 +1,7 @@
 """Rule `iacs-m68`: stresses, barred speed ranges and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,7 +79,6 @@ class Stressed:
 
     shaft: LimitedShaft
     curve: Curve
-    tau_t: FloatArray  # (speeds,) N/mm2, the limit of passing a barred range
     barred: Barring
 
 
@@ -129,21 +128,18 @@ class M68(RuleOverSpeed[M68Settings]):
                 faults.append(Fault((*path, "slots", name), message, hint, at_key=True))
         return faults
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """Return what was not judged, and why."""
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
+        """Yield what was not judged, and why."""
         roles = {part.name: part.shaft.role for part in study.train.parts if part.shaft is not None}
-        rows = [
-            (f"{self.name} for {name}", "the shaft has no `role`")
-            for name, role in roles.items()
-            if role is None
-        ]
+        for name, role in roles.items():
+            if role is None:
+                yield f"{self.name} for {name}", "the shaft has no `role`"
         if not study.has_mean_torque and _is_generator_set(study):
-            rows.append((f"{self.name}: least diameters", NO_POWER))
+            yield f"{self.name}: least diameters", NO_POWER
         judged = (None, *self.has_limits_of)
         if names := ", ".join(name for name, role in roles.items() if role not in judged):
             limited = f"limits of {', '.join(self.has_limits_of)} are known: {names}"
-            rows.append((f"{self.name}: shafts of another role", limited))
-        return tuple(rows)
+            yield f"{self.name}: shafts of another role", limited
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Yield every round line shaft that has a role."""
@@ -168,16 +164,16 @@ class M68(RuleOverSpeed[M68Settings]):
     def stressed(self, evidence: Results) -> Iterator[Stressed]:
         """Yield every shaft against its limits."""
         for shaft in self.shafts(evidence.study):
-            speed, tau_c, tau_t, tau = limits_of(evidence, shaft)
-            curve = curve_of(evidence.need(Response), tau, tau_c)
-            barred = Barring((), (), np.zeros(len(speed), dtype=bool))
+            limits = limits_of(evidence, shaft)
+            curve = curve_of(evidence.need(Response), limits.tau, limits.tau_c)
+            barred = Barring((), (), np.zeros(len(limits.speed), dtype=bool))
             if shaft.curve.passing is not None:
                 rated, tolerance = rated_speed(evidence.study), self.settings.tachometer
                 barred = barring(curve, rated, shaft.name, tolerance)
-            yield Stressed(shaft, curve, tau_t, barred)
+            yield Stressed(shaft, curve, barred)
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return the checks of every shaft, and last the strengths of those that pass a barred range."""
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Yield the checks of every shaft, and last the strengths of those that pass a barred range."""
         checks = list[Check]()
         for stressed in self.stressed(evidence):
             shaft = stressed.shaft
@@ -195,15 +191,14 @@ class M68(RuleOverSpeed[M68Settings]):
                 about = evidence.study, self.scope
                 checks += with_reach(conditioned, *about, subject=SUBJECT, begin=self.begin)
             checks += self._diameter(evidence, shaft)
-        checks = list(distinct((*checks, *super().judge(evidence))))
-        passing_checks = {check.where: check for check in checks if check.barred}
-        rows = (
-            row
-            for shaft in m68_shafts.classed_shafts(evidence.study, self.settings)
-            if shaft.name in passing_checks
-            for row in self._strength_in_barred_range(shaft, passing_checks[shaft.name])
-        )
-        return *checks, *rows
+        distinct_checks = distinct((*checks, *super().judge(evidence)))
+        yield from distinct_checks
+        passing_checks = {check.where: check for check in distinct_checks if check.barred}
+        for line_shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
+            if line_shaft.name in passing_checks:
+                yield from self._strength_in_barred_range(
+                    line_shaft, passing_checks[line_shaft.name]
+                )
 
     def _stresses(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
         """Yield the checks of the stress amplitude of one shaft.
@@ -227,7 +222,8 @@ class M68(RuleOverSpeed[M68Settings]):
                 yield check
 
         # In continuous use, outside the permitted barred ranges.
-        ruled, refusal = shaft.curve.ranges(stressed.curve.speed / rated), ""
+        ratio = stressed.curve.speed / rated
+        ruled, refusal = shaft.curve.ranges(ratio), ""
         if barred.refused:
             critical = " and ".join(in_rpm(band.critical) for band in barred.refused)
             refusal = (
@@ -249,7 +245,7 @@ class M68(RuleOverSpeed[M68Settings]):
                 MOSTLY,
                 barred_time.words(times),
             )
-            about = piece.clause, PASSING, stressed.tau_t, barred.passed
+            about = piece.clause, PASSING, shaft.curve.while_passing(ratio), barred.passed
             for check in judge(*about, *passing_notes):
                 ranges = tuple(self._range(evidence, stressed, spans, band) for band in permitted)
                 verdict: Verdict = "restricted" if check.verdict == "pass" else check.verdict
@@ -286,28 +282,25 @@ class M68(RuleOverSpeed[M68Settings]):
             evidence, ordered, rated_speed(evidence.study), self.settings.tachometer
         )
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return strengths below the least one, and states of the train that neither the file nor a case of it has."""
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
+        """Yield strengths below the least one, and states of the train that neither the file nor a case of it has."""
         has_diameters = study.has_mean_torque or _is_generator_set(study)
-        rows, train = list[Check](), study.train
         for shaft in m68_shafts.classed_shafts(study, self.settings):
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING):
                 what = "Tensile strength of the material"
-                rows.append(_strength(self.name, shaft, what, LEAST_STRENGTH, "fail"))
+                yield _strength(self.name, shaft, what, LEAST_STRENGTH, "fail")
             if not has_diameters:
                 about = "minimum diameter", shaft.name, DIAMETER, NO_POWER
-                rows.append(unjudged(self.name, *about, TO_BE_VERIFIED))
+                yield unjudged(self.name, *about, TO_BE_VERIFIED)
+        train, what = study.train, f"{SUBJECT}, section that is not round"
         round_shafts = {part.name for _, part, _ in with_role(train, *self.has_limits_of)}
-        what = f"{SUBJECT}, section that is not round"
-        rows += (
-            unjudged(self.name, "section", bar.name, what, NOT_ROUND)
-            for bar in train.bars
-            if train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
-        )
-        rows += order_rows(self.name, study)
+        for bar in train.bars:
+            if train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts:
+                yield unjudged(self.name, "section", bar.name, what, NOT_ROUND)
+        yield from order_rows(self.name, study)
         if not _is_generator_set(study):
-            rows += misfire_row(self.name, study, self.source)
-        return (*rows, *zero_pitch_rows(self.name, study, self.source))
+            yield from misfire_row(self.name, study, self.source)
+        yield from zero_pitch_rows(self.name, study, self.source)
 
     def _diameter(self, evidence: Results, shaft: LimitedShaft) -> Iterator[Check]:
         """Yield the less favourable end of a line shaft against its least diameter, for the rated mean torque if known."""

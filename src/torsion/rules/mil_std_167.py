@@ -4,7 +4,7 @@ Vibratory stress of a steel shaft at most its tensile strength / 25 in the opera
 vibratory torque of gears at most 75 % of the mean torque there and 25 % of the rated torque.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -51,22 +51,18 @@ class MilStd167(RuleOverSpeed[MilSettings]):
             faults.append(Fault(self.path(study), message, hint))
         return faults + unknown_strengths(study, self, *ROLES)
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """Return what was not judged, and why."""
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
+        """Yield what was not judged, and why."""
         judged = {number for number, _, _ in with_role(study.train, *ROLES)}
-        rows = [
-            (f"{self.name} for {part.name}", "the shaft has no `role`, or its section is a mesh")
-            for number, part in enumerate(study.train.parts)
-            if part.shaft is not None and number not in judged
-        ]
-        return (
-            *rows,
-            (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"),
-        )
+        why = "the shaft has no `role`, or its section is a mesh"
+        for number, part in enumerate(study.train.parts):
+            if part.shaft is not None and number not in judged:
+                yield f"{self.name} for {part.name}", why
+        yield f"{self.name}: propulsion shafts of other metals", "the limit is for steel"
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Return a row for each gear of unknown torque."""
-        return tuple(unknown_gears(self.name, study, TO_BE_VERIFIED))
+        return unknown_gears(self.name, study, TO_BE_VERIFIED)
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the stress of every shaft with a role in the operating range and below it, and every gear mesh in it."""

@@ -4,7 +4,7 @@ Gears rattle where a gearbox's input is shaken; there is no standard, so that no
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 import numpy as np
@@ -75,11 +75,11 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
             faults.append(Fault((*path, "order"), message, hint))
         return faults
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""
         keys = ("acceleration", "fluctuation")
         lacking = (key for key in keys if getattr(self.settings, key) is None)
-        return tuple((f"{self.name}: {key}", "the file gives no limit") for key in lacking)
+        return ((f"{self.name}: {key}", "the file gives no limit") for key in lacking)
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield acceleration and fluctuation at the component, as far as they have limits."""

@@ -136,7 +136,7 @@ class RuleOverSpeed(Rule[Settings]):
         curve, said = curve_of(response, value, limit), (*notes, use, MOSTLY, *remarks)
         return Clause(*name, standing, curve, judged, unit, said, spans, size)
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return a check for every clause that has a speed."""
         checks, rated = list[Check](), evidence.study.operation.rated
         has_rated = rated is not None and within(self.use, np.array([rated.speed])).all()

@@ -6,7 +6,7 @@ multiples of the speed above the first, up to 10.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
@@ -130,7 +130,7 @@ class SeparationMargins(Rule[MarginSettings]):
         message = f"`speeds` is missing; {self.name} judges an operating range"
         return [Fault(("operation", "speeds"), message, hint)]
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""
         if_excited = "judged where the file excites the train by their orders, and not otherwise"
         stress = "it is the rules' about stress"
@@ -139,7 +139,7 @@ class SeparationMargins(Rule[MarginSettings]):
             (f"{self.name}: stress analysis of what is not apart", stress),
         )
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the worst mode of every order and fixed frequency."""
         study, use = evidence.study, self.settings.continuous
         excitations = tuple(list_excitations(evidence, self.settings, self.standard))

@@ -1,7 +1,7 @@
 """Rule `shrink-fits`: the greatest torque of a shaft in a shrunk hub against the torque at which the fit slips."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Annotated
 
 import numpy as np
@@ -48,23 +48,22 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
             return [Fault(self.path(study), f"{self.name} finds no hub with a `pressure`", hint)]
         return self.vibration_faults(study) + self.mean_torque_faults(study, "it")
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks with what a pass stands on."""
-        return tuple(
+        return (
             restricted(check, UNLOADED) if check.clause == "slip" else check
             for check in super().judge(evidence)
         )
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return a row for each shrunk hub without `pressure` or `friction`."""
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
+        """Yield a row for each shrunk hub without `pressure` or `friction`."""
         note = "its `pressure` and `friction` are not given"
-        return tuple(
-            unjudged(self.name, "slip", bar.name, IN_FIT.format(hub.end), note, TO_BE_VERIFIED)
-            for bar in study.train.bars
-            if (record := study.train.parts[bar.part].shaft) is not None
-            for hub in record.hubs
-            if hub.fit == "shrink" and (hub.pressure is None or hub.friction is None)
-        )
+        for bar in study.train.bars:
+            record = study.train.parts[bar.part].shaft
+            for hub in record.hubs if record is not None else ():
+                if hub.fit == "shrink" and (hub.pressure is None or hub.friction is None):
+                    about = "slip", bar.name, IN_FIT.format(hub.end), note
+                    yield unjudged(self.name, *about, TO_BE_VERIFIED)
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield mean torque and vibration, true to phase, of the shaft at every speed, over all of its length."""

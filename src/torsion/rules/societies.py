@@ -4,7 +4,7 @@ Crankshafts and generator shafts are judged by the society's own table where one
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -339,17 +339,18 @@ class SocietyRule(M68):
                     notes=(f"{share:.4g} x {mesh.rated:.5g} N m", reach),
                 )
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """Return what was not judged, and why; nothing is skipped silently."""
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
+        """Yield what was not judged, and why; nothing is skipped silently."""
+        yield from super().left_out(study)
         train, named = study.train, dict(study.rules)
-        rows = list(self.society.not_judged)
+        for what, why in self.society.not_judged:
+            yield f"{self.name}: {what}", why
         if any(train.of_kind("gear")) and self.society.mesh is None and "gear-hammer" not in named:
             why = "the rule `gear-hammer` judges them, and the file does not name it"
-            rows.append(("gears", why))
+            yield f"{self.name}: gears", why
         if any(part.ratings is not None for part in train.parts) and "coupling-maker" not in named:
             judges = "the rule `coupling-maker` judges their torque and heat"
-            rows.append(("couplings", f"{judges}, and the file does not name it"))
-        return *super().left_out(study), *((f"{self.name}: {what}", why) for what, why in rows)
+            yield f"{self.name}: couplings", f"{judges}, and the file does not name it"
 
     def _settings_faults(
         self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
@@ -377,28 +378,31 @@ class SocietyRule(M68):
                 faults.append(Fault((*where, self.name, key), message, hint))
         return faults
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Return the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""
-        rows, society, engine = list(super().demanded_rows(study)), self.society, self.engine
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
+        """Yield the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""
+        society, engine = self.society, self.engine
+        # A generator set has no propulsion to misfire.
+        is_set = engine is not None and engine.duty == "generator set"
+        for row in super().demanded_rows(study):
+            if not (is_set and row.clause == MISFIRE):
+                yield row
         cranks = [part.name for _, part, _ in with_role(study.train, "crank")]
-        if society.crank and not cranks:
-            what, note = (
-                "Torsional stress amplitude of the crankshaft",
-                "`journal` of the engine is not given",
-            )
-            rows += (
-                unjudged(self.name, "crankshaft", part.name, what, note, society.crank_mark)
-                for part in study.train.parts
-                if part.engine is not None
-            )
+        what, note = (
+            "Torsional stress amplitude of the crankshaft",
+            "`journal` of the engine is not given",
+        )
+        for part in study.train.parts if society.crank and not cranks else ():
+            if part.engine is not None:
+                about = "crankshaft", part.name, what, note
+                yield unjudged(self.name, *about, society.crank_mark)
         # Major critical speeds of an engine, in line as far as is known, of unknown cylinders.
         is_in_line = engine is not None and engine.arrangement in (None, "in-line")
         if society.has_majors and cranks and is_in_line and not self._cylinders(study):
-            about = MAJOR, cranks[0], "Major critical speeds"
             note = "`cylinders` of the engine is not given"
-            rows.append(unjudged(self.name, *about, note, society.crank_mark))
+            about = MAJOR, cranks[0], "Major critical speeds", note
+            yield unjudged(self.name, *about, society.crank_mark)
         if society.mesh is not None:
-            rows += unknown_gears(self.name, study, TO_BE_VERIFIED)
+            yield from unknown_gears(self.name, study, TO_BE_VERIFIED)
         rated = [
             part.name
             for part in study.train.parts
@@ -407,11 +411,8 @@ class SocietyRule(M68):
         is_corner = study.case is not None and study.case.is_corner
         if rated and not (is_corner or study.covers(STIFFNESS, self.name)):
             note = "cold, warm, soft and stiff couplings: cases with another stiffness, or `cases: {from: tolerances}`"
-            about = STIFFNESS, rated[0], "Other stiffness of the couplings"
-            rows.append(unjudged(self.name, *about, note, society.mark))
-        # A generator set has no propulsion to misfire.
-        is_set = engine is not None and engine.duty == "generator set"
-        return tuple(row for row in rows if not (is_set and row.clause == MISFIRE))
+            about = STIFFNESS, rated[0], "Other stiffness of the couplings", note
+            yield unjudged(self.name, *about, society.mark)
 
     def check(self, evidence: Results) -> tuple[Check, ...]:
         """Return all checks, and last where major critical speeds lie.

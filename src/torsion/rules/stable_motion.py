@@ -3,7 +3,7 @@
 What was not looked at of the operation is not passed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from operator import attrgetter
 
@@ -21,7 +21,7 @@ from torsion.model.machine_torques import DriveLaw
 from torsion.rules.barred_time import barred_times, words
 from torsion.rules.demands import distinct, with_reach
 from torsion.rules.rule_over_speed import within
-from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, verdict_of
+from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, Verdict
 from torsion.study import Operation, Study
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
@@ -38,7 +38,7 @@ PART = "only a part of the operation's speeds was looked at"
 class StableMotion(Rule[RuleSettings]):
     """The rule on whatever stability was computed."""
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks on the torsion of the whole train."""
         stability, study = evidence.need(Stability), evidence.study
         line, laws = stability_check(stability, study.operation), drive_laws(study)
@@ -86,16 +86,13 @@ def mean_speed_check(stability: Stability, study: Study) -> Check:
         notes.append(PART)
     # A drift slower than that is within the error of the growth rates.
     kept = is_whole and not drifting and bool(inside.any()) and growth <= SLOW
-    if _is_doubtful(stability, first, last):
+    if is_doubtful := _is_doubtful(stability, first, last):
         notes.append(NOT_DISTINGUISHED)
     elif growth == -np.inf and inside.any():
         notes.append("the mean speed has no slow exponent of its own at any speed")
-    line = _check(
-        "mean speed", WHOLE, "Growth of the mean speed", growth, "1/s", speed, notes, kept=kept
-    )
-    if growth == -np.inf:
-        line = replace(line, value=np.nan, speed=None)
-    return _unless_doubtful(line, stability, first, last)
+    about = "mean speed", WHOLE, "Growth of the mean speed"
+    line = _check(about, growth, "1/s", speed, notes, kept=kept, is_open=is_doubtful)
+    return replace(line, value=np.nan, speed=None) if growth == -np.inf else line
 
 
 def mean_speed_words(stability: Stability, study: Study) -> str:
@@ -168,16 +165,11 @@ def stability_check(stability: Stability, operation: Operation) -> Check:
     if stability.doubtful is not None and stability.doubtful.size:
         notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
-    line = _check(
-        "stability", WHOLE, "Growth of small vibrations", growth, "1/s", speed, notes, kept=kept
+    about, is_open = (
+        ("stability", WHOLE, "Growth of small vibrations"),
+        _is_doubtful(stability, first, last),
     )
-    return _unless_doubtful(line, stability, first, last)
-
-
-def _unless_doubtful(line: Check, stability: Stability, first: float, last: float) -> Check:
-    """Return the line, not judged in place of a pass where an exponent is neither a drift nor torsional for sure."""
-    is_open = line.verdict == "pass" and _is_doubtful(stability, first, last)
-    return replace(line, verdict="not judged") if is_open else line
+    return _check(about, growth, "1/s", speed, notes, kept=kept, is_open=is_open)
 
 
 def _is_doubtful(stability: Stability, first: float, last: float) -> bool:
@@ -190,26 +182,28 @@ def _is_doubtful(stability: Stability, first: float, last: float) -> bool:
 
 
 def _check(
-    clause: str,
-    where: str,
-    what: str,
+    about: tuple[str, str, str],
     value: float,
     unit: str,
     speed: float,
     notes: list[str],
     *,
     kept: bool,
+    is_open: bool = False,
 ) -> Check:
-    """A verdict against the limit 0, which holds by the definition of stability."""
-    verdict, note = verdict_of(kept, "by definition"), "; ".join(notes)
-    about = "stability", clause, where, what
-    return Check(*about, value, 0.0, unit, verdict, "by definition", speed, note=note)
+    """A verdict against the limit 0, which holds by the definition of stability; NOT JUDGED if it is kept but open.
+
+    about: clause, component and what is compared. It is open where an exponent is neither a drift nor torsional for sure.
+    """
+    met: Verdict = "not judged" if is_open else "pass"
+    verdict, note = met if kept else "fail", "; ".join(notes)
+    return Check("stability", *about, value, 0.0, unit, verdict, "by definition", speed, note=note)
 
 
 class StableBending(Rule[RuleSettings]):
     """The rule on whatever bending was computed."""
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks on every shaft that bends."""
         checks = bending_checks(evidence.need(Lateral), evidence.study.operation)
         return distinct(row for line in checks for row in with_reach(line, evidence.study))
@@ -236,7 +230,7 @@ def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
                 is_whole and 0 <= value < np.inf,
                 "Damping of the whirl (logarithmic decrement)",
             )
-            check = _check("whirl", shaft.name, what, value, "", speed, notes, kept=kept)
+            check = _check(("whirl", shaft.name, what), value, "", speed, notes, kept=kept)
             checks.append(replace(check, at_least=True, parts=shaft.parts))
         # The fastest growth of the tilt within the operation against 0.
         if tilting is not None:
@@ -250,7 +244,7 @@ def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
                 is_whole and not unstable and has_all,
                 f"Growth of the tilt by the couple of {tilting.joint}",
             )
-            check = _check("tilting", shaft.name, what, growth, "1/s", speed, notes, kept=kept)
+            check = _check(("tilting", shaft.name, what), growth, "1/s", speed, notes, kept=kept)
             checks.append(replace(check, parts=shaft.parts))
     return tuple(checks)
 

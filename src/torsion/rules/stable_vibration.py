@@ -1,5 +1,7 @@
 """The verdict on vibration that grows: a load whose torque falls with speed can feed it."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from torsion.analyses.damped_modes import damped
@@ -18,8 +20,8 @@ ROUNDING = 1e-9  # of an eigenvalue: a smaller growth is none
 class StableVibration(Rule[RuleSettings]):
     """The rule on a train in which a damping to ground is negative."""
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return one check of the whole train; none where no damping is negative."""
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Yield one check of the whole train; none where no damping is negative."""
         study, system = evidence.study, evidence.system
         operated, single = study.operation.speeds, study.operation.speed
         speeds = np.array([] if single is None else [single])
@@ -27,10 +29,10 @@ class StableVibration(Rule[RuleSettings]):
             speeds = np.linspace(operated.first, operated.last, SPEEDS)
         steady = steady_if_known(study, system, speeds) if speeds.size else None
         if not any(damper.load_factor for damper in system.dampers) or steady is None:
-            return ()
+            return
         damping = ground_damping(system, speeds, steady)
         if not np.any(damping < 0.0):
-            return ()
+            return
 
         sources = ", ".join(
             system.stations[station].name
@@ -54,15 +56,5 @@ class StableVibration(Rule[RuleSettings]):
             notes.append(f"the damped modes are not known: {error.message}")
         about = "stability", "vibration", WHOLE, "Growth of small vibrations"
         at_speed = None if np.isnan(growth) else worst_speed
-        return (
-            Check(
-                *about,
-                growth,
-                0.0,
-                "1/s",
-                verdict,
-                "by definition",
-                at_speed,
-                note="; ".join(notes),
-            ),
-        )
+        limits = growth, 0.0, "1/s", verdict, "by definition"
+        yield Check(*about, *limits, at_speed, note="; ".join(notes))

@@ -1,6 +1,7 @@
 """Rule `universal-joints`: makers' limits of non-uniformity, accelerations, speed times angle, and tube speed."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated
@@ -152,24 +153,21 @@ class UniversalJoints(Rule[JointRuleSettings]):
             return [Fault(("operation", "speeds"), message, hint)]
         return []
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """Return what it does not judge, and why."""
-        rows = [
-            (f"{RULE}: bending of {tube.name}", tube.lacks)
-            for tube in tubes(study.train)
-            if tube.lacks
-        ]
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
+        """Yield what it does not judge, and why."""
+        for tube in tubes(study.train):
+            if tube.lacks:
+                yield f"{RULE}: bending of {tube.name}", tube.lacks
         if self.settings.speed_angle is None:
             why = "`speed_angle` gives no limit; it depends on the joint's size"
-            rows.append((f"{RULE}: speed times angle", why))
-        return tuple(rows)
+            yield f"{RULE}: speed times angle", why
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Return every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Yield every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         joints, speed = evidence.get(Joints), _speed(evidence.study)
         if joints is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        limits, rows = dict[str, Limit](), list[Check]()
+        limits = dict[str, Limit]()
         for key, (by_maker, words) in PUBLISHED.items():
             limit = float(getattr(self.settings, key))
             limits[key] = limit, "setting", f"setting `{key}`"
@@ -187,10 +185,10 @@ class UniversalJoints(Rule[JointRuleSettings]):
             parts = tuple(joint.part for joint in worst_first)
             about = "U", where, "Non-uniformity of the line"
             limit = limits["unevenness"]
-            rows.append(_verdict(about, line.index, "1", limit, None, parts, before=bend))
+            yield _verdict(about, line.index, "1", limit, None, parts, before=bend)
             about = "torsional", where, "Angular acceleration of the driven side"
             value, limit = steepest[line.joints[-1]], limits["torsional"]
-            rows.append(_verdict(about, value, "rad/s2", limit, speed, parts))
+            yield _verdict(about, value, "rad/s2", limit, speed, parts)
 
         # Of every shaft between two joints, each once, the driving shaft of the line turning evenly.
         what = "Angular acceleration of the shaft downstream of the joint"
@@ -199,18 +197,17 @@ class UniversalJoints(Rule[JointRuleSettings]):
         ):
             joint, limit = joints.joints[position], limits["inertial"]
             about, part = ("inertial", joint.name, what), (joint.part,)
-            row = _verdict(about, steepest[position], "rad/s2", limit, speed, part, after=EVENLY)
-            rows.append(row)
+            yield _verdict(about, steepest[position], "rad/s2", limit, speed, part, after=EVENLY)
 
         for joint in joints.joints if self.settings.speed_angle is not None else ():
             limit = self.settings.speed_angle or 0.0, "setting", "setting `speed_angle`"
             # As its maker counts it.
             value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
             about = "n b", joint.name, "Speed times angle"
-            rows.append(_verdict(about, value, "deg/min", limit, speed, (joint.part,)))
+            yield _verdict(about, value, "deg/min", limit, speed, (joint.part,))
         share, bent = self.settings.critical_share, evidence.get(Lateral)
-        rows += (_bending(tube, bent, share, speed) for tube in tubes(evidence.study.train))
-        return tuple(rows)
+        for tube in tubes(evidence.study.train):
+            yield _bending(tube, bent, share, speed)
 
 
 def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Check:

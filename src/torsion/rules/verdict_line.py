@@ -356,11 +356,11 @@ class Rule(Generic[Settings]):
         """Return what the file lacks for this rule."""
         return []
 
-    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""
         return ()
 
-    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Return rows that follow from the file alone: demands that it, or a part of it, does not meet."""
         return ()
 
@@ -372,7 +372,7 @@ class Rule(Generic[Settings]):
         """Return (speeds,) rad/s between those computed at which the rule may find more."""
         return np.empty(0)
 
-    def judge(self, evidence: Results) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks of what was computed: one for each clause and component."""
         return ()
 
