@@ -183,19 +183,23 @@ def test_faults_are_told_where_they_stand(study) -> None:
         {"continuous": {"from": "50 rpm", "to": "900 rpm"}}
     )
     rules = [("coupling-maker", requested)]
-    bare = coupling.CouplingMaker(requested).faults(study(line(), rules))
+    bare = list(coupling.CouplingMaker(requested).faults(study(line(), rules)))
     assert [fault.path for fault in bare] == [("rules", 0)]
     assert "rated_torque, vibratory_torque, max_torque, heat_limit" in bare[0].hint
-    full = coupling.CouplingMaker(requested).faults(
-        study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None)
+    full = list(
+        coupling.CouplingMaker(requested).faults(
+            study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None)
+        )
     )
     assert [fault.path for fault in full] == [
         ("rules", 0, "coupling-maker", "continuous"),
         ("operation", "rated", "power"),
     ]
     assert (
-        coupling.CouplingMaker(coupling.CouplingSettings()).faults(
-            study(line(vibratory_torque=1.0), rated=None)
+        list(
+            coupling.CouplingMaker(coupling.CouplingSettings()).faults(
+                study(line(vibratory_torque=1.0), rated=None)
+            )
         )
         == []
     )
@@ -218,8 +222,8 @@ def test_what_is_judged_beside_a_mean_torque_must_be_excited(study) -> None:
         ("coupling", {"name": "second", "stiffness": 9.0, "max_torque": 7.0}),
     )
     parts = [still, first, ("disc", {"inertia": 3.0}), second, line()[2]]
-    (fault,) = coupling.CouplingMaker(requested).faults(
-        study(parts, [("coupling-maker", requested)])
+    (fault,) = list(
+        coupling.CouplingMaker(requested).faults(study(parts, [("coupling-maker", requested)]))
     )
     assert "nothing excites the train" in fault.message
 
@@ -228,11 +232,12 @@ def test_what_is_judged_beside_a_mean_torque_must_be_excited(study) -> None:
 def test_mean_torque_must_be_known_where_it_is_compared(study, limits) -> None:
     requested = coupling.CouplingSettings()
     unknown = {"speed": "900 rpm"}
-    (fault,) = coupling.CouplingMaker(requested).faults(study(line(**limits), rated=unknown))
+    (fault,) = list(coupling.CouplingMaker(requested).faults(study(line(**limits), rated=unknown)))
     assert fault.path == ("operation", "rated", "power")
     assert "compares that of 'rubber'" in fault.message
     assert (
-        coupling.CouplingMaker(requested).faults(study(line(heat_limit=9.0), rated=unknown)) == []
+        list(coupling.CouplingMaker(requested).faults(study(line(heat_limit=9.0), rated=unknown)))
+        == []
     )
 
 
@@ -292,6 +297,6 @@ TABLE = {"over": "frequency", "at": [1.0, 400.0], "stiffness": [STIFFNESS, STIFF
 def test_heat_of_a_coupling_whose_damping_nothing_says_is_not_judged_as_none(
     study, given, key
 ) -> None:
-    found = coupling.CouplingMaker(coupling.CouplingSettings()).faults(study(line(**given)))
+    found = list(coupling.CouplingMaker(coupling.CouplingSettings()).faults(study(line(**given))))
     lossless = [one for one in found if "whose damping is not given" in one.message]
     assert [one.path[-1] for one in lossless] == ([key] if key else [])

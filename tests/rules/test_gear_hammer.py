@@ -236,7 +236,9 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
 )
 def test_rated_torque_and_speeds_must_be_known(study, operation, path) -> None:
     requested = gear.GearHammerSettings()
-    assert gear.GearHammer(requested).faults(study(line(), [("gear-hammer", requested)])) == []
+    assert (
+        list(gear.GearHammer(requested).faults(study(line(), [("gear-hammer", requested)]))) == []
+    )
     assert [
         fault.path
         for fault in gear.GearHammer(requested).faults(

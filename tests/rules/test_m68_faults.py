@@ -21,7 +21,7 @@ def messages(scene, requested):
 
 
 def test_a_whole_file_has_no_fault(study) -> None:
-    assert m68.M68(m68.M68Settings()).faults(study(line())) == []
+    assert list(m68.M68(m68.M68Settings()).faults(study(line()))) == []
 
 
 def test_strength_that_is_missing_is_told_at_the_shaft(study) -> None:
@@ -32,7 +32,7 @@ def test_strength_that_is_missing_is_told_at_the_shaft(study) -> None:
 
 def test_built_in_steel_counts_as_the_softest_shaft_steel_and_says_so(study) -> None:
     plain = study(line(material="steel"), materials={"steel": STEEL})
-    assert m68.M68(m68.M68Settings()).faults(plain) == []
+    assert list(m68.M68(m68.M68Settings()).faults(plain)) == []
     (shaft,) = classed_shafts(plain, m68.M68Settings())
     assert shaft.strength == 400.0
     assert "none stated" in shaft.notes[0]
@@ -73,7 +73,8 @@ def test_settings_of_the_shafts_that_are_judged_are_no_fault(study) -> None:
         {"alloy": ["line"], "slots": {"line": {"length": 0.07, "width": 0.02}}}
     )
     assert (
-        m68.M68(requested).faults(study(line(features=["slot"]), [("iacs-m68", requested)])) == []
+        list(m68.M68(requested).faults(study(line(features=["slot"]), [("iacs-m68", requested)])))
+        == []
     )
 
 
@@ -86,7 +87,7 @@ def test_a_setting_that_names_no_shaft_is_pointed_at_with_the_shafts_there_are(s
         SCREW,
     ]
     scene = study(parts, [("other", None), ("iacs-m68", requested)])
-    found = m68.M68(requested).faults(scene)
+    found = list(m68.M68(requested).faults(scene))
     where = "rules", 1, "iacs-m68"
     assert [(fault.path, fault.at_key) for fault in found] == [
         ((*where, "alloy", 1), False),
@@ -100,11 +101,14 @@ def test_a_setting_that_names_no_shaft_is_pointed_at_with_the_shafts_there_are(s
 
 def test_strength_that_is_missing_is_asked_for_as_the_file_writes_it(study) -> None:
     soft = {"soft": Material(shear_modulus=79e9, density=7850.0)}
-    (fault,) = m68.M68(m68.M68Settings()).faults(study(line(material="soft"), materials=soft))
+    (fault,) = list(m68.M68(m68.M68Settings()).faults(study(line(material="soft"), materials=soft)))
     assert fault.hint == "materials: {soft: {..., tensile_strength: 600 MPa}}"
     assert (
         fault.message
         == "`tensile_strength` of 'soft' is not given, and iacs-m68 needs it for 'line'"
     )
     stated = {"soft": Material(shear_modulus=79e9, density=7850.0, tensile_strength=410e6)}
-    assert m68.M68(m68.M68Settings()).faults(study(line(material="soft"), materials=stated)) == []
+    assert (
+        list(m68.M68(m68.M68Settings()).faults(study(line(material="soft"), materials=stated)))
+        == []
+    )

@@ -49,14 +49,15 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
     name = "coupling-maker"
     settings_class = CouplingSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         limited = [entry for entry in _couplings(study) if entry[2].limit_anything]
         if not limited:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
-            return [Fault(self.path(study), "no coupling has a limit of its maker", hint)]
+            yield Fault(self.path(study), "no coupling has a limit of its maker", hint)
+            return
         vibrates = any(ratings.limit_vibration for _, _, ratings in limited)
-        faults = self.vibration_faults(study) if vibrates else self.continuous_faults(study)
+        yield from self.vibration_faults(study) if vibrates else self.continuous_faults(study)
         # A coupling whose heat is judged states its damping: that it loses none is no answer.
         springs = study.train.springs
         damps = {spring.part for spring in springs if spring.table and spring.table.damps}
@@ -69,11 +70,11 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
                     f"{self.name} judges the heat of '{part.name}', whose damping is not given"
                 )
                 hint = "its `psi`, or another damping; `psi: 0` if it has none"
-                faults.append(Fault((*part.path, key), message, hint))
+                yield Fault((*part.path, key), message, hint)
         for _, part, ratings in limited:
             if (ratings.rated_torque, ratings.max_torque) != (None, None):
-                return faults + self.mean_torque_faults(study, f"that of '{part.name}'")
-        return faults
+                yield from self.mean_torque_faults(study, f"that of '{part.name}'")
+                return
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Yield what was not judged, and why."""

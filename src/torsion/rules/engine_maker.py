@@ -30,14 +30,14 @@ class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
     name = "engine-maker"
     settings_class = EngineMakerSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
-        faults = self.vibration_faults(study)
+        yield from self.vibration_faults(study)
         if self.settings.crank_stress is None:
             message = f"`crank_stress` of {self.name} is missing; only the maker knows it"
             hint = f"- {self.name}: {{crank_stress: 40 MPa}}"
-            faults.append(Fault(self.path(study), message, hint))
-        return faults + no_crank(study, self)
+            yield Fault(self.path(study), message, hint)
+        yield from no_crank(study, self)
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""

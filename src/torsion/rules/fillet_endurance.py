@@ -27,7 +27,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
     name = "fillets"
     settings_class = FilletEnduranceSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"

@@ -1,6 +1,6 @@
 """Rule `gear-hammer`: vibratory torque in a gear mesh against its rating (K_A) and against the mean torque."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -56,18 +56,18 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
     edition = "application factor of ISO 6336-1"
     settings_class = GearHammerSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
             message = f"{self.name} finds no gear in the train"
-            return [Fault(self.path(study), message, "leave the rule out")]
-        faults = self.vibration_faults(study)
+            yield Fault(self.path(study), message, "leave the rule out")
+            return
+        yield from self.vibration_faults(study)
         path: Path = ("operation", "rated")
         if study.operation.rated is None or not study.has_mean_torque:
             path = path if study.operation.rated is None else (*path, "power")
             message = f"`{path[-1]}` is missing; {self.name} compares with the rated torque"
-            faults.append(Fault(path, message, RATED))
-        return faults
+            yield Fault(path, message, RATED)
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the vibratory torque of every mesh, at the driving gear's speed.

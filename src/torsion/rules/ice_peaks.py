@@ -85,26 +85,26 @@ class IcePeaks(Rule[IceSettings]):
     settings_class = IceSettings
     needs = ("transient",)
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """What the file lacks for this rule."""
-        motions, path, faults = ice_motions(study), self.path(study), list[Fault]()
+        motions, path = ice_motions(study), self.path(study)
         if not motions:
             hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
-            return [Fault(path, "no transient response has an event `ice`", hint)]
+            yield Fault(path, "no transient response has an event `ice`", hint)
+            return
         if not any(_limit(study, part, self.settings) for part in study.train.parts):
             message = "no shaft has a yield strength, and no coupling or gear a maximum torque"
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
-            faults.append(Fault(path, message, hint))
+            yield Fault(path, message, hint)
         # A motion begins with the mean torques of the operation, or starts.
         steady = [motion.settings.initial in (None, "steady") for motion in motions]
         if any(steady) and not study.has_mean_torque:
-            faults.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
+            yield Fault(("operation", "rated", "power"), UNDRIVEN, RATED)
         hint = "initial: steady, or an event `start`"
         for motion, is_steady in zip(motions, steady, strict=True):
             starts = any(isinstance(event.body, Start) for event in motion.settings.events)
             if not (is_steady or starts):
-                faults.append(Fault((*motion.path, "initial"), UNDRIVEN, hint))
-        return faults
+                yield Fault((*motion.path, "initial"), UNDRIVEN, hint)
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """What was not judged, and why."""

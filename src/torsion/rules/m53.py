@@ -67,19 +67,20 @@ class M53(RuleOverSpeed[M53Settings]):
     settings_class = M53Settings
     begin = START
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         path = self.path(study)
-        faults = self.vibration_faults(study) + no_crank(study, self)
-        faults += unknown_strengths(study, self, "crank", assumed=None)
+        yield from self.vibration_faults(study)
+        yield from no_crank(study, self)
+        yield from unknown_strengths(study, self, "crank", assumed=None)
         missing = [key for key in SIZES if getattr(self.settings, key) is None]
         if self.settings.oil_bore and self.settings.bore_bending is None:
             missing.append("bore_bending")
         if missing:
             keys = ", ".join(f"`{key}`" for key in missing)
             message = f"{keys} of {self.name} {'is' if len(missing) == 1 else 'are'} missing"
-            faults.append(Fault(path, message, EXAMPLE))
-        return [*faults, *contradictions(study, self.settings, (*path, self.name))]
+            yield Fault(path, message, EXAMPLE)
+        yield from contradictions(study, self.settings, (*path, self.name))
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield the equivalent stress of every crank span at both fillets and the oil bore, as far as there are factors."""

@@ -96,37 +96,36 @@ class M68(RuleOverSpeed[M68Settings]):
     letters = "tau_C", "tau_T"  # of its limits, in continuous use and in passing
     has_limits_of: tuple[str, ...] = m68_shafts.ROLES
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         path, roles = self.path(study), self.has_limits_of
         shafts = {part.name: shaft for _, part, shaft in with_role(study.train, *roles)}
         if not shafts:
             hint = f"role: {', '.join(roles[:-1])} or {roles[-1]}; a shaft with a `section` is not judged"
             message = f"no round shaft has a `role`, so {self.name} has nothing to judge"
-            return [Fault(path, message, hint)]
-        faults = self.vibration_faults(study)
+            yield Fault(path, message, hint)
+            return
+        yield from self.vibration_faults(study)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {self.name} count from it"
-            faults.append(Fault(("operation", "rated"), message, RATED))
-        faults += unknown_strengths(study, self, *m68_shafts.ROLES)
-        return faults + self._settings_faults(study, shafts, path)
+            yield Fault(("operation", "rated"), message, RATED)
+        yield from unknown_strengths(study, self, *m68_shafts.ROLES)
+        yield from self._settings_faults(study, shafts, path)
 
     def _settings_faults(
         self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
-    ) -> list[Fault]:
-        """Return settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
-        faults, hint = list[Fault](), f"there is {', '.join(shafts)}"
+    ) -> Iterator[Fault]:
+        """Yield settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
         wholes = {part.whole for part in study.train.parts if part.name in shafts}
-        path: Path = (*where, self.name)
+        path, hint = (*where, self.name), f"there is {', '.join(shafts)}"
         for position, name in enumerate(self.settings.alloy):
             if name not in shafts and name not in wholes:
                 message = f"no shaft with a role is called '{name}'"
-                faults.append(Fault((*path, "alloy", position), message, hint))
+                yield Fault((*path, "alloy", position), message, hint)
         for name in self.settings.slots:
             if name not in shafts or "slot" not in shafts[name].features:
                 message = f"no shaft with a role and the feature `slot` is called '{name}'"
-                faults.append(Fault((*path, "slots", name), message, hint, at_key=True))
-        return faults
+                yield Fault((*path, "slots", name), message, hint, at_key=True)
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Yield what was not judged, and why."""

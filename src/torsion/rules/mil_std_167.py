@@ -42,14 +42,14 @@ class MilStd167(RuleOverSpeed[MilSettings]):
     begin = START
     has_limits_outside_use = True
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
-        faults = self.vibration_faults(study)
+        yield from self.vibration_faults(study)
         if not any(with_role(study.train, *ROLES)) and not any(study.train.of_kind("gear")):
             hint = f"role: {', '.join(ROLES[:-1])} or {ROLES[-1]}"
             message = f"no round shaft has a `role` and there is no gear, so {self.name} has nothing to judge"
-            faults.append(Fault(self.path(study), message, hint))
-        return faults + unknown_strengths(study, self, *ROLES)
+            yield Fault(self.path(study), message, hint)
+        yield from unknown_strengths(study, self, *ROLES)
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Yield what was not judged, and why."""

@@ -52,28 +52,28 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
     name = "nvh"
     settings_class = NoiseSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         path, component, settings = (*self.path(study), self.name), self.settings.at, self.settings
-        faults = self.vibration_faults(study)
+        yield from self.vibration_faults(study)
         example = f"- {self.name}: {{at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm}}"
         if settings.acceleration is None and settings.fluctuation is None:
             message = f"{self.name} has no limit: `acceleration` and `fluctuation` are missing"
-            faults.append(Fault(path[:-1], message, example))
+            yield Fault(path[:-1], message, example)
         if component is None:
             message = f"`at` of {self.name} is missing: the component that is judged"
-            return [*faults, Fault(path[:-1], message, example)]
+            yield Fault(path[:-1], message, example)
+            return
         known = {part.name: (part.kind, bool(part.stations)) for part in study.train.parts}
         if (fault := name_fault(component, (*path, "at"), known)) is not None:
-            return [*faults, fault]
+            yield fault
+            return
         ratio = study.train.stations[study.train.part(component).stations[0]].ratio
         orders = excited_orders(study.train)
         if settings.order is not None and settings.order * ratio not in orders:
             excited = ", ".join(str(order / ratio) for order in orders)
             message = f"nothing excites the train by order {settings.order} of '{component}'"
-            hint = f"of its own speed there is {excited}"
-            faults.append(Fault((*path, "order"), message, hint))
-        return faults
+            yield Fault((*path, "order"), message, f"of its own speed there is {excited}")
 
     def left_out(self, study: Study) -> Iterable[tuple[str, str]]:
         """Return what the rule does not judge, and why."""

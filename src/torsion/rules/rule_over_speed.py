@@ -160,13 +160,13 @@ class RuleOverSpeed(Rule[Settings]):
         clauses = self.clauses(evidence)
         return between((clause.curve, clause.within) for clause in clauses if clause.spans.size)
 
-    def vibration_faults(self, study: Study) -> list[Fault]:
-        """Return what the file lacks for any rule that reads the response over speed."""
-        faults, train = list[Fault](), study.train
+    def vibration_faults(self, study: Study) -> Iterator[Fault]:
+        """Yield what the file lacks for any rule that reads the response over speed."""
+        train = study.train
         if study.operation.speeds is None:
             message = f"`speeds` is missing; {self.name} judges a speed range"
             hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
-            faults.append(Fault(("operation", "speeds"), message, hint))
+            yield Fault(("operation", "speeds"), message, hint)
 
         acting = [  # those by order or at a frequency with an amplitude
             torque
@@ -182,31 +182,30 @@ class RuleOverSpeed(Rule[Settings]):
                 reason = "every excitation of the train is 0"
             message = f"{reason}, so {self.name} has nothing to judge"
             hint = "give an excitation, or leave the rule out"
-            faults.append(Fault(self.path(study), message, hint))
+            yield Fault(self.path(study), message, hint)
 
         hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
         for torque in acting:
             part = train.parts[train.stations[torque.station].part]
             if part.is_opposed:
                 message = f"what acts at '{part.name}' moves the halves unlike, and {self.name} judges both by their mean"
-                faults.append(Fault(torque.path, message, hint))
-        return faults + self.continuous_faults(study)
+                yield Fault(torque.path, message, hint)
+        yield from self.continuous_faults(study)
 
-    def continuous_faults(self, study: Study) -> list[Fault]:
-        """Return the fault of a range of continuous use that was not wholly computed, and cannot be judged."""
+    def continuous_faults(self, study: Study) -> Iterator[Fault]:
+        """Yield the fault of a range of continuous use that was not wholly computed, and cannot be judged."""
         speeds, use = study.operation.speeds, self.use
         if use is None or speeds is None or within(speeds, np.array([use.first, use.last])).all():
-            return []
+            return
         computed = f"computed: {in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
         path = (*self.path(study), self.name, "continuous")
-        return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
+        yield Fault(path, "the speeds of continuous use leave operation.speeds", computed)
 
-    def mean_torque_faults(self, study: Study, compared: str) -> list[Fault]:
-        """Return the fault of a file whose mean torque is not known; compared: what the rule compares, in words."""
-        if study.has_mean_torque:
-            return []
-        message = f"the mean torque is not known, and {self.name} compares {compared}"
-        return [Fault(("operation", "rated", "power"), message, RATED)]
+    def mean_torque_faults(self, study: Study, compared: str) -> Iterator[Fault]:
+        """Yield the fault of a file whose mean torque is not known; compared: what the rule compares, in words."""
+        if not study.has_mean_torque:
+            message = f"the mean torque is not known, and {self.name} compares {compared}"
+            yield Fault(("operation", "rated", "power"), message, RATED)
 
 
 def curve_of(source: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:

@@ -114,7 +114,7 @@ class SeparationMargins(Rule[MarginSettings]):
         self.standard = STANDARDS[name]
         self.edition = self.standard.edition
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         for spring in study.train.springs:
             if spring.table is not None and spring.table.over != "frequency":

@@ -122,26 +122,23 @@ def with_role(train: Train, *roles: str) -> Iterator[tuple[int, Part, ShaftRecor
             yield number, part, part.shaft
 
 
-def no_crank(study: Study, rule: Rule[Any]) -> list[Fault]:
-    """Return the fault of a train without a crankshaft whose stress is known."""
-    if any(with_role(study.train, "crank")):
-        return []
-    hint = "role: crank, on a round shaft"
-    return [Fault(rule.path(study), f"{rule.name} finds no crankshaft", hint)]
+def no_crank(study: Study, rule: Rule[Any]) -> Iterator[Fault]:
+    """Yield the fault of a train without a crankshaft whose stress is known."""
+    if not any(with_role(study.train, "crank")):
+        message, hint = f"{rule.name} finds no crankshaft", "role: crank, on a round shaft"
+        yield Fault(rule.path(study), message, hint)
 
 
 def unknown_strengths(
     study: Study, rule: Rule[Any], *roles: str, assumed: Material | None = STEEL
-) -> list[Fault]:
-    """Return a fault for each shaft of a role without a tensile strength; that of the `assumed` material is known."""
-    faults = []
+) -> Iterator[Fault]:
+    """Yield a fault for each shaft of a role without a tensile strength; that of the `assumed` material is known."""
     for _, part, shaft in with_role(study.train, *roles):
         material = study.train.materials[shaft.material]
         if material.tensile_strength is None and material != assumed:
             message = f"`tensile_strength` of '{shaft.material}' is not given, and {rule.name} needs it for '{part.name}'"
             hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
-            faults.append(Fault((*part.path, "material"), message, hint))
-    return faults
+            yield Fault((*part.path, "material"), message, hint)
 
 
 def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float, float]]:

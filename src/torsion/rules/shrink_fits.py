@@ -39,14 +39,14 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
     edition = "usual safety of class rules for shrink fits"
     settings_class = ShrinkFitSettings
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
-        if not any(fits(study.train)):
-            hint = (
-                "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
-            )
-            return [Fault(self.path(study), f"{self.name} finds no hub with a `pressure`", hint)]
-        return self.vibration_faults(study) + self.mean_torque_faults(study, "it")
+        if any(fits(study.train)):
+            yield from self.vibration_faults(study)
+            yield from self.mean_torque_faults(study, "it")
+            return
+        hint = "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
+        yield Fault(self.path(study), f"{self.name} finds no hub with a `pressure`", hint)
 
     def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks with what a pass stands on."""

@@ -354,17 +354,17 @@ class SocietyRule(M68):
 
     def _settings_faults(
         self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
-    ) -> list[Fault]:
-        """Return the faults of M68, and settings of an engine that no engine of the file has."""
-        faults, settings = super()._settings_faults(study, shafts, where), self.engine
-        if settings is None:
-            return faults
+    ) -> Iterator[Fault]:
+        """Yield the faults of M68, and settings of an engine that no engine of the file has."""
+        yield from super()._settings_faults(study, shafts, where)
+        if (settings := self.engine) is None:
+            return
         roles = {shaft.role for shaft in shafts.values()}
         driven = roles & {"propeller", "generator"}
         right = DUTIES[next(iter(driven))] if len(driven) == 1 else settings.duty
         if "crank" in roles and settings.duty != right:
             message = f"`duty` {settings.duty} of {self.name} contradicts the shaft of role {listed(map(str, driven))}"
-            faults.append(Fault(where, message, f"duty: {right}, or another `role` of the shaft"))
+            yield Fault(where, message, f"duty: {right}, or another `role` of the shaft")
 
         engines = engines_of(study)
         stated = {
@@ -375,8 +375,7 @@ class SocietyRule(M68):
             if value is not None and values and value not in values:
                 message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
                 hint = f"{key}: {values[0]}, or leave it out"
-                faults.append(Fault((*where, self.name, key), message, hint))
-        return faults
+                yield Fault((*where, self.name, key), message, hint)
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Yield the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""

@@ -142,7 +142,7 @@ class UniversalJoints(Rule[JointRuleSettings]):
     settings_class = JointRuleSettings
     needs = ("joints",)
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         if not study.has_joints:
             message = f"{RULE} finds no joint in the train"

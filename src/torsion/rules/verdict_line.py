@@ -352,7 +352,7 @@ class Rule(Generic[Settings]):
                 return "rules", position
         return ("rules",)
 
-    def faults(self, study: Study) -> list[Fault]:
+    def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
         return []
 
