@@ -1,6 +1,6 @@
 """Rules: one a file, imported when a scene names it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
@@ -87,11 +87,12 @@ def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
 
 def verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of every rule that the study names, in its order."""
+    rules = tuple(of_study(evidence.study))
     if evidence.study.train.has_tables_over("vibratory torque"):
         from torsion.rules.supplements import worst_of_solutions
 
-        return worst_of_solutions(evidence, _judge)
-    return _judge(evidence)
+        return worst_of_solutions(evidence, lambda solution: _checks(rules, solution))
+    return _checks(rules, evidence)
 
 
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
@@ -101,17 +102,15 @@ def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
         for name, target in STANDING.items()
         if evidence.results.get(name) is not None
     ]
-    rules = (kind(kind.settings_class()) for kind in kinds)
-    return tuple(check for rule in rules for check in _checks(rule, evidence))
+    return _checks([kind(kind.settings_class()) for kind in kinds], evidence)
 
 
-def _judge(evidence: "Results") -> tuple["Check", ...]:
-    return tuple(check for rule in of_study(evidence.study) for check in _checks(rule, evidence))
-
-
-def _checks(rule: "Rule[Any]", evidence: "Results") -> "Iterator[Check]":
-    """Yield the checks of one rule, each with the basis of its limit."""
+def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check", ...]:
+    """Return the checks of rules, each with the basis of its limit."""
     from torsion.rules.verdict_line import with_basis
 
-    for check in rule.check(evidence):
-        yield with_basis(check, rule.edition_of(check, evidence.study), rule.settings.verified)
+    return tuple(
+        with_basis(check, rule.edition_of(check, evidence.study), rule.settings.verified)
+        for rule in rules
+        for check in rule.check(evidence)
+    )

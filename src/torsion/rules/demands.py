@@ -255,24 +255,6 @@ def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check
             yield unjudged(rule, "gears", part.name, "Vibratory torque in the mesh", note, standing)
 
 
-def zero_pitch_rows(rule: str, study: Study, source: str) -> Iterator[Check]:
-    """Yield a row for each propeller: NOT JUDGED of a controllable pitch, a restriction if the pitch is not stated.
-
-    A `propeller` of a train without a shaft of that role may be any load.
-    """
-    parts = study.train.parts
-    drives_ship = any(part.shaft is not None and part.shaft.role == "propeller" for part in parts)
-    for part in parts if not study.covers(ZERO_PITCH, rule) else ():
-        if part.kind != "propeller" or part.propeller is None:
-            continue
-        if part.propeller.pitch == "controllable":
-            note = f"{source} demands it: a case with another `operation.load`"
-            yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note)
-        elif part.propeller.pitch is None and drives_ship:
-            words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
-            yield restriction(rule, ZERO_PITCH, part.name, "Zero pitch", words)
-
-
 def unjudged_variants(study: Study) -> Iterator[Check]:
     """Yield a restriction if no rule of the file judges the variants of a sweep, or stiffnesses within tolerances."""
     if not study.rules:

@@ -156,20 +156,17 @@ class IcePeaks(Rule[IceSettings]):
         what = "Transient response at the resonance"
         for name, words, is_open in resonances:
             if is_open:
-                yield _open_row("resonance", name, words, what)
+                yield unjudged("ice", "resonance", name, what, words, TO_BE_VERIFIED)
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
         for name, words in _missing_cases(study):
-            yield _open_row("cases", name, f"no motion has {words}", "Cases of the ice rules")
+            about = "cases", name, "Cases of the ice rules", f"no motion has {words}"
+            yield unjudged("ice", *about, TO_BE_VERIFIED)
         for part in study.train.parts:
             if part.is_bar and _limit(study, part, self.settings) is None:
-                yield _open_row("yield", part.name, LACKING["shaft"], STRESS)
-
-
-def _open_row(clause: str, where: str, words: str, what: str) -> Check:
-    """The row of a demand of the ice rules that could not be judged."""
-    return unjudged("ice", clause, where, what, words, TO_BE_VERIFIED)
+                about = "yield", part.name, STRESS, LACKING["shaft"]
+                yield unjudged("ice", *about, TO_BE_VERIFIED)
 
 
 def ice_motions(study: Study) -> list[InIce]:

@@ -125,10 +125,9 @@ class M53(RuleOverSpeed[M53Settings]):
             notes = [check.note]
             if check.value and math.isfinite(check.limit):
                 notes.insert(0, f"Q = {LEAST_Q * check.limit / check.value:.4g}")
-            outer = diameters(train, cranks[check.where])[0][0] * MM
-            conditions = _restrictions(self.settings, check.clause, outer)
             check_with_factor = replace(check, note="; ".join(filter(None, notes)))
-            yield restricted(check_with_factor, *conditions)
+            outer = diameters(train, cranks[check.where])[0][0] * MM
+            yield restricted(check_with_factor, *_restrictions(self.settings, check.clause, outer))
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Yield places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""

@@ -15,15 +15,16 @@ from torsion.rules import barred_time, m68_shafts, of_study, rule_over_speed
 from torsion.rules.demands import (
     BARRED_BELOW,
     START,
+    ZERO_PITCH,
     distinct,
     engines_of,
     in_rpm,
     misfire_row,
     order_rows,
     restricted,
+    restriction,
     unjudged,
     with_reach,
-    zero_pitch_rows,
 )
 from torsion.rules.m68_shafts import (
     DRIVE_FACTOR,
@@ -192,12 +193,24 @@ class M68(RuleOverSpeed[M68Settings]):
             checks += self._diameter(evidence, shaft)
         distinct_checks = distinct((*checks, *super().judge(evidence)))
         yield from distinct_checks
+
+        # A strength below that which the rule demands near the limit of passing a barred range.
+        minimum, near = LEAST_STRENGTH_IN_BARRED_RANGE, self.settings.near_transient
         passing_checks = {check.where: check for check in distinct_checks if check.barred}
         for line_shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
-            if line_shaft.name in passing_checks:
-                yield from self._strength_in_barred_range(
-                    line_shaft, passing_checks[line_shaft.name]
-                )
+            stated, check = line_shaft.stated, passing_checks.get(line_shaft.name)
+            if check is None or (stated or 0.0) >= minimum * (1 - ROUNDING):
+                continue
+            use = math.inf if check.utilisation is None else check.utilisation
+            is_near = use >= near * (1 - ROUNDING)
+            origin = "ours" if near == NEAR_TRANSIENT else "stated by user"
+            words = f"the stress there is {use:.3g} of its limit, near is {near:g} ({origin})"
+            if not is_near:
+                words += "; the rule demands 500 N/mm2 near the limit of passing and does not say how near"
+            verdict: Verdict = "fail" if is_near and stated is not None else "not judged"
+            what = "Tensile strength where a barred range is passed"
+            row = _strength(self.name, line_shaft, what, minimum, verdict)
+            yield replace(row, speed=check.speed, note=words)
 
     def _stresses(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
         """Yield the checks of the stress amplitude of one shaft.
@@ -299,7 +312,18 @@ class M68(RuleOverSpeed[M68Settings]):
         yield from order_rows(self.name, study)
         if not _is_generator_set(study):
             yield from misfire_row(self.name, study, self.source)
-        yield from zero_pitch_rows(self.name, study, self.source)
+        # Zero pitch: NOT JUDGED of a controllable pitch, a restriction if the pitch is not stated. A `propeller` of a
+        # train without a shaft of that role may be any load.
+        roles = {part.shaft.role for part in train.parts if part.shaft is not None}
+        for part in train.parts if not study.covers(ZERO_PITCH, self.name) else ():
+            pitch = "fixed" if part.propeller is None else part.propeller.pitch
+            about = ZERO_PITCH, part.name, "Zero pitch"
+            if part.kind == "propeller" and pitch == "controllable":
+                note = f"{self.source} demands it: a case with another `operation.load`"
+                yield unjudged(self.name, *about, note)
+            elif part.kind == "propeller" and pitch is None and "propeller" in roles:
+                words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
+                yield restriction(self.name, *about, words)
 
     def _diameter(self, evidence: Results, shaft: LimitedShaft) -> Iterator[Check]:
         """Yield the less favourable end of a line shaft against its least diameter, for the rated mean torque if known."""
@@ -334,24 +358,6 @@ class M68(RuleOverSpeed[M68Settings]):
             note=f"F {factor:g} (drive: {drive}), k {shaft.k:g}, {load:.5g} kW per rpm",
             at_least=True,
         )
-
-    def _strength_in_barred_range(self, shaft: ClassedShaft, passing: Check) -> Iterator[Check]:
-        """Yield the row about a strength below that which the rule demands near the limit of passing a barred range."""
-        minimum, near = LEAST_STRENGTH_IN_BARRED_RANGE, self.settings.near_transient
-        if (shaft.stated or 0.0) >= minimum * (1 - ROUNDING):
-            return
-        use = math.inf if passing.utilisation is None else passing.utilisation
-        is_near = use >= near * (1 - ROUNDING)
-        origin = "ours" if near == NEAR_TRANSIENT else "stated by user"
-        words = f"the stress there is {use:.3g} of its limit, near is {near:g} ({origin})"
-        if not is_near:
-            words += (
-                "; the rule demands 500 N/mm2 near the limit of passing and does not say how near"
-            )
-        verdict: Verdict = "fail" if is_near and shaft.stated is not None else "not judged"
-        what = "Tensile strength where a barred range is passed"
-        row = _strength(self.name, shaft, what, minimum, verdict)
-        yield replace(row, speed=passing.speed, note=words)
 
 
 def judging(evidence: Results, shaft: str) -> tuple[M68, LimitedShaft]:
