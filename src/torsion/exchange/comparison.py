@@ -121,8 +121,7 @@ class Comparison:
 def read_results(path: str | Path) -> dict[str, Any]:
     """Return the content of a results.json, or of that in a folder; raises InputError if it cannot be read."""
     file = Path(path) / "results.json" if Path(path).is_dir() else Path(path)
-    data: Any = None
-    why = ""
+    data, why = dict[str, Any](), ""
     try:
         data = json.loads(read_file(file, LARGEST_RESULTS).decode())
     except (OSError, UnicodeDecodeError) as error:
@@ -166,9 +165,9 @@ def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comp
     for name in dict.fromkeys((*of_cases[0], *of_cases[1])):
         cases.append(_compare_case(name, *(data.get(name) for data in of_cases)))
     heads = before["scene"], after["scene"]
-    names = (str(head.get("name")) for head in heads)
-    checksums = (str(head.get("sha256") or "") for head in heads)
-    return Comparison(*names, *checksums, tuple(cases))
+    names = [str(head.get("name")) for head in heads]
+    checksums = [str(head.get("sha256") or "") for head in heads]
+    return Comparison(names[0], names[1], checksums[0], checksums[1], tuple(cases))
 
 
 def _compare_case(
@@ -184,7 +183,7 @@ def _compare_case(
         elif data and ((data.get("sweep") or {}).get("any_fails") or {}).get("failing"):
             worst = WORDS["restricted"] if worst == WORDS["pass"] else worst
         words.append(None if data is None else worst)
-    comparison = CaseComparison(name, *words)
+    comparison = CaseComparison(name, words[0], words[1])
     if before is None or after is None or not ("checks" in before and "checks" in after):
         return comparison
 

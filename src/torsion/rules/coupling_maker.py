@@ -123,8 +123,8 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
             limit = np.full(speed.shape, part.warming.highest - part.warming.now)
             curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
             use, what = within(self.use, speed), "Temperature rise by its own heat"
-            about, notes = ("ΔT", part.name, what, "maker"), (reason, self.use_words, MOSTLY)
-            yield Clause(*about, curve, use, "K", notes, infinite_fails=True)
+            about, notes = ("ΔT", part.name, what), (reason, self.use_words, MOSTLY)
+            yield Clause(*about, "maker", curve, use, "K", notes, infinite_fails=True)
 
     def _vibration(
         self, evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray

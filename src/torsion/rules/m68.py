@@ -198,10 +198,10 @@ class M68(RuleOverSpeed[M68Settings]):
         minimum, near = LEAST_STRENGTH_IN_BARRED_RANGE, self.settings.near_transient
         passing_checks = {check.where: check for check in distinct_checks if check.barred}
         for line_shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
-            stated, check = line_shaft.stated, passing_checks.get(line_shaft.name)
-            if check is None or (stated or 0.0) >= minimum * (1 - ROUNDING):
+            stated, passed = line_shaft.stated, passing_checks.get(line_shaft.name)
+            if passed is None or (stated or 0.0) >= minimum * (1 - ROUNDING):
                 continue
-            use = math.inf if check.utilisation is None else check.utilisation
+            use = math.inf if passed.utilisation is None else passed.utilisation
             is_near = use >= near * (1 - ROUNDING)
             origin = "ours" if near == NEAR_TRANSIENT else "stated by user"
             words = f"the stress there is {use:.3g} of its limit, near is {near:g} ({origin})"
@@ -210,7 +210,7 @@ class M68(RuleOverSpeed[M68Settings]):
             verdict: Verdict = "fail" if is_near and stated is not None else "not judged"
             what = "Tensile strength where a barred range is passed"
             row = _strength(self.name, line_shaft, what, minimum, verdict)
-            yield replace(row, speed=check.speed, note=words)
+            yield replace(row, speed=passed.speed, note=words)
 
     def _stresses(self, evidence: Results, stressed: Stressed) -> Iterator[Check]:
         """Yield the checks of the stress amplitude of one shaft.
@@ -317,13 +317,13 @@ class M68(RuleOverSpeed[M68Settings]):
         roles = {part.shaft.role for part in train.parts if part.shaft is not None}
         for part in train.parts if not study.covers(ZERO_PITCH, self.name) else ():
             pitch = "fixed" if part.propeller is None else part.propeller.pitch
-            about = ZERO_PITCH, part.name, "Zero pitch"
+            zero = ZERO_PITCH, part.name, "Zero pitch"
             if part.kind == "propeller" and pitch == "controllable":
                 note = f"{self.source} demands it: a case with another `operation.load`"
-                yield unjudged(self.name, *about, note)
+                yield unjudged(self.name, *zero, note)
             elif part.kind == "propeller" and pitch is None and "propeller" in roles:
                 words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
-                yield restriction(self.name, *about, words)
+                yield restriction(self.name, *zero, words)
 
     def _diameter(self, evidence: Results, shaft: LimitedShaft) -> Iterator[Check]:
         """Yield the less favourable end of a line shaft against its least diameter, for the rated mean torque if known."""

@@ -294,7 +294,7 @@ class SocietyRule(M68):
             if self.engine is None:  # a table by diameter, of which the greatest limits most
                 diameter = max(outer for outer, _ in diameters(study.train, number)) * MM
                 curve = crank_curve(CCS_CRANK, society.letters, diameter)
-                notes = (f"diameter {diameter:.4g} mm",)
+                notes: tuple[str, ...] = (f"diameter {diameter:.4g} mm",)
                 yield LimitedShaft(number, part.name, curve, mark, notes)
                 continue
 

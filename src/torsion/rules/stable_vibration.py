@@ -56,5 +56,5 @@ class StableVibration(Rule[RuleSettings]):
             notes.append(f"the damped modes are not known: {error.message}")
         about = "stability", "vibration", WHOLE, "Growth of small vibrations"
         at_speed = None if np.isnan(growth) else worst_speed
-        limits = growth, 0.0, "1/s", verdict, "by definition"
-        yield Check(*about, *limits, at_speed, note="; ".join(notes))
+        note = "; ".join(notes)
+        yield Check(*about, growth, 0.0, "1/s", verdict, "by definition", at_speed, note=note)

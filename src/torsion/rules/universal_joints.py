@@ -169,10 +169,10 @@ class UniversalJoints(Rule[JointRuleSettings]):
             raise ValueError("a rule about joints needs them and a speed")
         limits = dict[str, Limit]()
         for key, (by_maker, words) in PUBLISHED.items():
-            limit = float(getattr(self.settings, key))
-            limits[key] = limit, "setting", f"setting `{key}`"
-            if limit == by_maker:
-                limits[key] = limit, "maker", words
+            maximum = float(getattr(self.settings, key))
+            limits[key] = maximum, "setting", f"setting `{key}`"
+            if maximum == by_maker:
+                limits[key] = maximum, "maker", words
         # rad/s2: greatest acceleration behind every joint; no gear stands in a line of joints.
         steepest = [joint.steepest * (speed * float(joint.ratio)) ** 2 for joint in joints.joints]
 
@@ -200,7 +200,7 @@ class UniversalJoints(Rule[JointRuleSettings]):
             yield _verdict(about, steepest[position], "rad/s2", limit, speed, part, after=EVENLY)
 
         for joint in joints.joints if self.settings.speed_angle is not None else ():
-            limit = self.settings.speed_angle or 0.0, "setting", "setting `speed_angle`"
+            limit = (self.settings.speed_angle or 0.0, "setting", "setting `speed_angle`")
             # As its maker counts it.
             value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
             about = "n b", joint.name, "Speed times angle"
