@@ -37,7 +37,8 @@ HOW = """\
 Times in ms: median and, in brackets, the worst of the runs; of the first picture one run. `Campbell`: the natural
 frequencies and the Campbell diagram are painted; `all`: the verdict, the figures of the first page and every curve of
 the response too. A file counts from before it is written, a slider from its event; solver, server and browser share the
-processors. The chain has 20 stations, 7 couplings with a tolerance, 4 orders and {speeds} speeds."""
+processors. Where the load printed above is near the number of processors or above it, the times say nothing of a quiet
+machine. The chain has 20 stations, 7 couplings with a tolerance, 4 orders and {speeds} speeds."""
 DRAWN = """(turn) => new Promise((resolve) => {  // when both frames have shown a later turn, ms since the epoch
     const timer = setInterval(() => {
         if (drawn.report <= turn || drawn.modes <= turn) return;
