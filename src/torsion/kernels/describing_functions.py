@@ -159,14 +159,14 @@ class PiecewiseCoupling:
         # No spring carries more than without its begin, nor less than while it is in contact all the time.
         lost = sum(begin * stiffness for begin, stiffness in self.springs)
         loaded = np.flatnonzero(mean > 0.0)
-        torque, swing = mean[loaded], amplitude[loaded]
+        torque, amplitudes = mean[loaded], amplitude[loaded]
 
         def excess(mean_twist: FloatArray) -> FloatArray:
             carried = -torque
             for begin, stiffness in self.springs:
                 turned = mean_twist
                 if begin:
-                    above, below = ramp(_sides(mean_twist, begin), swing)[0]
+                    above, below = ramp(_sides(mean_twist, begin), amplitudes)[0]
                     turned = above - below
                 carried = carried + stiffness * turned
             return carried

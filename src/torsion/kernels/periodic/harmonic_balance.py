@@ -151,7 +151,7 @@ def _newton(
     factors = stiffness + 1j * (w * damping + lossy) - w**2 * mass
     matrix = [scattered_apart(entries.row[steady], entries.column[steady], factors)]
 
-    # The others are full blocks, of which the rows of the harmonics 0..count tell all.
+    # The others are full blocks, of which the rows of the harmonics 0..count report all.
     w = w0 * np.arange(-count, count + 1)
     inert, damp, stiff = toeplitz(coefficients[:, ~steady], count, harmonics)
     blocks = [*(stiff + 1j * w * damp - w**2 * inert)]
