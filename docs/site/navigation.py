@@ -6,12 +6,12 @@ from sphinx.application import Sphinx
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Fold the chapters before the theme asks for the tree."""
-    app.connect("html-page-context", _fold, priority=400)
+    """Collapse the chapters before the theme reads the tree."""
+    app.connect("html-page-context", _collapse, priority=400)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
-def _fold(app: Sphinx, page: str, template: str, context: dict[str, Any], _: object) -> None:
+def _collapse(app: Sphinx, page: str, template: str, context: dict[str, Any], _: object) -> None:
     if "toctree" in context:
         whole = context["toctree"]
         context["toctree"] = lambda **options: whole(**{**options, "collapse": True})
