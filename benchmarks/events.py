@@ -16,8 +16,8 @@ from tests.kernels.motion.extended_precision import ten_stations
 from benchmarks.page_file import Report, verdict
 from torsion.arrays import FloatArray
 from torsion.kernels.motion.energy_balance import energy_balance
+from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
 
 DURATION, SAMPLES = 2.0, 200
 WITHIN = (0.25, 0.5, 1.0, 2.0)  # s

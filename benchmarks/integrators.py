@@ -24,9 +24,9 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.shaft import Shaft

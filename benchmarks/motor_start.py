@@ -15,12 +15,12 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.page_file import Report
 from torsion.arrays import FloatArray
+from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Scheme, march
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
-from torsion.kernels.motion.torques import torque_laws as laws
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 

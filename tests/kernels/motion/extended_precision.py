@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
-from torsion.kernels.motion.regimes.piecewise_elements import Clearance, Friction
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.piecewise_elements import Clearance, Friction
+from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 

@@ -7,17 +7,11 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.kernels.motion.regimes.test_damped_motion import chain
+from tests.kernels.motion.test_damped_motion import chain
 
 from torsion.errors import SolveError
-from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
-from torsion.kernels.motion.torques import torque_laws as laws
-from torsion.kernels.motion.torques.dry_friction import FORWARD, STANDS, DryFriction
-from torsion.kernels.motion.torques.polynomial_torques import (
+from torsion.kernels.motion import torque_laws as laws
+from torsion.kernels.motion.closed_answers import (
     NODES,
     POINTS,
     SERIES,
@@ -26,7 +20,13 @@ from torsion.kernels.motion.torques.polynomial_torques import (
     cut_short,
     value,
 )
-from torsion.kernels.motion.torques.torque_history import Piece, history
+from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.march import March
+from torsion.kernels.motion.torque_history import Piece, history
+from torsion.kernels.motion.torque_laws import FORWARD, STANDS, DryFriction
 
 SYNCHRONOUS = 50.0 * math.pi
 

@@ -9,20 +9,19 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from tests.kernels.motion.extended_precision import ten_stations
 
-from torsion.kernels.motion.endless_events import Chatter
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.energy_balance import energy_balance
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
-from torsion.kernels.motion.regimes.piecewise_elements import (
+from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.march import Chatter, March
+from torsion.kernels.motion.piecewise_elements import (
     OPEN,
     Clearance,
     DelayedFriction,
     Friction,
     Switch,
 )
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 
 
 def loaded(w, damping, elements, loads=(), force=None) -> LoadedModes:

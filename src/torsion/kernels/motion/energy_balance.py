@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, Reading
-from torsion.kernels.motion.regimes.linear_regime import Regime
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.linear_regime import Reading, Regime
 
 RADIANS = 3.0  # of the fastest motion in a window
 GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 6 rad in it, and err by 2e-15
@@ -69,9 +69,7 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
         largest = max(largest, _energy_of_impulses(motion, windows))
     else:
         # Friction whose capacity falls at once gives up what its spring holds.
-        signals = [
-            getattr(element, "signal", None) is not None for element in motion.train.elements
-        ]
+        signals = [element.signal is not None for element in motion.train.elements]
         released = ends[1, 1:, :-1] - ends[0, 1:, 1:]
         released[np.logical_not(signals)] = 0.0
         heat += released.sum(axis=1)
@@ -87,7 +85,7 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
 def _all_windows(motion: EventDrivenMotion) -> _Windows:
     """The whole motion in windows of RADIANS of its fastest motion."""
     edges = np.append(motion.begin, motion.end)
-    fastest = np.array([motion.regimes[regime].fastest for regime, _ in motion.steps])
+    fastest = np.array([motion.regimes[regime].fastest for regime, *_ in motion.steps])
     length = np.diff(edges)
     number = np.maximum(np.ceil(length * fastest / RADIANS), 1.0).astype(int)
     step = np.repeat(np.arange(len(number)), number)
@@ -122,7 +120,7 @@ def _energy_of_impulses(motion: EventDrivenMotion, windows: _Windows) -> float:
 
 def _powers(regime: Regime, reading: Reading) -> FloatArray:
     """(2 + elements, times) W: work of the torques, loss in the damping of the modes, heat of every element."""
-    train, speed, rates = reading.train, reading.speed, reading.rates
+    train, speed, rates = regime.train, reading.speed, reading.rates
     work = (train.push @ reading.inputs * speed).sum(axis=0)
     if train.higher_answer is not None:
         acting = reading.input_rates[1 : train.following.stop]
@@ -136,7 +134,7 @@ def _powers(regime: Regime, reading: Reading) -> FloatArray:
 
 def _energies(regime: Regime, reading: Reading) -> FloatArray:
     """(1 + elements, times) J stored in the train, and in its elements."""
-    train, elastic = reading.train, 0.5 * (regime.elastic @ reading.values) ** 2
+    train, elastic = regime.train, 0.5 * (regime.elastic @ reading.values) ** 2
     modes = (train.modes.w_of_all[:, None] * reading.position) ** 2 + reading.speed**2
     energy = 0.5 * modes.sum(axis=0) + elastic.sum(axis=0)
     if train.compliance is not None:

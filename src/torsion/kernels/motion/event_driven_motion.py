@@ -1,14 +1,14 @@
 """A motion in steps of linear regimes: to be read at any time, exactly."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.motion.regimes.linear_regime import Layout, Regime
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes, Start, beside_each_other
+from torsion.kernels.motion.linear_regime import Reading, Regime
+from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 
 
 @dataclass(frozen=True)
@@ -21,48 +21,11 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Reading:
-    """A motion at some times."""
-
-    train: LoadedModes
-    values: FloatArray  # (rows, times) positions, speeds, inputs and rates of these
-    acceleration: FloatArray  # (motions, times)
-    torque: FloatArray  # (elements, times) N m
-    torque_rate: FloatArray  # (elements, times) N m/s
-
-    @property
-    def position(self) -> FloatArray:
-        """(motions, times), of rigid motions the whole one where the reading is of the whole motion."""
-        return self.values[Layout(self.train).position]
-
-    @property
-    def speed(self) -> FloatArray:
-        """(motions, times)."""
-        return self.values[Layout(self.train).speed]
-
-    @property
-    def inputs(self) -> FloatArray:
-        """(inputs, times)."""
-        return self.values[Layout(self.train).inputs]
-
-    @property
-    def input_rates(self) -> FloatArray:
-        """(inputs, times)."""
-        return self.values[Layout(self.train).input_rates]
-
-    @property
-    def rates(self) -> FloatArray:
-        """(rows, times) rates of the values; of the rates of inputs nothing."""
-        parts = (self.speed, self.acceleration, self.input_rates, 0.0 * self.inputs)
-        return np.concatenate(parts)
-
-
-@dataclass(frozen=True)
 class EventDrivenMotion:
     """The motion of a train from step to step."""
 
     train: LoadedModes
-    steps: tuple[tuple[int, Start], ...]  # the regime of each
+    steps: tuple[tuple[int, int, Start], ...]  # regime and interval of the history of each
     regimes: tuple[Regime, ...]
     events: tuple[Event, ...]
     end: float  # s
@@ -70,19 +33,19 @@ class EventDrivenMotion:
     @cached_property
     def begin(self) -> FloatArray:
         """(steps,) s."""
-        return np.concatenate([start.time for _, start in self.steps])
+        return np.concatenate([start.time for *_, start in self.steps])
 
     @cached_property
-    def _alike(self) -> tuple[IntArray, list[tuple[Regime, IntArray, Start]]]:
+    def _alike(self) -> tuple[IntArray, list[tuple[Regime, int, IntArray, Start]]]:
         """(steps,) which group each is of; of every regime and interval its steps, beside each other."""
-        keys = [(regime, start.interval) for regime, start in self.steps]
+        keys = [step[:2] for step in self.steps]
         numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
-        group = np.array([numbers[key] for key in keys])
-        groups = []
-        for (regime, _), number in numbers.items():
+        group, groups = np.array([numbers[key] for key in keys]), []
+        for (regime, interval), number in numbers.items():
             chosen = np.flatnonzero(group == number)
-            starts = [self.steps[step][1] for step in chosen.tolist()]
-            groups.append((self.regimes[regime], chosen, beside_each_other(starts)))
+            columns = zip(*(self.steps[step][2] for step in chosen.tolist()), strict=True)
+            starts = Start(*(np.concatenate(column, axis=-1) for column in columns))
+            groups.append((self.regimes[regime], interval, chosen, starts))
         return group, groups
 
     def readings(
@@ -95,25 +58,19 @@ class EventDrivenMotion:
         group, groups = self._alike
         for number in np.unique(group[step]).tolist():
             columns = np.flatnonzero(group[step] == number)
-            regime, chosen, starts = groups[number]
-            start = starts.select(np.searchsorted(chosen, step[columns]))
-            late = time[columns] - start.time
-            moved = regime.moved(start, late, orders=2)
-            rates = moved.input_rates[:, :, 0]
-            parts = (regime.positions(moved), regime.speeds(moved.y), moved.inputs, rates)
-            values, gained = np.concatenate(parts), regime.speeds(regime.rates_of(moved))
-            reading = Reading(self.train, values, gained, regime.torque @ values, np.empty(0))
-            reading = replace(reading, torque_rate=regime.torque @ reading.rates)
+            regime, interval, chosen, starts = groups[number]
+            which = np.searchsorted(chosen, step[columns])
+            start = Start(*(column[..., which] for column in starts))
+            reading = regime.read(interval, start, time[columns] - start.time)
             yield regime, columns, reading, start.begun
 
     def at(self, time: FloatArray) -> Reading:
-        """The motion at times (s)."""
+        """The motion at times (s); positions are whole ones."""
         step = np.maximum(np.searchsorted(self.begin, time, side="right") - 1, 0)
-        count, number = len(time), len(self.train.elements)
-        sizes = (Layout(self.train).size, self.train.motions, number, number)
-        whole = Reading(self.train, *(np.empty((size, count)) for size in sizes))
+        n, m, number = self.train.motions, self.train.inputs, len(self.train.elements)
+        whole = Reading(*(np.empty((size, len(time))) for size in (n, n, m, m, n, number, number)))
         for _, columns, reading, begun in self.readings(time, step):
             reading.position[: len(begun)] += begun
-            for name in ("values", "acceleration", "torque", "torque_rate"):
-                getattr(whole, name)[:, columns] = getattr(reading, name)
+            for values, part in zip(whole, reading, strict=True):
+                values[:, columns] = part
         return whole

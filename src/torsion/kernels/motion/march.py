@@ -1,70 +1,87 @@
 """A train moved on from event to event: exact between them, also under torques that are polynomials of a step.
 
 Within a regime of its elements the train is linear. An event of an element ends a step there, and the next begins in
-another regime. Every element keeps a twist of its own, so that no twist is a difference of large angles.
+another regime: the motion is read at the ends of short parts of a step, and a part is looked at more closely where a
+switching function is below zero at an end of it, or a tangent at one end is below zero at the other; there the functions
+are Taylor polynomials, and the root is exact to rounding. Every element keeps a twist of its own, so that no twist is a
+difference of large angles.
 """
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from torsion.arrays import FloatArray
-from torsion.kernels.motion.endless_events import Chatter, refuse_too_many
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.errors import SolveError
+from torsion.kernels.motion.closed_answers import AT_END, ENDS, POINTS, SERIES
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
-from torsion.kernels.motion.regimes.linear_regime import Layout, Modes, Moved, Regime, regime_of
-from torsion.kernels.motion.regimes.modal_loads import (
-    SAME_TIME,
-    LoadedModes,
-    Start,
-    Turning,
-    inputs_at,
-)
-from torsion.kernels.motion.regimes.piecewise_elements import OPEN, Friction
-from torsion.kernels.motion.regimes.regime_events import BLOCK, RADIANS, Watch, looks
-from torsion.kernels.motion.regimes.sampled_rows import (
+from torsion.kernels.motion.first_root import first_root
+from torsion.kernels.motion.linear_regime import Modes, Regime, regime_of
+from torsion.kernels.motion.loaded_modes import SAME_TIME, LoadedModes, Start, Turning
+from torsion.kernels.motion.piecewise_elements import OPEN, Friction
+from torsion.kernels.motion.sampled_rows import (
     Rows,
+    coordinate_rows,
     features,
-    rates_of,
     rows_of,
     sample,
-    together,
 )
-from torsion.kernels.motion.torques.polynomial_torques import ENDS, POINTS, SERIES
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
 NEWS = 100  # events and looks between two reports of progress
 # events, after two times of which those of the whole motion are judged by their pace
 WATCHED = 10_000
+GAIN = 1.2  # of the pace: such a motion may come to its end yet
 MOST_KEPT = 4_000_000  # numbers in matrices of samples
 LONGEST = 64.0  # parts of a motion, at least
+LOOKS = (0, 16, 64, 256)  # parts that are looked at together: most events come soon
+BLOCK = LOOKS[-1]
+RADIANS = 0.5  # of the fastest motion in a part: 0.5**16/16! = 7e-19
+TERMS = 16  # of a Taylor polynomial
+ORDERS = np.arange(float(TERMS))
+FACTORIALS = np.cumprod([1.0, *range(1, TERMS)])
+ROUNDING = 1e-13  # of the largest coefficient: a function below zero by less is at zero
+EXACT = 2e-15  # of the terms of a function, whose sum it knows no better
+# (ENDS, nodes) torques there, of those at the nodes
+BY_NODES = np.concatenate([np.eye(POINTS), AT_END.T])
 
 
-def _coordinate_rows(regime: Regime) -> Rows:
-    """Real and imaginary parts of all coordinates, and positions of what nothing holds."""
-    size, number = len(regime.root), regime.free.shape[1]
-    by_y = np.concatenate([np.eye(size), -1j * np.eye(size), np.zeros((number, size))])
-    by_turned = np.eye(2 * size + number, number, -2 * size)
-    return Rows(by_y, by_turned, np.zeros((3, len(by_y), regime.train.inputs)))
+class Chatter(SolveError):
+    """An element switches without end."""
+
+    def __init__(self, time: float, element: int) -> None:
+        super().__init__(
+            f"from {time:.6g} s on, a coupling changes between its regimes without end"
+        )
+        self.time, self.element = time, element
 
 
-def _interface_rows(regime: Regime) -> Rows:
-    """Angles, speeds and accelerations of the interfaces."""
-    layout, shape = Layout(regime.train), regime.train.shape
-    values = np.zeros((2, len(shape), layout.size))
-    values[0, :, layout.position] = values[1, :, layout.speed] = shape
-    angle, speed = (rows_of(regime, row) for row in values)
-    return together(angle, speed, rates_of(regime, speed))
+class TooManyEvents(SolveError):
+    """More events than are kept."""
+
+    def __init__(self, number: int, most: int, time: float, end: float) -> None:
+        super().__init__(
+            f"the motion has its {number} events at {time:.6g} s, and no more than {most} are followed"
+        )
+        self.time = end
 
 
 def _event_rows(regime: Regime) -> Rows:
     """Switching functions and their rates."""
-    functions = rows_of(regime, regime.events)
-    return together(functions, rates_of(regime, functions))
+    return rows_of(regime, regime.events, slice(None))
+
+
+def _interface_rows(regime: Regime) -> Rows:
+    """Angles, speeds and accelerations of the interfaces."""
+    position, speed, _, rates = regime.train.columns
+    values = np.zeros((2, len(regime.train.shape), rates.stop))
+    values[0, :, position] = values[1, :, speed] = regime.train.shape
+    return rows_of(regime, np.concatenate(values), slice(len(values[0]), None))
 
 
 @dataclass
@@ -85,22 +102,18 @@ class March:
     fineness: float = 1.0
     progress: Callable[[float], None] = lambda share: None
     carrier: Callable[[FloatArray], Turning] | None = None
-    steps: list[tuple[int, Start]] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    parts: FloatArray = field(init=False)
-    idle: int = 0  # events without progress
-    last: float = -math.inf  # s, when there was some
-    done: int = 0  # events and looks
-    regimes: dict[Modes, Regime] = field(default_factory=dict)
-    watches: dict[Modes, Watch] = field(default_factory=dict)
-    kept: dict[tuple[object, ...], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        rigid = self.train.modes.rigid
-        self.begun = np.zeros(rigid)
-        self.position, self.speed = self.position.copy(), self.speed.copy()
-        self.twist, self.parts = self.twist.copy(), np.zeros((self.number, 1))
-        self.interval = 0
+        self.position, self.speed, self.twist = (
+            row.copy() for row in (self.position, self.speed, self.twist)
+        )
+        self.number = len(self.train.shape)  # of interfaces at which torques act
+        self.begun, self.parts = np.zeros(self.train.modes.rigid), np.zeros((self.number, 1))
+        self.steps, self.events = list[tuple[int, int, Start]](), list[Event]()
+        self.idle, self.last = 0, -math.inf  # events without progress; s, when there was some
+        self.done, self.size = 0, 0  # events and looks; numbers in matrices that are kept
+        self.regimes = dict[Modes, Regime]()
+        self.matrices = dict[tuple[object, ...], dict[tuple[object, ...], Any]]()
         self.rearm(0.0)
 
     @property
@@ -112,26 +125,17 @@ class March:
 
     def values(self, time: float) -> FloatArray:
         """(rows,) positions, speeds, inputs and their rates at the present state."""
-        train, layout = self.train, Layout(self.train)
-        values, loads = np.zeros(layout.size), slice(1, train.following.start)
-        since = np.array([time - train.history.begin[self.interval]])
-        acting = train.loads_at(self.interval, since, 2)[:, 0]
-        values[layout.position], values[layout.speed] = self.position, self.speed
-        inputs = values[layout.inputs]  # a view
-        inputs[0], inputs[loads], inputs[train.following.stop :] = (
-            1.0,
-            acting[:, 0],
-            self._offsets(),
-        )
-        values[layout.input_rates][loads] = acting[:, 1]
-        return values
+        since = np.array([time - self.train.history.begin[self.interval]])
+        acting = self.train.loads_at(self.interval, since, 2)[:, 0].T
+        offset, none = self._offset(), np.zeros(self.number)
+        inputs = [[1.0], acting[0], none, offset, [0.0], acting[1], none, 0.0 * offset]
+        return np.concatenate([self.position, self.speed, *inputs])
 
-    def _offsets(self) -> FloatArray:
+    def _offset(self) -> FloatArray:
         """(elements,) rad by which twists of the motions exceed those of the springs."""
         regime = self.regime
-        turned = self.train.ends @ self.position
-        own = np.where(regime.moves, self.twist - regime.offset, 0.0)
-        return np.where(regime.moves | regime.sticks, turned, 0.0) - own
+        turned = np.where(regime.moves | regime.sticks, self.train.ends @ self.position, 0.0)
+        return turned - np.where(regime.moves, self.twist - regime.offset, 0.0)
 
     def begin(self, time: float) -> None:
         """A step in the present regime from a time on; rigid motions count anew, so that no twist has large angles."""
@@ -142,12 +146,9 @@ class March:
             near = regime.untwisting @ own
             self.begun = self.begun + self.position[:rigid] - near
             self.position[:rigid] = near
-        inputs = np.zeros(train.inputs)
-        offset = self._offsets()
-        inputs[train.following.stop :] = offset
-        y, turned = regime.begin(self.position, self.speed, inputs)
+        offset = self._offset()
+        y, turned = regime.begin(self.position, self.speed, offset)
         self.start = Start(
-            self.interval,
             np.array([time]),
             y[:, None],
             turned[:, None],
@@ -156,7 +157,10 @@ class March:
             np.ones(1),
             self.begun[:, None],
         )
-        self.features = features(train, self.start)
+        self.features = features(train, self.interval, self.start)
+        # A cached matrix is of a regime, and of the loads, their rates, and which of them have slopes.
+        kind = self.modes, train.history.acting[self.interval].kind
+        self.kept = self.matrices.setdefault(kind, {})
 
     def rearm(self, time: float) -> None:
         """At a break: the torques that begin, and friction whose capacity ends or begins."""
@@ -166,21 +170,18 @@ class March:
         self.interval = int(np.searchsorted(train.history.begin, time, side="right")) - 1
         for number, element in enumerate(train.elements):
             if isinstance(element, Friction) and element.signal is not None:
-                acting = train.acting[self.interval]
-                acts = bool((acting.load == element.signal).any())
+                acts = bool((train.history.acting[self.interval].load == element.signal).any())
                 if acts == (self.modes[number] != OPEN):
                     continue
                 self.twist[number] = 0.0 if acts else self.twist[number]
-                self.enter(time, number, self._closing(number) if acts else OPEN)
+                # Friction that gains a capacity slips, unless its ends turn together to rounding.
+                row = train.ends[number]
+                slipping = float(row @ self.speed)
+                is_still = abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(self.speed))
+                closing = 0 if is_still else int(np.sign(slipping))
+                self.enter(time, number, closing if acts else OPEN)
                 self.twist[number] = 0.0
         self.begin(time)
-
-    def _closing(self, number: int) -> int:
-        """The regime of friction that gains a capacity: it slips, unless its ends turn together to rounding."""
-        row = self.train.ends[number]
-        slipping = float(row @ self.speed)
-        is_still = abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(self.speed))
-        return 0 if is_still else int(np.sign(slipping))
 
     def enter(self, time: float, number: int, to: int) -> None:
         """An element in another regime, its own twist set to what it is exactly there."""
@@ -195,7 +196,7 @@ class March:
             self.twist[number] = twist
         elif old_law.kind == "given" and law.kind == "spring":
             row = self.regime.torque[number]
-            offset = Layout(self.train).inputs.start + self.train.following.stop + number
+            offset = self.train.columns[2].start + self.train.following.stop + number
             self.twist[number] -= (slipping - row @ self.values(time)) / row[offset]
         elif law.kind == "stuck":
             # Its ends turn together, of which the root knows all digits but the last.
@@ -206,33 +207,42 @@ class March:
         """A step, or less where an event ends it: until when."""
         regime, start = self.regime, self.start
         numbers = {modes: number for number, modes in enumerate(self.regimes)}
-        self.steps.append((numbers[self.modes], start))
+        self.steps.append((numbers[self.modes], self.interval, start))
         event = self._first_event(time, end - time)
         if event is None:
-            function, reached, moved = None, end, self._moved(end - time, end - time)
+            reached, function = end, None
+            y, turned = self._coordinates(end - time, end - time)
         else:
-            late, function, moved = event
+            late, function, y, turned = event
             reached = time + late
-        position, speed = regime.positions(moved)[:, 0], regime.speeds(moved.y)[:, 0]
-        own = self.train.ends @ position - start.offset[:, 0]
+        self.position = regime.positions(y, turned, start.offset)[:, 0]
+        self.speed = regime.speeds(y)[:, 0]
+        own = self.train.ends @ self.position - start.offset[:, 0]
         self.twist = np.where(regime.moves, own + regime.offset, self.twist)
-        self.position, self.speed = position, speed
         if function is not None:
-            self.enter(reached, *regime.switches[function])
-            part = self._part(regime, math.inf)
-            near = max(1e-12 * part, 4.0 * math.ulp(reached))
+            element, to = regime.switches[function]
+            self.enter(reached, element, to)
+            near = max(1e-12 * self._part(regime, math.inf), 4.0 * math.ulp(reached))
             is_idle = reached - self.last <= near
             self.idle, self.last = (self.idle + 1, self.last) if is_idle else (0, reached)
             if self.idle > CHATTER * len(self.modes):
-                raise Chatter(reached, regime.switches[function][0])
-            count = len(self.events)
-            if count > MOST_EVENTS or count % WATCHED == 0:
-                backs = (back * WATCHED for back in (2, 1) if back * WATCHED <= count)
-                times = [*(self.events[-back].time for back in backs), reached]
-                refuse_too_many(count, MOST_EVENTS, times, WATCHED, self.duration)
+                raise Chatter(reached, element)
+            self._refuse_too_many(reached)
             self._tell(reached)
         self.begin(reached)
         return reached
+
+    def _refuse_too_many(self, time: float) -> None:
+        """Raises TooManyEvents, as soon as the pace of the events lets no end be reached."""
+        count, end = len(self.events), math.inf
+        if count % WATCHED == 0 and count >= 2 * WATCHED:
+            times = [*(self.events[-back * WATCHED].time for back in (2, 1)), time]
+            pace = np.diff(times) / (WATCHED, WATCHED - 1)  # s an event
+            if pace[1] <= GAIN * pace[0]:
+                end = time + (MOST_EVENTS - count) * float(pace[1])
+        if count > MOST_EVENTS or end < self.duration:
+            end = time if count > MOST_EVENTS else end
+            raise TooManyEvents(min(count, MOST_EVENTS), MOST_EVENTS, time, end)
 
     def _part(self, regime: Regime, length: float) -> float:
         """s, of the parts in which events are looked for in a step of a length."""
@@ -240,30 +250,77 @@ class March:
         longest = min(self.duration / LONGEST, length)
         return self.fineness * min(longest, RADIANS / fastest if fastest else math.inf)
 
-    def _first_event(self, time: float, length: float) -> tuple[float, int, Moved] | None:
-        """When (s from a time on) the first event is within a length, of which function, and the motion then."""
+    def _first_event(
+        self, time: float, length: float
+    ) -> tuple[float, int, ComplexArray, FloatArray] | None:
+        """When (s from a time on) the first event is within a length, of which function; coordinates there."""
         regime = self.regime
         if not len(regime.events):
             return None
         part = self._part(regime, length / 4.0 if self.number else math.inf)
-        watch = self.watches.setdefault(self.modes, Watch(regime))
-        for first, last in looks(math.ceil(length / part)):
-            times = part * np.arange(first, last + 1.0)
+        number = math.ceil(length / part)
+        for first, last in pairwise([*LOOKS, *range(2 * BLOCK, number + BLOCK, BLOCK)]):
+            if first >= number:
+                break
+            times = part * np.arange(first, min(last, number) + 1.0)
             values = self._samples(_event_rows, times, length)
-            event = watch.first_event(partial(self._moved, length), times, values, length)
-            if event is not None:
-                return event
-            if last % BLOCK == 0:
-                self._tell(time + last * part)
+            value, rise = values.reshape(2, -1, len(times))
+            ahead = np.minimum(value, value + part * rise)[:, :-1] <= 0.0
+            below = ahead | (np.minimum(value, value - part * rise)[:, 1:] <= 0.0)
+            for number_of_part in np.flatnonzero(below.any(axis=0)).tolist():
+                begin = float(times[number_of_part])
+                functions = np.flatnonzero(below[:, number_of_part]).tolist()
+                root = self._root(begin, length, part, functions)
+                if root is not None and (late := begin + root[0] * part) <= length:
+                    return late, *root[1:]
+            if (looked := first + len(times) - 1) % BLOCK == 0:
+                self._tell(time + looked * part)
         return None
 
-    def _moved(self, length: float, late: float, orders: int = 1) -> Moved:
-        """The motion in a step of a length at a time since its begin (s), with some derivatives of its inputs."""
-        size, time = len(self.start.y), np.array([late])
-        samples = self._samples(_coordinate_rows, time, length)
-        real, imaginary, turned = np.split(samples, [size, 2 * size])
-        inputs = inputs_at(self.train, self.start, time, orders)
-        return Moved(real + 1j * imaginary, turned, inputs[:, :, 0], inputs[:, :, 1:])
+    def _root(
+        self, late: float, length: float, part: float, functions: list[int]
+    ) -> tuple[float, int, ComplexArray, FloatArray] | None:
+        """The first root of some of the functions within a part that begins so late, in shares of it; coordinates there."""
+        regime, start = self.regime, self.start
+        if ("watch",) not in self.kept:
+            rows = rows_of(regime, regime.events)
+            self.kept["watch",] = rows, np.abs(regime.events), np.abs(rows.by_y)
+        rows, sizes, sizes_by_y = self.kept["watch",]
+        y, turned = self._coordinates(late, length)
+        time = np.array([late])
+        inputs = self.train.inputs_at(self.interval, start, time, TERMS + 1)[:, 0]
+        pushed = (regime.force @ inputs[:, : TERMS - 1]).T
+        derivatives = [y[:, 0]]
+        for push in pushed:
+            derivatives.append(regime.root * derivatives[-1] + push)
+        all_y = np.array(derivatives).T
+        all_turned = np.concatenate([turned, all_y[: len(turned), :-1].real], axis=1)
+        terms = (rows.by_y @ all_y).real + rows.by_turned @ all_turned
+        terms += rows.by_inputs[0] @ inputs[:, :TERMS] + rows.by_inputs[1] @ inputs[:, 1:]
+        state = regime.positions(y, turned, start.offset), regime.speeds(y)
+        values = np.concatenate([*state, inputs[:, :1], inputs[:, 1:2]])
+        size = EXACT * (sizes @ np.abs(values) + sizes_by_y @ np.abs(y))[:, 0]
+        weight = part**ORDERS / FACTORIALS
+        terms *= weight
+        best: tuple[float, int] | None = None
+        for function in functions:
+            polynomial = terms[function].tolist()
+            rounding = ROUNDING * max(map(abs, polynomial)) + float(size[function])
+            share = first_root(polynomial, rounding)
+            if share is not None and (best is None or share < best[0]):
+                best = share, function
+        if best is None:
+            return None
+        weight = weight * best[0] ** ORDERS
+        return *best, (all_y @ weight)[:, None], (all_turned @ weight)[:, None]
+
+    def _coordinates(self, late: float, length: float) -> tuple[ComplexArray, FloatArray]:
+        """Coordinates and positions of what nothing holds, in a step of a length at a time since its begin (s)."""
+        time, size = np.array([late]), len(self.start.y)
+        if not (self.number or self.modes):  # no time is met again
+            return self.regime.coordinates(self.interval, self.start, time)
+        samples = self._samples(coordinate_rows, time, length)
+        return samples[:size] + 1j * samples[size : 2 * size], samples[2 * size :]
 
     def _samples(
         self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
@@ -275,21 +332,21 @@ class March:
     def _sampled(
         self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
     ) -> FloatArray:
-        """(rows, times, features)"""
-        regime, acting = self.regime, self.train.acting[self.interval]
-        span = float(times[0]), float(times[-1]), len(times)
-        key = rows, *span, length if self.number else 0.0
-        return self._kept(key, lambda: sample(regime, acting, rows(regime), times, length))
-
-    def _kept(self, key: tuple[object, ...], build: Callable[[], FloatArray]) -> FloatArray:
-        """A matrix of the present regime, built once."""
-        key = self.modes, self.train.acting[self.interval].kind, *key
+        """(rows, times, features) of the present regime, built once."""
+        key = rows, times[0], times[-1], len(times), length if self.number else 0.0
         if key not in self.kept:
-            matrix = build()
-            if sum(matrix.size for matrix in self.kept.values()) > MOST_KEPT:
-                self.kept.clear()
-            self.kept[key] = matrix
-        return self.kept[key]
+            regime, acting = self.regime, self.train.history.acting[self.interval]
+            self._keep(key, sample(regime, acting, rows(regime), times, length))
+        return np.asarray(self.kept[key])
+
+    def _keep(self, key: tuple[object, ...], matrix: FloatArray) -> None:
+        """Keep a matrix; all are given up where they are too many."""
+        if self.size > MOST_KEPT:
+            for matrices in self.matrices.values():
+                matrices.clear()
+            self.size = 0
+        self.kept[key] = matrix
+        self.size += matrix.size
 
     def _tell(self, time: float) -> None:
         self.done += 1
@@ -315,66 +372,51 @@ class March:
 
     # What `collocation` needs.
 
-    @property
-    def number(self) -> int:
-        """How many interfaces torques act at."""
-        return len(self.train.shape)
-
-    @property
     def at_once(self) -> FloatArray:
         """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
         force = self.regime.force[:, self.train.following]
         return np.asarray(self.train.shape @ self.regime.speeds(force))
 
     def influence(self, length: float) -> FloatArray:
-        """What torques of 1 at the nodes of a step (s) add, (kinds of a turning, interfaces, ENDS, interfaces, nodes)."""
-
-        def by_nodes() -> FloatArray:
+        """What torques of 1 at the nodes of a step (s) add to torques and a turning, (4, interfaces, ENDS, torques)."""
+        if ("influence", length) not in self.kept:
             sampled = self._sampled(_interface_rows, length * ENDS, length)
-            shape = 3, self.number, len(ENDS), POINTS, self.number
-            by_series = sampled[:, :, -POINTS * self.number :].reshape(shape)
-            return np.asarray(np.einsum("dgekf,kn->dgefn", by_series, SERIES))
+            number, shape = self.number, (3, self.number, len(ENDS), POINTS, self.number)
+            by_series = sampled[:, :, -POINTS * number :].reshape(shape)
+            matrix = np.empty((4, number, len(ENDS), number, POINTS))
+            matrix[0] = np.einsum("gf,en->gefn", np.eye(number), BY_NODES)
+            matrix[1:] = np.einsum("dgekf,kn->dgefn", by_series, SERIES)
+            self._keep(("influence", length), matrix.reshape(*matrix.shape[:3], -1))
+        return np.asarray(self.kept["influence", length])
 
-        return self._kept(("influence", length), by_nodes)
-
-    def _turning(self, time: FloatArray, samples: FloatArray) -> Turning:
-        """Whole angles, speeds and accelerations of the interfaces at times, of their samples since the step began."""
-        angle, speed, acceleration = samples.reshape(3, self.number, len(time))
-        begun = (self.train.shape[:, : len(self.begun)] @ self.begun)[:, None]
-        if self.carrier is None:
-            return angle + begun, speed, acceleration
-        carried = self.carrier(time)
-        return angle + begun + carried[0], speed + carried[1], acceleration + carried[2]
+    def _turning(self, time: FloatArray, turning: FloatArray) -> Turning:
+        """Whole angles, speeds and accelerations of the interfaces at times, of those since the step began."""
+        turning[0] += (self.train.shape[:, : len(self.begun)] @ self.begun)[:, None]
+        return turning if self.carrier is None else turning + self.carrier(time)
 
     def going_on(self, time: float, length: float) -> Turning:
         """At the ENDS of a step, with no torques in it."""
         samples = self._samples(_interface_rows, length * ENDS, length)
-        turning = self._turning(time + length * ENDS, samples)
+        turning = self._turning(time + length * ENDS, samples.reshape(3, self.number, len(ENDS)))
         sizes = np.abs(self.train.shape) @ np.abs(self.speed)
         self.parts = np.abs(turning[1]).max(axis=1, keepdims=True) + sizes[:, None]
         return turning
 
-    def at_begin(self, time: float) -> Turning:
-        """At the begin of a step."""
-        return self._turning_at(time, self.start, np.zeros(1))
+    def at(self, time: float, start: Start, late: FloatArray) -> Turning:
+        """At times since the begin of a step (s) that starts at a time."""
+        reading = self.regime.read(self.interval, start, late)
+        motions = np.stack([reading.position, reading.speed, reading.acceleration])
+        return self._turning(time + late, self.train.shape @ motions)
 
-    def _turning_at(self, time: float, start: Start, late: FloatArray) -> Turning:
-        moved, shape, regime = self.regime.moved(start, late), self.train.shape, self.regime
-        rates = regime.speeds(regime.rates_of(moved))
-        motions = regime.positions(moved), regime.speeds(moved.y), rates
-        return self._turning(time + late, np.stack([shape @ motion for motion in motions]))
-
-    def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Turning:
-        """At shares of a step under torques (interfaces, nodes)."""
-        return self._turning_at(time, self._under(torque, length), share * length)
-
-    def _under(self, torque: FloatArray, length: float) -> Start:
-        series = (SERIES @ torque.T)[:, :, None]
-        return replace(self.start, series=series, length=np.array([length]))
+    def under(self, torque: FloatArray, length: float) -> Start:
+        """The step that begins, under torques (interfaces, nodes) over a length (s)."""
+        return self.start._replace(
+            series=(SERIES @ torque.T)[:, :, None], length=np.array([length])
+        )
 
     def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
         """Go on to the end of such a step, or as far as the train stays the same: to a time (s)."""
-        self.start = self._under(torque, length)
+        self.start = self.under(torque, length)
         reached = self.on(time, end)
         breaks = self.train.history.begin
         if reached == end and (np.abs(breaks - end) <= SAME_TIME * end).any():

@@ -13,7 +13,7 @@ from torsion.analyses.motion.events.events import Event, Point
 from torsion.analyses.motion.events.milling_ice import CLASSES, greatest_ice_torque
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.errors import InputError
-from torsion.kernels.motion.torques.torque_history import value
+from torsion.kernels.motion.torque_history import value
 from torsion.model.parts import PropellerRecord
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.chapters.motion_over_time import chapter
@@ -213,7 +213,7 @@ def test_the_torque_of_a_class_follows_the_angle_of_a_train_that_starts() -> Non
     events = [Event.model_validate({"at": "x", "ice": body}) for body in bodies]
     assert [event.pieces(at) for event in events] == [(), ()]
     one, other = (
-        [(*law.history.begin, *(term.level for every in law.history.terms for term in every))]
+        [(*law.history.begin, *(level for acting in law.history.acting for level in acting.level))]
         for event in events
         for law in event.body.laws(0.0, at)
     )

@@ -66,7 +66,7 @@ class Curves:
         if not motion.train.elements:
             return ()
         w = [float(np.abs(regime.root.imag).max(initial=0.0)) for regime in motion.regimes]
-        of_step = np.array([regime for regime, _ in motion.steps])
+        of_step = np.array([regime for regime, *_ in motion.steps])
         first = np.flatnonzero(np.diff(of_step, prepend=-1))
         begins = motion.begin[first].tolist()
         lasting = zip(begins, [*begins[1:], motion.end], of_step[first].tolist(), strict=True)
@@ -128,7 +128,7 @@ class Curves:
         for cut in loaded.cuts:
             if cut.massless:
                 cut.fill_speeds(loaded.system, angle + loaded.shape @ position, turning)
-        return turning
+        return np.asarray(turning)
 
     def unseen(self, fast: float) -> FloatArray:
         """(spans,) N m that torques as fast as `fast` (rad/s) and faster shake at most, without what dies away."""

@@ -16,7 +16,7 @@ from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
-from torsion.kernels.motion.regimes.piecewise_elements import Clearance, DelayedFriction
+from torsion.kernels.motion.piecewise_elements import Clearance, DelayedFriction
 from torsion.kernels.tree_response import Status
 from torsion.results import reported, result
 

@@ -8,9 +8,9 @@ import numpy as np
 from torsion.analyses.motion.train.following_torques import Following
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.resonance_passage import share_of_steady
-from torsion.kernels.motion.torques.torque_laws import Wave
+from torsion.kernels.motion.torque_laws import Wave
 from torsion.results import reported, result
 
 NEAR = 1e-9  # relative: a frequency that changes by less does not pass

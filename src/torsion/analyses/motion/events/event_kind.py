@@ -11,7 +11,7 @@ from pydantic import BeforeValidator
 
 from torsion.fields import Declared, Quantity, refuse
 from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 from torsion.model.parts import PropellerRecord
 
 Time = Annotated[float, Quantity("s", at_least=0)]

@@ -23,9 +23,9 @@ from torsion.analyses.motion.events.following_events import Load, SpeedProgram, 
 from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.short_circuit import ShortCircuit
 from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torques import torque_laws
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 from torsion.tables import Columns, pairs
 
 TIME_AND_TORQUE = Columns(

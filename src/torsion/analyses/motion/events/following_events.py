@@ -19,10 +19,10 @@ from torsion.analyses.motion.events.event_kind import (
 )
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.fields import WrittenRows as SpeedTable
+from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torques import torque_laws
-from torsion.kernels.motion.torques.dry_friction import DryFriction
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
+from torsion.kernels.motion.torque_laws import DryFriction
 from torsion.model.machine_torques import read_table
 from torsion.sources import note
 

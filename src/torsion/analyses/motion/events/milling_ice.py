@@ -17,9 +17,9 @@ from pydantic import model_validator
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Lack, Point
 from torsion.fields import Quantity, given, refuse
+from torsion.kernels.motion import torque_laws
 from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torques import torque_laws
-from torsion.kernels.motion.torques.torque_history import Piece, history
+from torsion.kernels.motion.torque_history import Piece, history
 from torsion.model.parts import PropellerRecord
 from torsion.results import reported, result
 

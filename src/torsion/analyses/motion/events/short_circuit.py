@@ -11,7 +11,7 @@ from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Lack, Length, Point
 from torsion.arrays import FloatArray
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 
 Coefficient = Annotated[float, Quantity("1", usual="coefficient of a short circuit")]
 Sense = Literal["both", "brakes", "drives"]

@@ -29,12 +29,11 @@ from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.motion.collocation import Marched, march
-from torsion.kernels.motion.endless_events import Chatter, TooManyEvents
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes, Turning
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.loaded_modes import LoadedModes, Turning
+from torsion.kernels.motion.march import Chatter, March, TooManyEvents
+from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.tree import connected
 from torsion.study import Study
 
@@ -100,9 +99,9 @@ class Built:
 
     def _turning(self, time: FloatArray) -> Turning:
         """How the interfaces of what follows the motion turn without any torque."""
-        turning = self.loaded.carrier.at(time)
-        angle, speed, rate = (rows[self.loaded.interfaces] for rows in turning)
-        return angle - (self.train.shape @ self.untwisted)[:, None], speed, rate
+        turning = self.loaded.carrier.at(time)[:, self.loaded.interfaces]
+        turning[0] -= (self.train.shape @ self.untwisted)[:, None]
+        return turning
 
     @contextmanager
     def _located(self) -> Iterator[None]:

@@ -22,9 +22,9 @@ from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Law, Marched
-from torsion.kernels.motion.torques import torque_laws as laws
-from torsion.kernels.motion.torques.dry_friction import DryFriction
+from torsion.kernels.motion.torque_laws import DryFriction
 from torsion.primitives import Torque
 from torsion.study import Study
 

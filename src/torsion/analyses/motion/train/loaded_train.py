@@ -26,9 +26,9 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path
 from torsion.kernels.motion.collocation import Scheme
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.modal_loads import Turning
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.loaded_modes import Turning
+from torsion.kernels.motion.torque_history import Piece
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
@@ -46,20 +46,17 @@ class Carrier:
     rates: tuple[tuple[float, float, float], ...] = ()
 
     def at(self, time: FloatArray) -> Turning:
-        """Angles, speeds and accelerations (stations, times)."""
+        """Angles, speeds and accelerations, (3, stations, times)."""
         angle, speed, rate = np.zeros((3, len(time)))
         for begin, end, gain in self.rates:
             lasts = np.clip(time - begin, 0.0, end - begin)
             angle += gain * lasts * (lasts / 2.0 + np.maximum(time - end, 0.0))
             speed += gain * lasts
             rate += gain * ((time >= begin) & (time < end))
-        turned = self.offset[:, None] + np.multiply.outer(self.speed, time)
-        outer = np.multiply.outer
-        return (
-            turned + outer(self.ratio, angle),
-            self.speed[:, None] + outer(self.ratio, speed),
-            outer(self.ratio, rate),
-        )
+        turning = self.ratio[:, None] * np.stack([angle, speed, rate])[:, None]
+        turning[0] += self.offset[:, None] + np.multiply.outer(self.speed, time)
+        turning[1] += self.speed[:, None]
+        return np.asarray(turning)
 
 
 @dataclass(frozen=True)

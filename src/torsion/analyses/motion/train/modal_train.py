@@ -20,7 +20,7 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
+from torsion.kernels.motion.damped_modes import ModalTrain
 
 MOST_MODES = 3000
 ROUNDING = 1e-13  # of the largest damping: less is none

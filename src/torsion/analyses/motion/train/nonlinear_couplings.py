@@ -13,14 +13,14 @@ from torsion.analyses.motion.events.transient_settings import PATH, TransientSet
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.motion.regimes.piecewise_elements import (
+from torsion.kernels.motion.piecewise_elements import (
     OPEN,
     Clearance,
     DelayedFriction,
     Element,
     Friction,
 )
-from torsion.kernels.motion.torques.torque_history import Piece
+from torsion.kernels.motion.torque_history import Piece
 from torsion.model.parts import NonlinearRecord, Part
 from torsion.train import Train
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsion.kernels.motion.torques.torque_laws import quadratics, without_equal_parts
+from torsion.kernels.motion.torque_laws import quadratics, without_equal_parts
 
 
 def test_parts_of_one_parabola_are_one_part_and_a_corner_stays() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.kernels.motion.test_collocation import one_disc
 
-from torsion.kernels.motion.torques import torque_laws as laws
+from torsion.kernels.motion import torque_laws as laws
 
 INERTIA, SYNCHRONOUS = 2.0, 50.0 * math.pi
 

@@ -56,6 +56,8 @@ class Clearance:
     stiffness: float  # N m/rad
     half: float  # rad, half the play
     viscous: float = 0.0  # N m s/rad
+    capacity: ClassVar[float] = 0.0  # it never slips
+    signal: ClassVar[int | None] = None
 
     @property
     def loses(self) -> bool:
@@ -100,6 +102,7 @@ class Friction:
     stiffness: float
     capacity: float = 0.0  # N m
     signal: int | None = None  # the signal that is its capacity over time, in place of a constant
+    viscous: ClassVar[float] = 0.0
     loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
@@ -134,6 +137,8 @@ class DelayedFriction:
     stiffness: float
     capacity: float
     half: float
+    viscous: ClassVar[float] = 0.0
+    signal: ClassVar[int | None] = None
     loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:

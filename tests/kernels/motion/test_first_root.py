@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsion.kernels.motion.regimes.first_root import first_root
+from torsion.kernels.motion.first_root import first_root
 
 
 def of_roots(roots: list[Fraction], factor: int = 1) -> list[Fraction]:

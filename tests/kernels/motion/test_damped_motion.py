@@ -4,12 +4,12 @@ import mpmath
 import numpy as np
 import pytest
 
+from torsion.kernels.motion.closed_answers import exponential_answers
+from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.regimes.damped_modes import ModalTrain
-from torsion.kernels.motion.regimes.exponential_answers import exponential_answers
-from torsion.kernels.motion.regimes.modal_loads import LoadedModes
-from torsion.kernels.motion.torques.torque_history import Piece, history, value
+from torsion.kernels.motion.torque_history import Piece, history, value
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 
@@ -77,16 +77,16 @@ def answered(root: complex, loads, force: np.ndarray, start: float) -> np.ndarra
     found, acting = np.empty(len(TIMES), dtype=complex), history(loads)
     for k, time in enumerate(TIMES.tolist()):
         y = complex(start)
-        for begin, end, terms in zip(
-            acting.begin, [*acting.begin[1:], np.inf], acting.terms, strict=True
-        ):
+        ends = [*acting.begin[1:], np.inf]
+        for begin, end, terms in zip(acting.begin, ends, acting.acting, strict=True):
             if begin < time:
                 length = np.array([min(end, time) - begin])
                 y = y * np.exp(root * length[0])
-                for term in terms:
+                every = terms.load, terms.level, terms.slope, terms.rate
+                for load, level, slope, rate in zip(*every, strict=True):
                     decay = np.exp(np.array([[root * length[0]]]))
-                    once, ramp = exponential_answers(np.array([root]), term.rate, length, 2, decay)
-                    y += force[term.load] * (term.level * once + term.slope * ramp)[0, 0]
+                    once, ramp = exponential_answers(np.array([root]), rate, length, 2, decay)
+                    y += force[load] * (level * once + slope * ramp)[0, 0]
         found[k] = y
     return found
 

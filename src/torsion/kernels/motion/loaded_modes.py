@@ -1,0 +1,142 @@
+"""A train in modes with the elements between them and all that acts on it: the inputs of its motion.
+
+Inputs stand in the order 1, torques by time (loads), torques that follow the motion (interfaces), and offsets of the
+elements' springs.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.motion.closed_answers import DERIVED, POINTS
+from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.piecewise_elements import Element
+from torsion.kernels.motion.torque_history import History, Piece, history
+
+ROUNDING = 1e-12  # of an element's largest relative angle
+SAME_TIME = 4e-16  # relative: times that are one
+# Angle, speed and acceleration of the interfaces' own stations, whole: (3, interfaces, times).
+Turning = FloatArray
+
+
+@dataclass(frozen=True)
+class LoadedModes:
+    """Rigid motions and elastic modes of generalised inertia 1, the elements between them, and what acts on them."""
+
+    modes: ModalTrain
+    loads: Sequence[Sequence[Piece]]
+    force: FloatArray  # (motions, loads)
+    shape: FloatArray  # (interfaces, motions) rad
+    elements: tuple[Element, ...] = ()
+    # (elements, elements) rad/(N m) of modes that are left out, in series with the elements
+    compliance: FloatArray | None = None
+    # (elements, loads + interfaces) rad/(N m): their answer to what acts
+    higher_answer: FloatArray | None = None
+
+    @cached_property
+    def motions(self) -> int:
+        """How many rigid motions and modes there are."""
+        return len(self.modes.viscous)
+
+    @cached_property
+    def following(self) -> slice:
+        """Where the torques that follow the motion stand among the inputs."""
+        first = 1 + len(self.loads)
+        return slice(first, first + len(self.shape))
+
+    @cached_property
+    def inputs(self) -> int:
+        """How many inputs there are."""
+        return int(self.following.stop) + len(self.elements)
+
+    @cached_property
+    def columns(self) -> tuple[slice, ...]:
+        """Where positions, speeds, inputs and their rates stand in rows over these four."""
+        n, m = self.motions, self.inputs
+        return tuple(slice(*ends) for ends in pairwise((0, n, 2 * n, 2 * n + m, 2 * (n + m))))
+
+    @cached_property
+    def push(self) -> FloatArray:
+        """(motions, inputs) generalised forces of inputs of 1."""
+        none = np.zeros((self.motions, 1)), np.zeros((self.motions, len(self.elements)))
+        return np.concatenate([none[0], self.force, self.shape.T, none[1]], axis=1)
+
+    @cached_property
+    def ends(self) -> FloatArray:
+        """(elements, motions) rad, relative angles of their ends; 0 where a rigid motion twists them by rounding."""
+        ends = np.array([element.ends for element in self.elements]).reshape(-1, self.motions)
+        rounding = ROUNDING * np.abs(ends).max(axis=1, initial=0.0, keepdims=True)
+        is_rounding = (np.abs(ends) <= rounding) & (self.modes.w_of_all == 0.0)
+        return np.where(is_rounding, 0.0, ends)
+
+    @cached_property
+    def soft(self) -> FloatArray:
+        """(elements, elements) rad/(N m), the compliance; 0 where all modes are kept."""
+        none = np.zeros((len(self.elements),) * 2)
+        return none if self.compliance is None else self.compliance
+
+    @cached_property
+    def capacity(self) -> FloatArray:
+        """(elements, inputs) N m."""
+        rows = np.zeros((len(self.elements), self.inputs))
+        for row, element in zip(rows, self.elements, strict=True):
+            if element.signal is None:
+                row[0] = element.capacity
+            else:
+                row[1 + element.signal] = 1.0
+        return rows
+
+    @cached_property
+    def history(self) -> History:
+        """The loads by intervals throughout which the same pieces act."""
+        return history(self.loads)
+
+    @cached_property
+    def fastest(self) -> float:
+        """The largest rate of a piece, in 1/s."""
+        rates = (abs(complex(piece.rate)) for pieces in self.loads for piece in pieces)
+        return max(rates, default=0.0)
+
+    def loads_at(self, interval: int, since: FloatArray, orders: int = 1) -> FloatArray:
+        """(loads, times, orders) N m and derivatives of it, at times since the begin of an interval (s)."""
+        acting, order = self.history.acting[interval], np.arange(orders)
+        level, slope = acting.later(since)
+        powers = acting.rate[:, None] ** order
+        values = level[:, :, None] * powers[:, None]
+        values[:, :, 1:] += slope[:, :, None] * (order[1:] * powers[:, :-1])[:, None]
+        is_of_load = acting.load == np.arange(len(self.loads))[:, None]
+        total = is_of_load @ values.real.reshape(len(values), len(since) * orders)
+        return np.asarray(total.reshape(len(self.loads), len(since), orders))
+
+    def inputs_at(self, interval: int, start: "Start", time: FloatArray, orders: int) -> FloatArray:
+        """(inputs, times, orders) and derivatives of them, at times since the start of a step (s)."""
+        inputs, offsets = np.zeros((self.inputs, len(time), orders)), self.following.stop
+        since = start.time + time - self.history.begin[interval]
+        inputs[1 : self.following.start] = self.loads_at(interval, since, orders)
+        if len(self.shape):
+            order = np.arange(min(orders, POINTS))[:, None, None, None]
+            series = np.tensordot(DERIVED[: len(order)], start.series, 1)
+            series = series * (2.0 / start.length) ** order
+            basis = legendre.legvander(2.0 * time / start.length - 1.0, POINTS - 1)
+            inputs[self.following, :, : len(order)] = np.einsum("tk,okit->ito", basis, series)
+        inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
+        return inputs
+
+
+class Start(NamedTuple):
+    """The begin of a step, or of several in columns: one each or as many as times."""
+
+    time: FloatArray  # (columns,) s
+    y: ComplexArray  # (coordinates, columns)
+    turned: FloatArray  # (motions that nothing holds, columns) rad
+    offset: FloatArray  # (elements, columns) rad
+    # (coefficients, interfaces, columns) N m of the torques that follow the motion, over a length (columns,) s
+    series: FloatArray
+    length: FloatArray
+    begun: FloatArray  # (rigid motions, columns) rad, from which positions of the step count
