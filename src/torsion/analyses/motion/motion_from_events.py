@@ -1,12 +1,12 @@
 """Motion over time of a train from its events, by the path that its couplings and torques need."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from torsion.analyses.motion.curves.event_driven_curves import event_driven_curves
 from torsion.analyses.motion.curves.times_looked_at import PER_PERIOD
 from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at
 from torsion.analyses.motion.derived.fatigue import damages
@@ -23,29 +23,40 @@ from torsion.analyses.motion.events.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.motion.train.built_train import build_linear
-from torsion.analyses.motion.train.following_torques import Following, replaced_dampers
-from torsion.analyses.motion.train.joint_cuts import joint_cuts, parts_of
-from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
+from torsion.analyses.motion.train.built_train import (
+    Built,
+    LoadedTrain,
+    build,
+    build_linear,
+    load_train,
+)
+from torsion.analyses.motion.train.following_torques import replaced_dampers
+from torsion.analyses.motion.train.joints import joint_cuts, parts_of
 from torsion.analyses.motion.train.modal_train import kept_modes, train_in_modes
 from torsion.analyses.motion.train.state_before import point, state_before
 from torsion.analyses.motion.transient_motion import (
     RESOLVED,
     TINY,
     Change,
+    CouplingEvent,
+    CouplingWork,
+    Switching,
     TransientMotion,
     Transients,
 )
 from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.motion.collocation import Marched
-from torsion.kernels.motion.energy_balance import energy_balance
+from torsion.kernels.motion.energy_balance import EnergyBalance, energy_balance
 from torsion.study import Study
+
+TOLERANCE = 1e-6  # of the peak of a span: two runs that differ by more are not the same motion
+COMPARED = 2000  # times at which they are compared
 
 
 def transient(
@@ -99,7 +110,7 @@ def _linear(
     if modes is None or cuts:
         modes = kept_modes(parts_of(system, cuts), settings.modes, path)
     kept, twice = modes
-    needed = 8.0 * (len(system.spans) + len(system.stations)) * _samples(settings, kept)
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * len(_samples(settings, kept))
     if needed > study.memory:
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
         raise SolveError(message, "fewer `samples`, or run with more `memory`", (*path, "samples"))
@@ -130,16 +141,16 @@ def _modal_motion(
     study: Study, system: System, loaded: LoadedTrain, progress: Progress, *, is_band: bool
 ) -> TransientMotion:
     """Return the motion of a train without nonlinear couplings in the modes that are kept."""
-    settings, follows, noise = loaded.settings, loaded.follows, 0.0
-    added, built = dict[str, Any](), build_linear(loaded, is_band=is_band)
+    settings, follows = loaded.settings, loaded.follows
+    built, added = build_linear(loaded, is_band=is_band), dict[str, Any]()
     moved, marched = built.run(progress=progress)
-    if follows is not None and marched is not None:
+    if marched is not None:
         # Torques that follow the motion stand for the steady vibration.
         none = {name: getattr(loaded.before, name)[:0] for name in ("frequency", "amplitude")}
         loaded = replace(loaded, before=replace(loaded.before, **none))
-        added, noise = _of_steps(follows, marched), settings.tolerance * marched.largest
-    curves = Curves(replace(built, loaded=loaded), moved)
-    time = np.linspace(0.0, settings.duration, _samples(settings, loaded.modes) + 1)
+        noise = settings.tolerance * marched.largest
+        added["noise"] = noise / np.abs(system.speed_ratio[system.driving])
+    curves, time = Curves(replace(built, loaded=loaded), moved), _samples(settings, loaded.modes)
     seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
     if follows is not None:
         straight = loaded.damping
@@ -159,10 +170,9 @@ def _modal_motion(
     if requested is not None:
         size = max(loaded.shape.shape[1], len(system.spans))
         added["orders"] = order_tracking(curves, requested, time, size)
-    highest = (float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
-    noise_of_spans = noise / np.abs(system.speed_ratio[system.driving])
+    highest = max(float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
     residual = energy_balance(moved).residual
-    return _result(system, curves, seen, residual, noise_of_spans, fastest=max(highest), **added)
+    return _result(system, curves, seen, residual, marched, fastest=highest, **added)
 
 
 def _event_driven(
@@ -174,29 +184,66 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, fine, balance, switching, marched = event_driven_curves(
-        study, system, settings, path, damping_ratio, progress
-    )
-    loaded, added = curves.loaded, dict[str, Any]()
-    if loaded.follows is not None and marched is not None:
-        added = _of_steps(loaded.follows, marched)
-    time = np.linspace(0.0, settings.duration, _samples(settings, loaded.modes) + 1)
+    built = build(study, system, settings, path, damping_ratio=damping_ratio)
+    motion, marched = built.run(1.0, progress)
+    curves, balance = Curves(built, motion), energy_balance(motion)
+    fine = Curves(built, built.run(0.5, progress)[0])
+    compared = np.linspace(0.0, settings.duration, COMPARED)
+    late = np.flatnonzero(_changes(curves, fine, compared) > TOLERANCE)
+    switching = _switching(built, curves, balance)
+    if built.is_band:
+        half = build(study, system, settings, path, damping_ratio=damping_ratio, halved=True)
+        change = _changes(curves, Curves(half, half.run()[0]), compared)
+        switching = replace(switching, band_change=float(change.max()))
+    time = _samples(settings, built.loaded.modes)
     seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
-    if switching.sensitive_after is not None:
-        fine_seen = look_at(fine, time, progress, counts=False)
-        peaks = [np.maximum(ends[0][0], ends[1][0]) for ends in (seen.ends, fine_seen.ends)]
-        switching = replace(switching, scatter=np.abs(peaks[0] - peaks[1]))
-        pairs = zip(seen.ends, fine_seen.ends, strict=True)
+    if late.size:
+        ends, fine_ends = seen.ends, look_at(fine, time, progress, counts=False).ends
+        peak, fine_peak = (np.maximum(top[0], bottom[0]) for top, bottom in (ends, fine_ends))
+        switching = replace(
+            switching,
+            sensitive_after=float(compared[late[0]]),
+            scatter=np.abs(peak - fine_peak),
+        )
         larger = tuple(
             (np.maximum(end[0], finer[0]), np.where(end[0] >= finer[0], end[1], finer[1]))
-            for end, finer in pairs
+            for end, finer in zip(ends, fine_ends, strict=True)
         )
         seen = replace(seen, ends=larger)
     if any(wave.w >= seen.left for wave in curves.regimes):
         # Nothing bounds what a coupling does.
         unbounded = np.maximum(*(np.abs(end[0]) for end in seen.ends))
         seen = replace(seen, lacking=seen.lacking + unbounded)
-    return _result(system, curves, seen, balance.residual, 0.0, switching=switching, **added)
+    return _result(system, curves, seen, balance.residual, marched, switching=switching)
+
+
+def _changes(curves: Curves, finer: Curves, time: FloatArray) -> FloatArray:
+    """(times,) largest difference of a torque, of the peak of its span."""
+    first, second = (motion.torque(time)[0] for motion in (curves, finer))
+    peak = np.maximum(np.abs(first).max(axis=1), 1e-9 * np.abs(first).max())
+    scale = np.where(peak > 0.0, peak, 1.0)[:, None]
+    return np.asarray((np.abs(first - second) / scale).max(axis=0))
+
+
+def _switching(built: Built, curves: Curves, balance: EnergyBalance) -> Switching:
+    """What the couplings did in a motion; nothing yet of how sure that is."""
+    couplings = [stand.coupling for stand in built.standing]
+    names = [coupling.part.name for coupling in built.couplings]
+    changes = [(event.time, couplings[event.element], event.word) for event in curves.motion.events]
+    counts, heat = Counter(change[1:] for change in changes), np.zeros(len(names))
+    np.add.at(heat, couplings, balance.heat)
+    works = tuple(
+        CouplingWork(
+            name,
+            counts[number, "contact"],
+            counts[number, "separation"],
+            counts[number, "slip"],
+            float(heat[number]),
+        )
+        for number, name in enumerate(names)
+    )
+    events = tuple(CouplingEvent(time, names[number], word) for time, number, word in changes)
+    return Switching(events, works, balance.work, balance.damped, None, 0.0)
 
 
 def _result(
@@ -204,11 +251,23 @@ def _result(
     curves: Curves,
     seen: Seen,
     residual: float,
-    noise: FloatArray | float,
+    marched: Marched | None,
+    *,
+    noise: FloatArray | float = 0.0,
     **added: Any,
 ) -> TransientMotion:
     """The declared result of what was seen; noise: N m, of torques whose changes of sign do not count."""
     loaded, (top, bottom) = curves.loaded, seen.ends
+    if loaded.follows is not None and marched is not None:
+        words = [follower.words for follower in loaded.follows.followers]
+        changed = dict.fromkeys((time, words[law]) for time, law, _ in marched.changes)
+        added["steps"], added["left_in_series"] = marched.number, marched.lack
+        added["following"] = tuple(dict.fromkeys(words))
+        added["changes"] = tuple(Change(*change) for change in changed)
+    # A torque of nothing, within a play, changes no sign.
+    floors = np.maximum([1e-9 * np.abs(turns).max(initial=0.0) for turns in seen.turns], noise)
+    felt = [turns[np.abs(turns) > floor] for turns, floor in zip(seen.turns, floors, strict=True)]
+    reversals = [np.count_nonzero(np.diff(np.sign(turns))) for turns in felt]
     return TransientMotion(
         seen.time,
         seen.torque,
@@ -217,7 +276,7 @@ def _result(
         -bottom[0],
         bottom[1],
         loaded.before.torque,
-        _reversals(seen, noise),
+        np.array(reversals, dtype=np.int64),
         seen.lacking,
         residual,
         loaded.before.speed,
@@ -229,30 +288,14 @@ def _result(
     )
 
 
-def _reversals(seen: Seen, noise: FloatArray | float) -> IntArray:
-    """(spans,) changes of sign; a torque of nothing, within a play, has none. noise: N m that do not count."""
-    floors = np.maximum([1e-9 * np.abs(turns).max(initial=0.0) for turns in seen.turns], noise)
-    felt = [turns[np.abs(turns) > floor] for turns, floor in zip(seen.turns, floors, strict=True)]
-    return np.array([np.count_nonzero(np.diff(np.sign(turns))) for turns in felt], dtype=np.int64)
-
-
-def _of_steps(follows: Following, marched: Marched) -> dict[str, Any]:
-    """What the result says of torques that follow the motion."""
-    words = [follower.words for follower in follows.followers]
-    changed = dict.fromkeys((time, words[law]) for time, law, _ in marched.changes)
-    return {
-        "steps": marched.number,
-        "following": tuple(dict.fromkeys(words)),
-        "left_in_series": marched.lack,
-        "changes": tuple(Change(*change) for change in changed),
-    }
-
-
-def _samples(settings: TransientSettings, modes: Modes) -> int:
-    if settings.samples is not None:
-        return settings.samples
-    highest = float(modes.frequency.max(initial=1.0 / settings.duration))
-    return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
+def _samples(settings: TransientSettings, modes: Modes) -> FloatArray:
+    """Times of the samples (s), both ends among them."""
+    number = settings.samples
+    if number is None:
+        highest = float(modes.frequency.max(initial=1.0 / settings.duration))
+        finest = max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0)
+        number = int(min(finest, DEFAULT_MOST))
+    return np.linspace(0.0, settings.duration, number + 1)
 
 
 def _with_ratings(
@@ -267,11 +310,10 @@ def _with_ratings(
     for bar in study.train.bars:
         spans = system.span_part == bar.part
         stress[spans] = moved.peak[spans] / stress_modulus(bar)
-    places = ((event.at, event.body) for event in settings.events)
     ice = (
-        body.of_class(point(study, system, moved.speed_before, name))
-        for name, body in places
-        if isinstance(body, Ice)
+        event.body.of_class(point(study, system, moved.speed_before, event.at))
+        for event in settings.events
+        if isinstance(event.body, Ice)
     )
     damage = None if settings.fatigue is None else damages(system, settings.fatigue, moved.turns)
     return replace(

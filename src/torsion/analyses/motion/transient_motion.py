@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from torsion.analyses.motion.curves.event_driven_curves import Switching
 from torsion.analyses.motion.derived.order_tracking import OrderTracking
 from torsion.analyses.motion.derived.resonances_passed import Passage
-from torsion.analyses.motion.element_peaks import ElementPeak, element_peaks
 from torsion.analyses.motion.events.milling_ice import IceTorque
 from torsion.analyses.motion.events.transient_settings import DEFAULT_MOST
 from torsion.analyses.response.amplitudes import spans_by_name
+from torsion.analyses.response.component_loads import NOTHING
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.elements import Element, elements
 from torsion.assembly.system import System
 from torsion.results import by_name, derived, reported, result
 
@@ -30,6 +30,84 @@ class Change:
 
     time: float = result("s", (), "when")
     what: str = result("", (), "the torque")
+
+
+@reported
+class CouplingEvent:
+    """A coupling passed from one regime to another."""
+
+    time: float = result("s", (), "when")
+    coupling: str = result("", (), "which")
+    what: str = result("", (), "contact, separation, slip, stuck or open")
+
+
+@reported
+class CouplingWork:
+    """What a nonlinear coupling did in the whole motion."""
+
+    coupling: str = result("", (), "which")
+    contacts: int = result("", (), "how often its faces met")
+    separations: int = result("", (), "how often they parted")
+    slips: int = result("", (), "how often it began to slip")
+    heat: float = result("J", (), "heat of its friction and of the damping of its contact")
+
+
+@reported
+class Switching:
+    """The events of a motion between the regimes of nonlinear couplings."""
+
+    events: tuple[CouplingEvent, ...] = result(
+        "", (), "every change of a regime, in the order of time"
+    )
+    couplings: tuple[CouplingWork, ...] = result("", (), "what every nonlinear coupling did")
+    work: float = result("J", (), "work of all torques on the motion")
+    damped: float = result("J", (), "energy that the damping of the linear train took")
+    sensitive_after: float | None = result(
+        "s",
+        (),
+        "time from which halved steps change a torque by more than 1e-6 of its peak: read statistics "
+        "there, not single values; null if this never happens",
+    )
+    band_change: float = result(
+        "1",
+        (),
+        "change of the torques, relative to their peak, with twice the band of modes; 0: all modes are included",
+    )
+    scatter: FloatArray | None = result(
+        "N*m",
+        ("span",),
+        "difference of the maximum torque with halved steps, if the motion is sensitive. Maximum "
+        "and minimum torques are over both step sizes, and verdicts add the difference",
+        default=None,
+    )
+
+
+@reported
+class ElementPeak:
+    """Torques of one element, including the mean; 0 for what is rounding beside the largest torque of the train."""
+
+    component: str = result("", "name of the element")
+    maximum: float = result("N*m", "maximum torque")
+    maximum_at: float = result("s", "when")
+    minimum: float = result("N*m", "minimum torque")
+    minimum_at: float = result("s", "when")
+    before: float = result("N*m", "mean torque before the events")
+    rated: float = result("N*m", "mean torque at the rated point; 0 if it is not known")
+    reversals: int = result("", "sign changes of the torque")
+    unresolved: float = result("N*m", "what the samples do not resolve may add so much")
+    stress: float | None = result("Pa", "largest shear stress; null except for a shaft")
+    damage: float | None = result("1", "Miner's sum; null if not requested")
+
+    @derived("1", "largest magnitude / mean torque before the events; null without such a torque")
+    def of_before(self) -> float | None:
+        return self._share(self.before)
+
+    @derived("1", "largest magnitude / mean torque at the rated point; null without such a torque")
+    def of_rated(self) -> float | None:
+        return self._share(self.rated)
+
+    def _share(self, mean: float) -> float | None:
+        return max(abs(self.maximum), abs(self.minimum)) / abs(mean) if mean else None
 
 
 @reported
@@ -180,65 +258,64 @@ class TransientMotion:
     @property
     def uncertain(self) -> FloatArray:
         """(spans,) N m: what modes without samples and phases between those computed may add to a peak, its scatter."""
+        largest = np.maximum(np.abs(self.greatest), np.abs(self.least))
+        between = BETWEEN_PHASES * largest if self.phases_computed else 0.0
+        return np.asarray(self.unresolved + between + self.scatter)
+
+    @property
+    def scatter(self) -> FloatArray | float:
+        """(spans,) N m, by which peaks of a sensitive motion differ with halved steps; else 0."""
         scatter = None if self.switching is None else self.switching.scatter
-        between = (
-            BETWEEN_PHASES * np.maximum(np.abs(self.greatest), np.abs(self.least))
-            if self.phases_computed
-            else 0.0
-        )
-        return np.asarray(self.unresolved + between + (0.0 if scatter is None else scatter))
+        return 0.0 if scatter is None else scatter
 
     @derived("", (), "peaks of every elastic element")
     def elements(self) -> tuple[ElementPeak, ...]:
-        return () if self.system is None else element_peaks(self, self.system)
+        every = () if self.system is None else elements(self.system)
+        nothing = NOTHING * self.peak.max(initial=0.0)
+        return tuple(_element_peak(self, element, nothing) for element in every)
 
     @derived("", (), "ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
         """Return ok, or each doubt with its remedy in words."""
-        found = []
+        doubts, size = list[str](), self.peak + TINY
+        band = 0.0 if self.switching is None else self.switching.band_change
         if self.residual > BALANCED:
-            found.append(
+            doubts.append(
                 f"the balance of energy holds to {self.residual:.1g} only: report this train"
             )
-        if (self.unresolved > RESOLVED * (self.peak + TINY)).any():
+        if (self.unresolved > RESOLVED * size).any():
+            has_shafts = self.system is not None and self.system.train.has_shafts
+            # The default gives no more samples.
+            is_coarse = has_shafts and len(self.time) > DEFAULT_MOST
+            shafts = "fewer `segments`, `model: fem`, " if is_coarse else ""
             message = "what is too fast for the times looked at may add more than 5 % to a peak"
-            coarser = (
-                self.system is not None
-                and self.system.train.has_shafts
-                and len(self.time) > DEFAULT_MOST
+            doubts.append(f"{message}: give more `samples`, {shafts}or a shorter `duration`")
+        if (self.change or 0.0) > SETTLED:
+            change = 100.0 * (self.change or 0.0)
+            doubts.append(f"twice as many modes change a peak by {change:.2g} %: give more `modes`")
+        if band > SETTLED:
+            doubts.append(
+                f"twice the band of modes changes a torque by {100.0 * band:.2g} %: compute a shorter time"
             )
-            shafts = (
-                "fewer `segments`, `model: fem`, " if coarser else ""
-            )  # the default gives no more samples
-            found.append(f"{message}: give more `samples`, {shafts}or a shorter `duration`")
-        if self.change is not None and self.change > SETTLED:
-            found.append(
-                f"twice as many modes change a peak by {100.0 * self.change:.2g} %: give more `modes`"
-            )
-        if self.switching is not None and self.switching.band_change > SETTLED:
-            change = 100.0 * self.switching.band_change
-            found.append(
-                f"twice the band of modes changes a torque by {change:.2g} %: compute a shorter time"
-            )
-        scatter = None if self.switching is None else self.switching.scatter
-        if scatter is not None and (scatter > SCATTER * (self.peak + TINY)).any():
-            change = 100.0 * float((scatter / (self.peak + TINY)).max())
-            message = "impacts make the motion sensitive, and halved steps change a peak"
-            found.append(
-                f"{message} by {change:.2g} %: compute a longer time, whose peaks differ less"
+        if (scatter := float(np.max(self.scatter / size, initial=0.0))) > SCATTER:
+            doubts.append(
+                "impacts make the motion sensitive, and halved steps change a peak by "
+                f"{100.0 * scatter:.2g} %: compute a longer time, whose peaks differ less"
             )
         if self.phases_computed and self.switching is not None:
-            message = "with backlash, friction, stages or clutches, a few phases may miss the worst one of a pulsation"
-            found.append(f"{message}: name its `phase`, in several motions")
-        if self.slowed is not None and abs(self.slowed) > SPEED_KEPT:
-            what = (
-                "the ice slows the train"
-                if self.slowed < 0.0
-                else "the ice torque changes the speed of the train"
+            doubts.append(
+                "with backlash, friction, stages or clutches, a few phases may miss the worst one of a pulsation: "
+                "name its `phase`, in several motions"
             )
-            message = f"{what} by {100.0 * abs(self.slowed):.3g} %, and torques have the values of the speed before"
-            found.append(f"{message}: let them follow it (`start` or `load`)")
-        return "; ".join(found) or "ok"
+        if abs(self.slowed or 0.0) > SPEED_KEPT:
+            slows = (self.slowed or 0.0) < 0.0
+            what = "the ice slows the train"
+            what = what if slows else "the ice torque changes the speed of the train"
+            doubts.append(
+                f"{what} by {100.0 * abs(self.slowed or 0.0):.3g} %, and torques have the values of the speed "
+                "before: let them follow it (`start` or `load`)"
+            )
+        return "; ".join(doubts) or "ok"
 
 
 @reported
@@ -246,3 +323,30 @@ class Transients:
     """Every motion over time that the file names."""
 
     each: tuple[TransientMotion, ...] = result("", (), "every motion over time", key="")
+
+
+def _element_peak(motion: TransientMotion, element: Element, nothing: float) -> ElementPeak:
+    """The peaks of an element; torques below `nothing` (N m) are rounding."""
+    spans, first = list(element.spans), element.spans[0]
+    high, low = spans[motion.greatest[spans].argmax()], spans[motion.least[spans].argmin()]
+
+    def torque(values: FloatArray, span: int) -> float:
+        return float(values[span]) if abs(values[span]) >= nothing else 0.0
+
+    def largest(values: FloatArray | None) -> float | None:
+        value = None if values is None else float(element.largest(values))
+        return None if value is None or np.isnan(value) else value
+
+    return ElementPeak(
+        element.name,
+        torque(motion.greatest, high),
+        float(motion.greatest_at[high]),
+        torque(motion.least, low),
+        float(motion.least_at[low]),
+        torque(motion.before, first),
+        0.0 if motion.rated is None else float(motion.rated[first]),
+        int(motion.reversals[spans].max()),
+        float(element.largest(motion.unresolved)),
+        largest(motion.stress),
+        largest(motion.damage),
+    )

@@ -12,7 +12,7 @@ from tests.analyses.motion.test_given_cases import moved
 import torsion
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
-from torsion.analyses.motion.train.joint_laws import exact_map, turned
+from torsion.analyses.motion.train.joints import exact_map, turned
 from torsion.assembly import assemble
 from torsion.errors import SolveError
 from torsion.kernels.joints import tripod

@@ -15,8 +15,7 @@ from torsion.analyses.motion.curves.times_looked_at import (
     Wave,
     looked_at,
 )
-from torsion.analyses.motion.train.built_train import Built
-from torsion.analyses.motion.train.loaded_train import LoadedTrain
+from torsion.analyses.motion.train.built_train import Built, LoadedTrain
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Progress
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion

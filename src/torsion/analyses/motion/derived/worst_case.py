@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.motion.curves.event_driven_curves import Switching
 from torsion.analyses.motion.events.event_kind import Kind
 from torsion.analyses.motion.events.following_events import WORST, Start
 from torsion.analyses.motion.events.short_circuit import FINER, ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings
-from torsion.analyses.motion.transient_motion import TransientMotion
+from torsion.analyses.motion.transient_motion import Switching, TransientMotion
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault, InputError, Path
 

@@ -14,7 +14,7 @@ from torsion.analyses.motion.events.event_kind import Point
 from torsion.analyses.motion.events.events import Event
 from torsion.analyses.motion.events.following_events import Load
 from torsion.analyses.motion.events.transient_settings import TransientSettings
-from torsion.analyses.motion.train.joint_cuts import JointCut, joint_spans
+from torsion.analyses.motion.train.joints import JointCut, joint_spans
 from torsion.analyses.motion.train.state_before import State
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude

@@ -1,24 +1,114 @@
-"""A train cut at its universal joints: parts that are linear, and what joins them in motion over time.
+"""Universal joints in motion over time: a train cut at them into linear parts, and the torques that join these again.
 
 A joint between two inertias is rigid. Where one side has no inertia, the elastic span there and the joint are one.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.motion.train.joint_laws import ElasticJoint, RigidJoint, exact_map, turned
-from torsion.analyses.stability.mechanism import JointMap
+from torsion.analyses.stability.mechanism import JointMap, error, joint_map
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.spans import Span
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.kernels.joints import tripod
+from torsion.kernels.motion.collocation import Conditions, Law, Points
 from torsion.kernels.tree import connected
 
+SAMPLES = 64  # of a third of a revolution of a tripod: its error is a series that has fallen to rounding there
+RETURN = 20.0  # 1/s, rate at which rounding of a rigid joint's angle is taken back
 NEWTON = 60  # steps that invert a joint's map, which is monotone
 GIVE_YOKES = "`inertia: [driving, driven]`"
+
+
+def exact_map(system: System, span: Span) -> JointMap:
+    """The map of a joint; of a tripod a series of its exact motion."""
+    joint_of_span, joint = joint_map(system, span), system.train.parts[span.part].joint
+    if joint is None or joint.kind != "tripod" or not joint_of_span.series:
+        return joint_of_span
+    angle = np.arange(SAMPLES) * (2.0 * math.pi / 3.0 / SAMPLES)
+    spider = joint.yoke + math.pi / 2.0
+    motion = tripod.exact_motion(angle + spider, joint.angle, joint.radius or 0.0, joint.arm or 1.0)
+    amplitudes = 2.0 * np.fft.rfft(motion.error)[: SAMPLES // 2] / SAMPLES
+    amplitudes[0] /= 2.0
+    series = tuple((3 * k, complex(amplitude)) for k, amplitude in enumerate(amplitudes))
+    return replace(joint_of_span, series=series)
+
+
+def turned(
+    joint: JointMap, angle: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Driven angle and its derivatives by the driving angle, both of the own shafts."""
+    e0, e1, e2, e3 = error(joint, angle)
+    return angle + e0, 1.0 + e1, e2, e3
+
+
+@dataclass(frozen=True)
+class ElasticJoint(Law):
+    """A joint with a spring behind it and nothing between: k (f(a) - b) + c (f' a' - b') on b, f' times it against a.
+
+    Before its time begins it carries a mean torque that is no part of the answer.
+    """
+
+    interface: int  # the station in front of the joint; that behind its spring is the next
+    joint: JointMap
+    stiffness: float  # N m/rad
+    viscous: float  # N m s/rad
+    mean: float = 0.0  # N m
+
+    @property
+    def count(self) -> int:
+        return 2
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        f0, f1, f2, _ = turned(self.joint, points.angle[0])
+        k, c, (front, behind) = self.stiffness, self.viscous, points.speed
+        carried = points.torque[1] + self.mean
+        torque = k * (f0 - points.angle[1]) + c * (f1 * front - behind)
+        zero, unit = np.zeros_like(f1), np.ones_like(f1)
+        return Conditions(
+            np.stack([-f1 * carried + self.mean, torque]) - points.torque,
+            by_torque=np.array([[-unit, -f1], [zero, -unit]]),
+            by_angle=np.array([[-f2 * carried, zero], [k * f1 + c * f2 * front, -k * unit]]),
+            by_speed=np.array([[zero, zero], [c * f1, -c * unit]]),
+        )
+
+
+@dataclass(frozen=True)
+class RigidJoint(Law):
+    """A joint between two inertias: b'' = f' a'' + f'' a'^2, by the torque on b that this needs."""
+
+    interface: int  # the station in front of the joint; that behind it is the next
+    joint: JointMap
+    inertia: float  # kg m2, that makes a torque of what the angles lack
+    mean: float = 0.0  # N m
+
+    @property
+    def count(self) -> int:
+        return 2
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        f0, f1, f2, f3 = turned(self.joint, points.angle[0])
+        (front, behind), (gain, gained) = points.speed, points.acceleration
+        zero, unit = np.zeros_like(f1), np.ones_like(f1)
+        carried = points.torque[1] + self.mean
+        off = f1 * gain + f2 * front**2 - gained + 2.0 * RETURN * (f1 * front - behind)
+        off = off + RETURN**2 * (f0 - points.angle[1])
+        m = self.inertia
+        by_angle = f2 * gain + f3 * front**2 + 2.0 * RETURN * f2 * front + RETURN**2 * f1
+        by_speed = 2.0 * m * (f2 * front + RETURN * f1)
+        return Conditions(
+            np.stack([self.mean - f1 * carried - points.torque[0], m * off]),
+            by_torque=np.array([[-unit, -f1], [zero, zero]]),
+            by_angle=np.array([[-f2 * carried, zero], [m * by_angle, -m * RETURN**2 * unit]]),
+            by_speed=np.array([[zero, zero], [by_speed, -2.0 * m * RETURN * unit]]),
+            by_acceleration=np.array([[zero, zero], [m * f1, -m * unit]]),
+        )
 
 
 @dataclass(frozen=True)
@@ -76,13 +166,6 @@ def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
     return replace(system, **changed)
 
 
-def _refusal(system: System, span: int, message: str, hint: str) -> SolveError:
-    """What is wrong with a joint, at its place in the file."""
-    path = system.train.parts[system.spans[span].part].path
-    joint = f"the joint '{system.spans[span].name}'"
-    return SolveError(message.replace("{}", joint), hint, path)
-
-
 def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     """Every uneven joint; raises SolveError where it can be taken neither as rigid nor with an elastic span."""
     spans = joint_spans(system)
@@ -105,11 +188,15 @@ def _cut(
     system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Steady | None
 ) -> JointCut:
     """Cut the train at a joint; body: (stations,) rigid body of each; heavy: whether that has an inertia."""
-    joint = exact_map(system, system.spans[span])
+    joint, carried = exact_map(system, system.spans[span]), 0.0
     driving, driven = int(system.driving[span]), int(system.driven[span])
-    carried = 0.0 if mean is None else float(mean.torque[span, 0])
-    if mean is not None:
-        joint = _shifted(joint, float(mean.twist[driving, 0]))
+    if mean is not None:  # the map of an angle that begins later
+        carried, angle = float(mean.torque[span, 0]), float(mean.twist[driving, 0])
+        pairs = joint.series
+        series = tuple(
+            (order, amplitude * np.exp(1j * order * angle)) for order, amplitude in pairs
+        )
+        joint = replace(joint, yoke=joint.yoke + angle, series=series)
     orders = tuple(order for order, _ in system.spans[span].error)
     if heavy[driving] and heavy[driven]:
         return JointCut(span, joint, driving, driven, mean=carried, orders=orders)
@@ -123,8 +210,7 @@ def _cut(
     beside = np.isin(system.driving, inside) | np.isin(system.driven, inside)
     spans = np.flatnonzero(beside & (system.flexibility > 0))
     spans = spans[spans != span]
-    acting = [damper.station for damper in system.dampers]
-    acting += [torque.station for torque in system.train.torques]
+    acting = [part.station for part in (*system.dampers, *system.train.torques)]
     is_acted_on = bool(np.isin(acting, inside).any())
     if len(spans) != 1 or is_acted_on or not np.isfinite(system.flexibility[spans]).all():
         message = "{} needs an inertia or exactly one elastic span next to it"
@@ -139,6 +225,11 @@ def _cut(
     if not forward and joint.series:
         message = f"the driving yoke of the tripod '{system.spans[span].name}' has no inertia"
         raise _refusal(system, span, message, f"give it one: {GIVE_YOKES}")
+    viscous, loss = float(system.viscous[elastic]), float(system.loss_factor[elastic])
+    if loss:  # what loses as much in the mode with most of its energy there
+        modes = modes_as_discretised(system, None)
+        w = 2.0 * np.pi * float(modes.frequency[int(np.argmax(modes.elastic[elastic]))])
+        viscous += loss / float(system.flexibility[elastic]) / w
     return JointCut(
         span,
         joint if forward else joint.undone(),
@@ -147,28 +238,19 @@ def _cut(
         elastic,
         tuple(inside.tolist()),
         carried if forward else -carried,
-        float(system.viscous[elastic]) + _equivalent_viscous(system, elastic),
+        viscous,
         orders,
     )
 
 
-def _equivalent_viscous(system: System, span: int) -> float:
-    """N m s/rad: the viscous damping that loses what a loss factor does in the mode with most of its energy there."""
-    if not system.loss_factor[span]:
-        return 0.0
-    modes = modes_as_discretised(system, None)
-    w = 2.0 * np.pi * float(modes.frequency[int(np.argmax(modes.elastic[span]))])
-    return float(system.loss_factor[span] / system.flexibility[span]) / w
+def _refusal(system: System, span: int, message: str, hint: str) -> SolveError:
+    """What is wrong with a joint, at its place in the file."""
+    path = system.train.parts[system.spans[span].part].path
+    joint = f"the joint '{system.spans[span].name}'"
+    return SolveError(message.replace("{}", joint), hint, path)
 
 
-def _shifted(joint: JointMap, angle: float) -> JointMap:
-    """The map of an angle that begins later."""
-    pairs = joint.series
-    series = tuple((order, amplitude * np.exp(1j * order * angle)) for order, amplitude in pairs)
-    return replace(joint, yoke=joint.yoke + angle, series=series)
-
-
-def standing(
+def standing_angles(
     system: System, cuts: Sequence[JointCut], speed: float
 ) -> tuple[FloatArray, FloatArray]:
     """Angles (rad) and speeds (stations,) of the own shafts at time 0: no span twisted, the first station as it is.
@@ -189,8 +271,8 @@ def standing(
             left.remove(cut)
             forward = int(part[cut.front]) in settled
             source, target = (cut.front, cut.behind) if forward else (cut.behind, cut.front)
-            angle = ratio[source] * offset[source]
-            angle, factor = (_through if forward else _back)(cut.joint, angle)
+            angle = float(ratio[source] * offset[source])
+            angle, factor = _driven(cut.joint, angle) if forward else _driving(cut.joint, angle)
             members = part == part[target]
             offset[members] = angle / ratio[target]
             rate[members] = rate[source] * ratio[source] * factor / ratio[target]
@@ -198,18 +280,18 @@ def standing(
     return offset * ratio, speed * rate * ratio
 
 
-def _through(joint: JointMap, angle: float) -> tuple[float, float]:
+def _driven(joint: JointMap, angle: float) -> tuple[float, float]:
     """Driven angle, and driven speed / driving speed."""
     f0, f1, _, _ = turned(joint, np.array([angle]))
     return float(f0[0]), float(f1[0])
 
 
-def _back(joint: JointMap, driven: float) -> tuple[float, float]:
+def _driving(joint: JointMap, driven: float) -> tuple[float, float]:
     """Driving angle, and driving speed / driven speed."""
     angle = driven
     for _ in range(NEWTON):
-        reached, slope = _through(joint, angle)
+        reached, slope = _driven(joint, angle)
         angle -= (reached - driven) / slope
         if abs(reached - driven) < 1e-15 * max(1.0, abs(driven)):
             break
-    return angle, 1.0 / _through(joint, angle)[1]
+    return angle, 1.0 / _driven(joint, angle)[1]
