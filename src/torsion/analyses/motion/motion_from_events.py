@@ -12,7 +12,7 @@ from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at
 from torsion.analyses.motion.derived.fatigue import damages
 from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested
 from torsion.analyses.motion.derived.resonances_passed import passages
-from torsion.analyses.motion.derived.worst_case import FaultScan, worst_motion
+from torsion.analyses.motion.derived.worst_case import faults_of, worst_motion
 from torsion.analyses.motion.events.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.motion.events.following_events import SpeedProgram
 from torsion.analyses.motion.events.milling_ice import Ice
@@ -78,11 +78,9 @@ def transient(
     torques = acting_torques(study, settings)
     study, system = without_excluded_torques(study, system, settings)
     is_nonlinear = study.train.has_nonlinear_couplings
-    scan = FaultScan(settings, np.empty(0), path)
-    if modes is None and scan.scanned:
+    if modes is None and faults_of(settings, scanned=True):
         modes = kept_modes(system, "all" if is_nonlinear else settings.modes, path)
-    if modes is not None:
-        scan = replace(scan, frequency=modes[0].frequency)
+    frequency = np.empty(0) if modes is None else modes[0].frequency
 
     def solve(settings: TransientSettings) -> TransientMotion:
         if is_nonlinear:
@@ -91,7 +89,8 @@ def transient(
 
     limits = [part.ratings and part.ratings.max_torque for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    moved = _with_ratings(study, system, settings, worst_motion(scan, solve, limit))
+    worst = worst_motion(settings, solve, limit, frequency, path)
+    moved = _with_ratings(study, system, settings, worst)
     return replace(moved, acting=torques.acting, not_acting=torques.not_acting)
 
 

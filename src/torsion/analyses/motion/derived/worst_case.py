@@ -7,7 +7,7 @@ computed. Of short circuits all senses and times of reclosing are computed.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -97,66 +97,67 @@ def _worst_phases(torque: Sequence[FloatArray], share: FloatArray) -> Iterator[f
             yield computed[-1]
 
 
-@dataclass(frozen=True)
-class FaultScan:
-    """The short circuits of a motion; frequency: (modes,) Hz, the natural ones of the train."""
+def faults_of(settings: TransientSettings, *, scanned: bool = False) -> dict[int, ShortCircuit]:
+    """Every short circuit by the number of its event; scanned: those that close again at a time between two."""
+    bodies = enumerate(event.body for event in settings.events)
+    faults = {number: body for number, body in bodies if isinstance(body, ShortCircuit)}
+    if scanned:
+        times = {number: fault.reclose or (0.0, 0.0) for number, fault in faults.items()}
+        faults = {number: faults[number] for number, (a, b) in times.items() if a < b}
+    return faults
 
-    settings: TransientSettings
-    frequency: FloatArray
-    path: Path  # of the settings in the file
 
-    @property
-    def faults(self) -> dict[int, ShortCircuit]:
-        """Every short circuit by the number of its event."""
-        bodies = enumerate(event.body for event in self.settings.events)
-        return {number: body for number, body in bodies if isinstance(body, ShortCircuit)}
+def _fault_variants(
+    settings: TransientSettings, frequency: FloatArray, path: Path
+) -> list[TransientSettings]:
+    """Every combination of the senses and times of reclosing of all faults.
 
-    @property
-    def scanned(self) -> dict[int, ShortCircuit]:
-        """Those that close again at a time between two."""
-        times = {number: fault.reclose or (0.0, 0.0) for number, fault in self.faults.items()}
-        return {number: self.faults[number] for number, (a, b) in times.items() if a < b}
-
-    def variants(self) -> list[TransientSettings]:
-        """Every combination of the senses and times of reclosing of all faults.
-
-        Raises InputError where these and the finer ones may be more than MOST_FAULTS.
-        """
-        variants = {number: fault.variants(self.frequency) for number, fault in self.faults.items()}
-        count = math.prod(map(len, variants.values()))
-        count += WORST_TIMES * 2 * (FINER - 1) * len(self.scanned)
-        if count > MOST_FAULTS:
-            message = (
-                f"{count} short circuits would be computed, for all senses and times of reclosing: more than "
-                f"{MOST_FAULTS}"
-            )
-            hint = "a narrower range `reclose`, or state `sense`"
-            raise InputError([Fault((*self.path, "events"), message, hint)])
-        combinations = (
-            zip(variants, bodies, strict=True) for bodies in product(*variants.values())
+    Raises InputError where these and the finer ones may be more than MOST_FAULTS.
+    """
+    faults = faults_of(settings)
+    variants = {number: fault.variants(frequency) for number, fault in faults.items()}
+    count = math.prod(map(len, variants.values()))
+    count += WORST_TIMES * 2 * (FINER - 1) * len(faults_of(settings, scanned=True))
+    if count > MOST_FAULTS:
+        message = (
+            f"{count} short circuits would be computed, for all senses and times of reclosing: more than "
+            f"{MOST_FAULTS}"
         )
-        return [_with_bodies(self.settings, dict(bodies)) for bodies in combinations]
-
-    def finer_variants(self, worst: Sequence[TransientSettings]) -> Iterator[TransientSettings]:
-        """Between the times of reclosing of the worst of `variants` and those before and after, each of them once."""
-        seen = list[TransientSettings]()
-        for settings in worst[:WORST_TIMES]:
-            for number, fault in self.scanned.items():
-                fault_now = settings.events[number].body
-                assert isinstance(fault_now, ShortCircuit)
-                assert fault_now.reclose is not None
-                for finer_fault in fault.variants_beside(fault_now.reclose[0], self.frequency):
-                    body = finer_fault.model_copy(update={"sense": fault_now.sense})
-                    finer = _with_bodies(settings, {number: body})
-                    if finer not in seen:
-                        seen.append(finer)
-                        yield finer
+        hint = "a narrower range `reclose`, or state `sense`"
+        raise InputError([Fault((*path, "events"), message, hint)])
+    combinations = product(*variants.values())
+    return [
+        _with_bodies(settings, dict(zip(variants, bodies, strict=True))) for bodies in combinations
+    ]
 
 
-def worst_motion(scan: FaultScan, solve: Solve, limit: FloatArray) -> TransientMotion:
+def _finer_variants(
+    settings: TransientSettings, worst: Sequence[TransientSettings], frequency: FloatArray
+) -> list[TransientSettings]:
+    """Between the times of reclosing of the worst variants and those before and after, each of them once."""
+    finer = list[TransientSettings]()
+    for variant in worst[:WORST_TIMES]:
+        variant_faults = faults_of(variant)
+        for number, fault in faults_of(settings, scanned=True).items():
+            sense, times = variant_faults[number].sense, variant_faults[number].reclose
+            for between in fault.variants_beside((times or (0.0,))[0], frequency):
+                body = between.model_copy(update={"sense": sense})
+                changed = _with_bodies(variant, {number: body})
+                finer += [changed] * (changed not in finer)
+    return finer
+
+
+def worst_motion(
+    settings: TransientSettings,
+    solve: Solve,
+    limit: FloatArray,
+    frequency: FloatArray,
+    path: Path,
+) -> TransientMotion:
     """The motion of the worst faults and phases, with the greatest of every span's torques of all.
 
-    limit: (spans,) N m, nan where there is none.
+    limit: (spans,) N m, nan where there is none. frequency: (modes,) Hz, the natural ones of the train. path: of the
+    settings in the file.
     """
 
     def solve_phases(settings: TransientSettings) -> TransientMotion:
@@ -167,7 +168,7 @@ def worst_motion(scan: FaultScan, solve: Solve, limit: FloatArray) -> TransientM
         moved = _greatest([motion for _, motion in motions])
         return replace(moved, slip_phase=phases, phases_computed=len(motions))
 
-    variants = scan.variants()
+    variants = _fault_variants(settings, frequency, path)
     worst = solve_phases(variants[0])
     if len(variants) == 1:
         return worst
@@ -181,11 +182,11 @@ def worst_motion(scan: FaultScan, solve: Solve, limit: FloatArray) -> TransientM
         is_worse = peaks[-1] > (worst.peak * share).max(initial=0.0)
         return _greatest([motion, worst] if is_worse else [worst, motion])
 
-    for settings in variants[1:]:
-        worst = compare(settings, worst)
+    for variant in variants[1:]:
+        worst = compare(variant, worst)
     worst_first = np.argsort(-np.array(peaks), kind="stable").tolist()
-    for settings in scan.finer_variants([variants[number] for number in worst_first]):
-        worst = compare(settings, worst)
+    for variant in _finer_variants(settings, [variants[k] for k in worst_first], frequency):
+        worst = compare(variant, worst)
     return replace(worst, faults_computed=len(peaks))
 
 
@@ -200,15 +201,13 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
         return {name: column(name)[which, spans] for name in names}
 
     highest = column("peak").argmax(axis=0).tolist()
-    largest: dict[str, Any] = {
-        name: column(name).max(axis=0) for name in ("unresolved", "reversals")
-    }
     switchings = [motion.switching for motion in motions if motion.switching is not None]
     return replace(
         shown,
         **chosen(column("greatest").argmax(axis=0), "greatest", "greatest_at"),
         **chosen(column("least").argmin(axis=0), "least", "least_at"),
-        **largest,
+        unresolved=column("unresolved").max(axis=0),
+        reversals=column("reversals").max(axis=0),
         residual=max(motion.residual for motion in motions),
         change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
         left_in_series=max(motion.left_in_series for motion in motions),

@@ -61,14 +61,6 @@ class Following:
         stations = [station for follower in self.followers for station in follower.stations]
         return np.array(stations, dtype=np.int64)
 
-    @cached_property
-    def signal(self) -> IntArray:
-        """(interfaces,) which signal each is a part of: one for all laws at a station, one for every side of a joint."""
-        joints = sum(2 for follower in self.followers if follower.cut is not None)
-        free = len(self.station) - joints
-        stations, signal = np.unique(self.station[:free], return_inverse=True)
-        return np.concatenate([signal, len(stations) + np.arange(joints)])
-
     def carried(self, system: System) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What joints carry at once, (spans, interfaces) for 1 N m, and of mean torques (spans,); those at (stations,)."""
         carried = np.zeros((len(system.spans), len(self.station)))
@@ -105,32 +97,28 @@ def following(
             group = frictions if isinstance(law, DryFriction) else followers
             group.append(Follower(law, (station,), words, number))
 
-    cylinders: dict[int, list[Torque]] = {}
     orders = [torque for torque in system.train.torques if torque.order is not None]
-    for torque in orders:
-        if torque.cylinder is not None:
-            cylinders.setdefault(torque.station, []).append(torque)
-    for throw, torques in cylinders.items():
+    for throw in dict.fromkeys(torque.station for torque in orders if torque.cylinder):
+        torques = [torque for torque in orders if torque.cylinder and torque.station == throw]
         staying = _staying_mean(study, torques[0], events, before)
         law = _cylinder_law(study, system, torques, staying)
         followers.append(Follower(law, (throw,), f"cylinders at {system.stations[throw].name}"))
-    for torque in orders:
-        if torque.cylinder is None:
-            staying = _staying_mean(study, torque, events, before)
-            size = _size(study, system, torque, before.speed, staying)
-            law = laws.Wave(0, size, float(torque.order or 0), torque.phase)
-            words = f"order {torque.order} at {torque.name}"
-            followers.append(Follower(law, (torque.station,), words))
+    for torque in (torque for torque in orders if torque.cylinder is None):
+        staying = _staying_mean(study, torque, events, before)
+        size = _size(study, system, torque, before.speed, staying)
+        law = laws.Wave(0, size, float(torque.order or 0), torque.phase)
+        words = f"order {torque.order} at {torque.name}"
+        followers.append(Follower(law, (torque.station,), words))
 
-    for group in _turning_as_one(frictions, shape):
-        row = shape[group[0].stations[0]]
+    while frictions:  # those at stations that turn in a constant ratio in every mode stand together
+        row = shape[frictions[0].stations[0]]
+        group = [friction for friction in frictions if _as_one(shape[friction.stations[0]], row)]
+        frictions = [friction for friction in frictions if friction not in group]
         interfaces = (station for follower in followers for station in follower.stations)
-        neighbours = tuple(
-            interface
-            for interface, station in enumerate(interfaces)
-            if _as_one(shape[station], row)
+        alike = (
+            number for number, station in enumerate(interfaces) if _as_one(shape[station], row)
         )
-        followers.append(_joined_friction(group, neighbours, shape, speeds))
+        followers.append(_joined_friction(group, tuple(alike), shape, speeds))
     for cut in cuts:
         # The inertia as both sides take a sudden torque.
         inertia = 1.0 / float((shape[[cut.front, cut.behind]] ** 2).sum())
@@ -148,20 +136,6 @@ def following(
 
 def _station(study: Study, event: Event) -> int:
     return study.train.part(event.at).stations[0]
-
-
-def _turning_as_one(frictions: Sequence[Follower], shape: FloatArray) -> list[list[Follower]]:
-    """Frictions at stations that turn in a constant ratio in every mode stand together."""
-    groups = list[list[Follower]]()
-    for friction in frictions:
-        row = shape[friction.stations[0]]
-        alike = (group for group in groups if _as_one(row, shape[group[0].stations[0]]))
-        group = next(alike, None)
-        if group is None:
-            groups.append([friction])
-        else:
-            group.append(friction)
-    return groups
 
 
 def _as_one(row: FloatArray, reference: FloatArray) -> bool:
@@ -259,14 +233,13 @@ def _cylinder_law(
     """
     ratio = abs(float(system.speed_ratio[torques[0].station]))
     highest = (study.operation.speed or math.pi) * ratio
-    ends, is_divided = {0.5 * highest, highest}, False
-    gases = {id(torque.cylinder.gas): torque.cylinder.gas for torque in torques if torque.cylinder}
-    for gas in gases.values():
-        if gas is not None and gas.over == "speed":
-            ends = set(gas.at.tolist())
-        is_divided |= gas is not None and gas.over == "load" and len(gas.at) > 2
+    cylinders = [torque.cylinder for torque in torques if torque.cylinder]
+    gases = [cylinder.gas for cylinder in cylinders if cylinder.gas is not None]
+    ends = {0.5 * highest, highest}
+    for gas in gases:
+        ends = set(gas.at.tolist()) if gas.over == "speed" else ends
     ends = _with_corners_of_loads(study, ends, ratio)
-    if is_divided:
+    if any(gas.over == "load" and len(gas.at) > 2 for gas in gases):
         ends |= set(np.linspace(min(ends), max(ends), PARTS + 1).tolist())
     order = np.array([float(torque.order or 0) for torque in torques])
     return laws.Wave(0, _by_parts(study, system, torques, ends, ratio, staying), order)
@@ -320,35 +293,19 @@ def _size(
     staying: mean torques that do not change with the speed. Raises InputError where the mean torque of which it is a
     share is not known at the speed at which the motion begins.
     """
-    operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
-    speed = np.array([begins])
     if begins:  # known there, or refused
+        speed = np.array([begins])
         mean = steady_if_known(study, system, speed) if torque.of_mean else None
         amplitude(system, torque, speed, mean)
+    ratio = abs(float(system.speed_ratio[torque.station]))
     if torque.table:
         return laws.table(torque.table)
     if not torque.of_mean:
         return laws.constant(torque.torque)
+    highest = (study.operation.speed or 1.0) * ratio
+    ends = {0.5 * highest, highest}
+    if staying is None:
+        ends = _with_corners_of_loads(study, ends, ratio)
     share = replace(torque, torque=0.0, phase=0.0)
-    if staying is not None:
-        return laws.constant(float(amplitude(system, share, speed, staying)[0].real))
-    balance = power_balance(study.train, operation)
-    law = balance.loads[0].law
-    is_plain = law.table or (law.exponent in (0.0, 2.0) and not law.at_rest)
-    if len(balance.loads) > 1 or not is_plain:
-        highest = (operation.speed or 1.0) * ratio
-        ends = _with_corners_of_loads(study, {0.5 * highest, highest}, ratio)
-        parts = _by_parts(study, system, [share], ends, ratio)
-        return replace(parts, polynomial=parts.polynomial[:, :, 0].real)
-
-    # The share is taken where the load is largest: at the lowest speed a table may give no load at all.
-    rows = np.array(law.table, dtype=float)
-    speed = rows[[rows[:, 1].argmax()], 0] if law.table else np.array([operation.speed or 1.0])
-    size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
-    if law.table:
-        largest = float(rows[:, 1].max())
-        return laws.table([(speed * ratio, size * mean / largest) for speed, mean in rows.tolist()])
-    if law.exponent == 0.0:
-        return laws.constant(size)
-    highest = float(speed[0]) * ratio
-    return laws.Parts(np.empty(0), np.array([[0.0, 0.0, size / highest**2]]), highest)
+    parts = _by_parts(study, system, [share], ends, ratio, staying)
+    return replace(parts, polynomial=parts.polynomial[:, :, 0].real)

@@ -210,7 +210,8 @@ def _cut(
     beside = np.isin(system.driving, inside) | np.isin(system.driven, inside)
     spans = np.flatnonzero(beside & (system.flexibility > 0))
     spans = spans[spans != span]
-    acting = [part.station for part in (*system.dampers, *system.train.torques)]
+    acting = [damper.station for damper in system.dampers]
+    acting += [torque.station for torque in system.train.torques]
     is_acted_on = bool(np.isin(acting, inside).any())
     if len(spans) != 1 or is_acted_on or not np.isfinite(system.flexibility[spans]).all():
         message = "{} needs an inertia or exactly one elastic span next to it"
