@@ -3,7 +3,7 @@
 import pytest
 
 import torsion
-from torsion.analyses.motion.derived import compared_band
+from torsion.analyses.motion.derived import nonlinear_peaks
 from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.response.synthesis import Synthesis
@@ -38,17 +38,17 @@ def solved(kind: str) -> tuple[Findings, tuple[NonlinearPeak, ...]]:
 def test_a_band_of_modes_is_as_good_as_all(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A damper of the contact takes part in what the modes left out give; without that the first is 3 % too low."""
     bands = list[bool]()
-    known = compared_band.Band.begin_motion
+    known = nonlinear_peaks.Band.begin_motion
 
-    def seen(self: compared_band.Band, built: Built) -> None:
+    def seen(self: nonlinear_peaks.Band, built: Built) -> None:
         bands.append(built.is_band)
         known(self, built)
 
-    monkeypatch.setattr(compared_band.Band, "begin_motion", seen)
+    monkeypatch.setattr(nonlinear_peaks.Band, "begin_motion", seen)
     _, whole = solved(kind)
     assert not any(bands)
     bands.clear()
-    monkeypatch.setattr(compared_band, "CHEAP", 0.0)
+    monkeypatch.setattr(nonlinear_peaks, "CHEAP", 0.0)
     _, band = solved(kind)
     assert all(bands)
     assert len(band) == len(whole)
@@ -61,7 +61,7 @@ def test_a_band_of_modes_is_as_good_as_all(kind: str, monkeypatch: pytest.Monkey
 def test_work_has_its_end_and_what_is_not_followed_never_passes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(compared_band, "MOST_WORK", 300.0)
+    monkeypatch.setattr(nonlinear_peaks, "MOST_WORK", 300.0)
     found, each = solved(PLAY)
     assert not any(one.ended for one in each)
     assert [one.exact for one in each] == [None] * len(each)

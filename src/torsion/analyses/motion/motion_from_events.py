@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.motion.curves.times_looked_at import PER_PERIOD
+from torsion.analyses.motion.curves.peaks import PER_PERIOD
 from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at
 from torsion.analyses.motion.derived.fatigue import damages
 from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.motion.curves.peaks import turns_within
-from torsion.analyses.motion.curves.times_looked_at import Wave, looked_at
+from torsion.analyses.motion.curves.peaks import Wave, looked_at, turns_within
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.errors import InputError
 from torsion.rules.verdict_line import Check, Checks

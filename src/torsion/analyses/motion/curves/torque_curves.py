@@ -6,14 +6,15 @@ from functools import cached_property
 
 import numpy as np
 
-from torsion.analyses.motion.curves.peaks import Extremes, turns_within
-from torsion.analyses.motion.curves.times_looked_at import (
+from torsion.analyses.motion.curves.peaks import (
     MOST_TIMES,
     PER_PERIOD,
     PER_PERIOD_COUNTED,
+    Extremes,
     Looked,
     Wave,
     looked_at,
+    turns_within,
 )
 from torsion.analyses.motion.train.built_train import Built, LoadedTrain
 from torsion.arrays import FloatArray, IntArray

@@ -1,24 +1,30 @@
-"""The exact motion at the peaks of a response whose couplings have play, friction or stages."""
+"""The exact motion at the peaks of a response whose couplings have play, friction or stages.
+
+A band holds all modes up to some multiple of what is excited and of the couplings' own frequencies, and as many more as
+cost little; the others are a compliance (T114). Work is counted and not timed, so that a result is the same on
+every machine.
+"""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from torsion.analyses.motion.curves.torque_curves import Curves
-from torsion.analyses.motion.derived.compared_band import Band, WorkEnds
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.train.built_train import Built, build
 from torsion.analyses.motion.train.nonlinear_couplings import Standing
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
 from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.undamped_modes import modes_as_discretised
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.errors import InputError, SolveError
-from torsion.findings import Work
+from torsion.findings import Progress, Work
+from torsion.kernels.motion.march import NEWS
 from torsion.kernels.motion.piecewise_elements import Clearance, DelayedFriction
 from torsion.kernels.tree_response import Status
 from torsion.results import reported, result
+from torsion.study import Study
 
 SETTLED = 1e-4  # of the amplitude: change from one window to the next
 # of the range in which a coupling is not linear: the largest amplitude of each is compared
@@ -29,6 +35,12 @@ SMALL = 1e-6  # of the largest torque: less is not compared
 WIDE = 3e-3  # change of an amplitude on doubling the band of modes, up to which it is wide enough
 SAMPLES = 4096  # of a window
 LARGEST_COMMON = 64  # revolutions of a window that orders have in common
+# of the highest frequency of excitation, and of the modes of which the couplings have most
+MULTIPLE = 8.0
+CHEAP = 2e5  # rad of the fastest mode in the first windows, up to which modes are kept anyway
+MOST_WORK = 2.5e5  # blocks of a small train in all comparisons: about 25 s
+ALONE = 3.0  # one motion has this share of what is left: 1/ALONE
+LARGE = 60.0  # states of a train, whose blocks are twice the work
 
 
 @reported
@@ -94,6 +106,56 @@ class NonlinearPeaks:
     )
 
 
+class WorkEnds(Exception):
+    """The work that a comparison may be is done."""
+
+
+@dataclass
+class Band:
+    """A response that is compared, the modes that exact motions keep, and the work that is left for them."""
+
+    study: Study
+    response: Response
+    balanced: Balanced
+    progress: Progress
+    modes: int = 0  # 0: not known yet
+    # largest of an amplitude or a peak on doubling the band; None: not known yet
+    change: float | None = None
+    is_complete: bool = False
+    left: float = field(default_factory=lambda: MOST_WORK)
+    left_of_motion: float = math.inf
+    cost: float = 1.0  # of a block
+    done: float = 0.0  # share of the comparisons
+    number: int = 1  # of comparisons
+
+    def limit(self, duration: float) -> int:
+        """Number of modes, of motions whose first windows last so long (s)."""
+        if not self.modes:
+            modes = modes_as_discretised(self.response.system, None)
+            w = 2.0 * math.pi * np.sort(modes.frequency)
+            mainly = modes.frequency[modes.elastic[list(self.balanced.spans)].argmax(axis=1)]
+            highest = max(float(mainly.max()), float(self.response.frequency.max()))
+            kept = max(MULTIPLE * 2.0 * math.pi * highest, CHEAP / duration)
+            self.modes = max(int(np.searchsorted(w, kept)), 1)
+        return self.modes
+
+    def begin_motion(self, built: Built) -> None:
+        """Allot work to the motion of a train."""
+        self.is_complete = not built.is_band
+        if self.is_complete:
+            self.change = 0.0
+        self.cost = 1.0 + ((2 * built.train.motions + built.train.inputs) / LARGE) ** 2
+        self.left_of_motion = self.left / ALONE
+
+    def spend(self, what: str, share: float) -> None:
+        """The work of some blocks; raises WorkEnds."""
+        self.left -= NEWS * self.cost
+        self.left_of_motion -= NEWS * self.cost
+        self.progress(f"exact motion at peaks, {what}", self.done + share / self.number)
+        if self.left_of_motion < 0.0:
+            raise WorkEnds
+
+
 def exact_peaks(work: Work, response: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
     """The peaks of every nonlinear coupling; none where the train has no such motion, and the plan then says why.
 
@@ -113,7 +175,12 @@ def exact_peaks(work: Work, response: Response, balanced: Balanced) -> tuple[Non
                 band.done = len(peaks) / band.number
                 peaks[key] = _peak(band, key[0], key[2])
             step.method = "from event to event, until it repeats itself"
-            step.size = f"{len(balanced.spans)} couplings, {len(peaks)} motions{band.words}"
+            step.size = f"{len(balanced.spans)} couplings, {len(peaks)} motions"
+            if band.change:
+                step.size += (
+                    f"; {band.modes} modes of the parts, half as many change torques by "
+                    f"{100.0 * band.change:.2g} %"
+                )
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
         return ()
@@ -153,6 +220,7 @@ def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
     has_play = part.nonlinear is not None and bool(part.nonlinear.play)
     opens = _ends(response.speed[has_play & (balanced.share[:, number] < 1.0)])
     mode, frequency = _natural_frequency(band, span, index)
+    wider = 1.0 + 2.0 * (band.change or 0.0)  # what a wider band may add, for verdicts
     return NonlinearPeak(
         coupling=part.name,
         component=response.lines[component].words,
@@ -172,8 +240,8 @@ def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
         natural_frequency=frequency,
         ended=motion.ended,
         span=span,
-        half_ranges=band.raised(motion.half_range),
-        greatests=band.raised(motion.greatest),
+        half_ranges=motion.half_range * wider,
+        greatests=motion.greatest * wider,
     )
 
 
@@ -295,23 +363,17 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
             bent = np.zeros(len(response.system.spans))
             bent[span] = moved / coupling.stiffness
             position = position + loaded.positions(bent)
-        twists = _coupling_twists(response, balanced, number, index)
+        # The coupling's own twist in every component.
+        whole = response.system
+        stiffness = (1.0 + 1j * whole.loss_factor[span]) / whole.flexibility[span]
+        stiffness = stiffness + rate[:, 0] * whole.viscous[span]
+        stiffness = balanced.share[index, number] * stiffness + balanced.extra[index, number]
+        twists = response.torque[index, :, span] / stiffness
         twist, twisting = float(twists.sum().real), float((rate[:, 0] * twists).sum().real)
         for k, stand in enumerate(stands):
             if built.couplings[stand.coupling].span == span:
                 stands[k] = _stand(stand, bias, twist, twisting)
     return replace(built, position=position, speed=built.speed + speed, standing=tuple(stands))
-
-
-def _coupling_twists(
-    response: Response, balanced: Balanced, number: int, index: int
-) -> ComplexArray:
-    """(components,) rad of a coupling at the speed number `index`."""
-    span, system = balanced.spans[number], response.system
-    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[span]
-    stiffness = stiffness + 1j * _rates(response, index) * system.viscous[span]
-    stiffness = balanced.share[index, number] * stiffness + balanced.extra[index, number]
-    return np.asarray(response.torque[index, :, span] / stiffness)
 
 
 def _stand(stand: Standing, bias: float, twist: float, twisting: float) -> Standing:

@@ -168,22 +168,12 @@ class Load(Kind):
             raise refuse("a table contains torque and speed", hint, "law")
         return self
 
-    def is_beyond(self, law: Law, regime: int, late: float) -> bool:
-        """In a regime of one of its laws its point outruns its table; late: s since its begin."""
-        if isinstance(self.law, str) or not isinstance(law, torque_laws.BySpeed):
-            return False
-        return 0.0 <= late < (self.off or math.inf) and regime in (0, len(law.parts.edges))
-
     @property
     def damps(self) -> bool:
         """Its torque changes with the speed."""
         if isinstance(self.law, str):
             return self.law == "propeller"
         return len({torque for _, torque in self.law}) > 1
-
-    def acts_throughout(self, begin: float, duration: float) -> bool:
-        """It acts over the whole motion."""
-        return begin == 0.0 and (self.off is None or self.off >= duration)
 
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
         window = _window(begin, self.off)

@@ -168,14 +168,13 @@ def refuse_beyond_tables(
     follows: Following, events: Sequence[Event], marched: Marched, path: Path
 ) -> None:
     """Raises SolveError where a point outruns the table of its load while that acts."""
-    for time, law, regime in sorted((*marched.begun, *marched.changes)):
-        follower = follows.followers[law]
-        if follower.event < 0:
+    for time, number, regime in sorted((*marched.begun, *marched.changes)):
+        follower = follows.followers[number]
+        law, event = follower.law, events[follower.event] if follower.event >= 0 else None
+        if event is None or not isinstance(event.body, Load) or isinstance(event.body.law, str):
             continue
-        event = events[follower.event]
-        if isinstance(event.body, Load) and event.body.is_beyond(
-            follower.law, regime, time - event.time
-        ):
+        acts = event.time <= time < event.time + (event.body.off or math.inf)
+        if acts and isinstance(law, laws.BySpeed) and regime in (0, len(law.parts.edges)):
             ends = f"{event.body.law[-1][0] * 30.0 / math.pi:.6g} rpm"
             raise SolveError(
                 f"at {time:.6g} s the load at '{event.at}' is outrun: its table ends at {ends}",
@@ -193,7 +192,7 @@ def replaced_dampers(
     """
     damped = {damper.station for damper in system.dampers}
     loads = [
-        (number, event, event.body.acts_throughout(event.time, settings.duration))
+        (number, event, event.time == 0.0 and (event.body.off or math.inf) >= settings.duration)
         for number, event in enumerate(settings.events)
         if isinstance(event.body, Load) and event.body.damps and _station(study, event) in damped
     ]
