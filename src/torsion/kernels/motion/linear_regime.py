@@ -274,11 +274,11 @@ def _of_springs(
 def _balance(train: LoadedModes, torque: FloatArray) -> FloatArray:
     """(motions, rows) accelerations under torques (elements, rows) of the elements."""
     position, speed, inputs, _ = train.columns
-    rows = -train.ends.T @ torque
-    rows[:, position] -= np.diag(train.modes.w_of_all**2)
-    rows[:, speed] -= train.modes.damping
-    rows[:, inputs] += train.push
-    return np.asarray(rows)
+    rows = np.zeros((train.motions, train.columns[-1].stop))
+    rows[:, position] = -np.diag(train.modes.w_of_all**2)
+    rows[:, speed] = -train.modes.damping
+    rows[:, inputs] = train.push
+    return np.asarray(rows - train.ends.T @ torque)
 
 
 def _elastic(
