@@ -38,35 +38,35 @@ def silent(what: str, share: float) -> None:
 class PlanLine:
     """One step that was done."""
 
-    what: str = result("", "a step that was done")
-    method: str = result("", "by which method")
-    size: str = result("", "of what size")
-    seconds: float = result("", "time")
-    why: str = result("", "reason")
+    what: str = result("a step that was done")
+    method: str = result("by which method")
+    size: str = result("of what size")
+    seconds: float = result("time")
+    why: str = result("reason")
 
 
 @reported
 class LeftOut:
     """What was not done."""
 
-    what: str = result("", "what was left out")
-    why: str = result("", "reason")
+    what: str = result("what was left out")
+    why: str = result("reason")
 
 
 @reported
 class Unanswered:
     """An analysis that was tried and has no answer."""
 
-    analysis: str = result("", "an analysis that failed; `left_out` lists it too")
-    what: str = result("", "the same in words")
-    why: str = result("", "cause")
-    remedy: str = result("", "what to change; empty if the cause says it")
-    line: int | None = result("", "line of the file, from 1; null if there is none")
+    analysis: str = result("an analysis that failed; `left_out` lists it too")
+    what: str = result("the same in words")
+    why: str = result("cause")
+    remedy: str = result("what to change; empty if the cause says it")
+    line: int | None = result("line of the file, from 1; null if there is none")
     is_named: bool = result(
-        "", "the analysis was requested in the file; the exit status is then 3", key="named"
+        "the analysis was requested in the file; the exit status is then 3", key="named"
     )
     is_input: bool = result(
-        "", "an input error is the reason; the exit status is then 2", key="input_fault"
+        "an input error is the reason; the exit status is then 2", key="input_fault"
     )
     text: str  # all of it, with the line quoted
 
@@ -81,10 +81,10 @@ class Unanswered:
 class UsedSource:
     """A publication, rule or standard that the run used."""
 
-    key: str = result("", "key of the literature (`torsion sources`), or name of the rule")
-    words: str = result("", "authors, work and year, or rule and edition")
-    where: tuple[str, ...] = result("", "equations or chapters, or clauses of the rule")
-    compared: bool = result("", "edition and digits were compared with the publication")
+    key: str = result("key of the literature (`torsion sources`), or name of the rule")
+    words: str = result("authors, work and year, or rule and edition")
+    where: tuple[str, ...] = result("equations or chapters, or clauses of the rule")
+    compared: bool = result("edition and digits were compared with the publication")
     is_rule: bool = False
 
 
@@ -92,14 +92,14 @@ class UsedSource:
 class Plan:
     """The whole of it, printed on the last page of the report."""
 
-    done: tuple[PlanLine, ...] = result("", "steps in their order")
+    done: tuple[PlanLine, ...] = result("steps in their order")
     left_out: tuple[tuple[str, str], ...]  # (what, why)
-    versions: dict[str, str] = result("", "versions of the libraries")
+    versions: dict[str, str] = result("versions of the libraries")
 
-    unanswered: tuple[Unanswered, ...] = result("", "analyses without an answer", default=())
+    unanswered: tuple[Unanswered, ...] = result("analyses without an answer", default=())
     sources: tuple[UsedSource, ...] = ()  # of formulas, methods and rules
 
-    @derived("", "what was omitted, and why", key="left_out")
+    @derived("what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
         """Every omitted step as a declared result."""
         return tuple(LeftOut(what, why) for what, why in self.left_out)

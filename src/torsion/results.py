@@ -4,8 +4,8 @@ A result is a frozen dataclass whose fields (and properties) are declared so:
 
 >>> @reported
 ... class Twist:
-...     angle: float = result("rad", (), "twist of the whole train")
-...     @derived("deg", (), "the same in degrees")
+...     angle: float = result("rad", "twist of the whole train")
+...     @derived("deg", "the same in degrees")
 ...     def degrees(self) -> float:
 ...         return math.degrees(self.angle)
 >>> [(quantity.key, quantity.meaning) for quantity in quantities(Twist)]
@@ -69,7 +69,7 @@ class Derived(cached_property[Value]):
 
 def result(
     unit: str,
-    axes: Axes | str,
+    axes: Axes | str = (),
     meaning: str = "",
     *,
     default: Any = dataclasses.MISSING,
@@ -77,9 +77,11 @@ def result(
 ) -> Any:
     """Declare a field of a result: its unit, what the axes of its array run over, its meaning; `traits` as of Quantity.
 
-    One axis needs no tuple; a single value has no axes: its meaning follows the unit.
+    One axis needs no tuple; a single value has no axes: its meaning follows the unit, and stands alone without a unit.
     """
-    if isinstance(axes, str):
+    if not (axes or meaning):
+        unit, meaning = "", unit
+    elif isinstance(axes, str):
         axes, meaning = ((axes,), meaning) if meaning else ((), axes)
     declared = Quantity(unit, axes, meaning, **traits)
     return dataclasses.field(default=default, metadata={"declared": declared})
@@ -95,7 +97,7 @@ def reported(kind: type[Value]) -> type[Value]:
 
 
 def derived(
-    unit: str, axes: Axes | str, meaning: str = "", **traits: Any
+    unit: str, axes: Axes | str = (), meaning: str = "", **traits: Any
 ) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
     """Declare a property of a result that is an output too, as a field is."""
 
@@ -112,8 +114,8 @@ def single_values(shown: Any) -> str:
 
     >>> @reported
     ... class Mesh:
-    ...     wheel: str = result("", (), "name of the wheel")
-    ...     torque: float = result("N*m", (), "mean torque")
+    ...     wheel: str = result("name of the wheel")
+    ...     torque: float = result("N*m", "mean torque")
     >>> Mesh("pinion", 1500.0)
     Mesh: wheel pinion, torque_Nm 1500
     """

@@ -16,18 +16,18 @@ from torsion.study import Operation
 class CriticalSpeed:
     """One crossing of the Campbell diagram."""
 
-    mode: int = result("", "counted from 1")
-    order: Fraction = result("", "per revolution of the reference, exact")
-    sources: tuple[str, ...] = result("", "what excites that order")
+    mode: int = result("counted from 1")
+    order: Fraction = result("per revolution of the reference, exact")
+    sources: tuple[str, ...] = result("what excites that order")
     frequency: float = result("Hz", "natural frequency")
     speed: float = result("rad/s", "reference speed")
-    is_inside: bool = result("", "within the speed range", key="is_in_range")
+    is_inside: bool = result("within the speed range", key="is_in_range")
     margin: float | None = result(
         "1",
         "distance from the rated speed or the nearest end of the range, relative; null if neither is given",
     )
     own_orders: tuple[Fraction, ...] = result(
-        "", "of each source per revolution of the shaft of the source, exact", default=()
+        "of each source per revolution of the shaft of the source, exact", default=()
     )
 
     @property
@@ -41,7 +41,7 @@ class CriticalSpeeds:
     """Every crossing, by ascending speed."""
 
     crossings: tuple[CriticalSpeed, ...] = result(
-        "", "crossings of an order with a mode, by speed", key=""
+        "crossings of an order with a mode, by speed", key=""
     )
 
 

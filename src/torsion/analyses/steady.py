@@ -101,7 +101,7 @@ class Steady:
     )
     applied: FloatArray = result("N*m", ("station", "speed"), "drive positive, load negative")
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
-    sharing: str = result("", "how the load was shared, in words")
+    sharing: str = result("how the load was shared, in words")
     # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load, -dT/dω of drives without a lag
     load_slope: FloatArray
     drive_slope: FloatArray
@@ -111,21 +111,21 @@ class Steady:
 class MachinePower:
     """What one machine, or one end of the train, delivers or absorbs at the rated speed, else at the highest."""
 
-    name: str = result("", "name of the machine, or of the station in its place")
-    kind: str = result("", "its kind in the file; empty for a station")
-    enters: bool = result("", "true: power enters here; false: it leaves")
+    name: str = result("name of the machine, or of the station in its place")
+    kind: str = result("its kind in the file; empty for a station")
+    enters: bool = result("true: power enters here; false: it leaves")
     speed: float = result("rad/s", "own speed of the machine")
     power: float = result("W", "power that it delivers or absorbs there")
     torque: float = result("N*m", "mean torque at its own speed, positive if it drives")
-    law: str = result("", "law of load; empty of a machine that drives")
-    free: bool = result("", "it takes what the others leave: computed, not stated")
+    law: str = result("law of load; empty of a machine that drives")
+    free: bool = result("it takes what the others leave: computed, not stated")
 
 
 @reported
 class MeanLoad:
     """Mean torque of one elastic element at the rated speed, else at the highest, at its own speed."""
 
-    component: str = result("", "its name")
+    component: str = result("its name")
     speed: float = result("rad/s", "its own speed")
     torque: float = result("N*m", "mean torque at its driving end")
     power: float = result("W", "power that it transmits")
@@ -136,7 +136,7 @@ class MeanLoad:
 class MeanLoads:
     """Mean torques of all elastic elements."""
 
-    each: tuple[MeanLoad, ...] = result("", "mean torque of every elastic element", key="")
+    each: tuple[MeanLoad, ...] = result("mean torque of every elastic element", key="")
 
 
 @reported
@@ -144,7 +144,7 @@ class PowerBalance:
     """The balance of power, machine by machine."""
 
     machines: tuple[MachinePower, ...] = result(
-        "", "balance of power, every machine at its own speed", key=""
+        "balance of power, every machine at its own speed", key=""
     )
 
 

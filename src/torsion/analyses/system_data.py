@@ -28,26 +28,26 @@ GIVEN_AS = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", 
 class ComponentRow:
     """A component of the train."""
 
-    name: str = result("", "its name")
-    kind: str = result("", "its kind, as the file names it")
-    ratio: Fraction = result("", "its speed / reference speed; of a gear that of its driving wheel")
+    name: str = result("its name")
+    kind: str = result("its kind, as the file names it")
+    ratio: Fraction = result("its speed / reference speed; of a gear that of its driving wheel")
     speed: float | None = result("rad/s", "its speed at the rated point; null without one")
-    source: str | None = result("", "where its data come from; null if the file does not say")
-    note: str | None = result("", "note of the file, or null")
+    source: str | None = result("where its data come from; null if the file does not say")
+    note: str | None = result("note of the file, or null")
 
 
 @reported
 class InertiaRow:
     """An inertia that a component gives a station."""
 
-    station: str = result("", "name of the station; of the inner segments of a shaft its own")
-    component: str = result("", "component, and which of its inertias")
+    station: str = result("name of the station; of the inner segments of a shaft its own")
+    component: str = result("component, and which of its inertias")
     given: float | None = result(
         "kg*m**2", "as in the file, where values are referred; null elsewhere", key="given_kg_m2"
     )
-    given_ratio: Fraction | None = result("", "speed / reference speed at which it is given")
+    given_ratio: Fraction | None = result("speed / reference speed at which it is given")
     inertia: float = result("kg*m**2", "at its own speed; null where fixed", key="inertia_kg_m2")
-    ratio: Fraction = result("", "speed of the station / reference speed", key="speed_ratio")
+    ratio: Fraction = result("speed of the station / reference speed", key="speed_ratio")
     referred: float = result(
         "kg*m**2", "to the reference speed; null where fixed", key="referred_kg_m2"
     )
@@ -57,52 +57,52 @@ class InertiaRow:
 class ElasticRow:
     """Stiffness and damping of an elastic element."""
 
-    component: str = result("", "name of a coupling, shaft, mesh or joint")
-    begin: str = result("", "station at its driving end")
-    end: str = result("", "station at its driven end")
+    component: str = result("name of a coupling, shaft, mesh or joint")
+    begin: str = result("station at its driving end")
+    end: str = result("station at its driven end")
     given: float | None = result(
         "N*m/rad", "stiffness as in the file, where values are referred; null elsewhere"
     )
-    given_ratio: Fraction | None = result("", "speed / reference speed at which it is given")
+    given_ratio: Fraction | None = result("speed / reference speed at which it is given")
     stiffness: float | None = result(
         "N*m/rad", "static, at the driving station's speed; null where rigid or of a table"
     )
-    ratio: Fraction = result("", "speed of the driving station / reference speed")
+    ratio: Fraction = result("speed of the driving station / reference speed")
     referred: float | None = result("N*m/rad", "stiffness referred to the reference speed")
     loss_factor: float | None = result("1", "eta of k (1 + i eta); null without")
     viscous: float | None = result("N*m*s/rad", "viscous damping; null without")
-    source: str = result("", "how damping or a table is given; empty for no damping")
+    source: str = result("how damping or a table is given; empty for no damping")
 
 
 @reported
 class ShaftRow:
     """Dimensions of a shaft, or of a section of it."""
 
-    shaft: str = result("", "its name")
+    shaft: str = result("its name")
     outer: float | None = result("m", "outer diameter at the driving end; null for a mesh")
     outer_driven: float | None = result("m", "the same at the driven end of a cone; else null")
     bore: float | None = result("m", "bore at the driving end; null for a mesh")
     bore_driven: float | None = result("m", "the same at the driven end of a conical bore")
-    mesh: str | None = result("", "file of the mesh of its section, or null")
+    mesh: str | None = result("file of the mesh of its section, or null")
     length: float = result("m", "length")
     modulus: float = result(
         "m**3", "smallest polar section modulus W_p, for nominal stress", key="section_modulus_m3"
     )
     inertia: float = result("kg*m**2", "of the whole shaft", key="inertia_kg_m2")
-    material: str = result("", "name of its material")
+    material: str = result("name of its material")
     shear_modulus: float = result("Pa", "G of the material")
     density: float = result("kg/m**3", "density of the material", key="density_kg_per_m3")
-    pieces: int = result("", "segments, elements or pieces that it is divided into")
+    pieces: int = result("segments, elements or pieces that it is divided into")
 
 
 @reported
 class GearRow:
     """Teeth of a gear mesh."""
 
-    mesh: str = result("", "name of the mesh")
-    driving_teeth: int | None = result("", "teeth of the driving wheel")
-    driven_teeth: int | None = result("", "teeth of the driven wheel")
-    ratio: Fraction = result("", "speed of the driving / speed of the driven wheel")
+    mesh: str = result("name of the mesh")
+    driving_teeth: int | None = result("teeth of the driving wheel")
+    driven_teeth: int | None = result("teeth of the driven wheel")
+    ratio: Fraction = result("speed of the driving / speed of the driven wheel")
     application_factor: float | None = result("1", "K_A")
 
 
@@ -110,8 +110,8 @@ class GearRow:
 class ImpellerRow:
     """Size and inertia of a propeller, pump or fan."""
 
-    machine: str = result("", "its name")
-    blades: int | None = result("", "number of blades")
+    machine: str = result("its name")
+    blades: int | None = result("number of blades")
     diameter: float | None = result("m", "diameter D")
     pitch_ratio: float | None = result("1", "P/D of a propeller")
     area_ratio: float | None = result("1", "A_E/A_0 of a propeller")
@@ -124,46 +124,46 @@ class ImpellerRow:
 class GroundDamping:
     """A damping to ground."""
 
-    station: str = result("", "name of the station")
-    model: str = result("", "viscous, or the model of the machine")
+    station: str = result("name of the station")
+    model: str = result("viscous, or the model of the machine")
     factor: float | None = result("1", "factor of the model")
     value: float | None = result(
         "N*m*s/rad", "at the rated speed; null where it varies and is not known there"
     )
-    source: str | None = result("", "where its value comes from")
+    source: str | None = result("where its value comes from")
 
 
 @reported
 class TorqueRow:
     """A harmonic torque of the file."""
 
-    name: str = result("", "component that it acts on")
-    order: Fraction | None = result("", "per revolution of its shaft; null at a frequency")
-    reference_order: Fraction | None = result("", "per revolution of the reference")
+    name: str = result("component that it acts on")
+    order: Fraction | None = result("per revolution of its shaft; null at a frequency")
+    reference_order: Fraction | None = result("per revolution of the reference")
     frequency: float | None = result("Hz", "fixed frequency; null for an order, or for every one")
     torque: float | None = result("N*m", "constant part of its amplitude")
     of_mean: float | None = result("1", "part of its amplitude / mean torque")
     transmission_error: float | None = result("rad", "of a mesh, at its driving wheel")
     rated: float | None = result("N*m", "amplitude at the rated speed; null if unknown")
     phase: float = result("rad", "its phase")
-    source: str | None = result("", "where its values come from")
+    source: str | None = result("where its values come from")
 
 
 @reported
 class SystemData:
     """What the system consists of."""
 
-    components: tuple[ComponentRow, ...] = result("", "components, in the order of the file")
-    inertias: tuple[InertiaRow, ...] = result("", "inertias, those of shafts at their ends")
+    components: tuple[ComponentRow, ...] = result("components, in the order of the file")
+    inertias: tuple[InertiaRow, ...] = result("inertias, those of shafts at their ends")
     total: float = result(
         "kg*m**2", "sum of the referred inertias that are not fixed", key="total_kg_m2"
     )
-    elements: tuple[ElasticRow, ...] = result("", "elastic elements")
-    shafts: tuple[ShaftRow, ...] = result("", "shafts")
-    gears: tuple[GearRow, ...] = result("", "gear meshes")
-    impellers: tuple[ImpellerRow, ...] = result("", "propellers, pumps and fans")
-    ground: tuple[GroundDamping, ...] = result("", "damping to ground")
-    torques: tuple[TorqueRow, ...] = result("", "harmonic torques but for those of cylinders")
+    elements: tuple[ElasticRow, ...] = result("elastic elements")
+    shafts: tuple[ShaftRow, ...] = result("shafts")
+    gears: tuple[GearRow, ...] = result("gear meshes")
+    impellers: tuple[ImpellerRow, ...] = result("propellers, pumps and fans")
+    ground: tuple[GroundDamping, ...] = result("damping to ground")
+    torques: tuple[TorqueRow, ...] = result("harmonic torques but for those of cylinders")
 
 
 def run(work: Work) -> None:

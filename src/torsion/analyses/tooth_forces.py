@@ -16,7 +16,7 @@ from torsion.sources import source
 class ToothForce:
     """The nominal forces at the reference cylinder of one mesh (ISO 6336-1: F_t = 2 T/d), without K_A."""
 
-    mesh: str = result("", "name of the mesh")
+    mesh: str = result("name of the mesh")
     diameter: float = result("m", "pitch diameter d of the driving wheel", key="pitch_diameter_m")
     driven_diameter: float = result(
         "m", "pitch diameter of the driven wheel", key="driven_pitch_diameter_m"
@@ -35,7 +35,7 @@ class ToothForces:
     """Of every mesh that has a pitch diameter, in the order of the train."""
 
     meshes: tuple[ToothForce, ...] = result(
-        "", "nominal forces of every mesh with a pitch diameter", key=""
+        "nominal forces of every mesh with a pitch diameter", key=""
     )
 
 

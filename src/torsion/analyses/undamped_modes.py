@@ -68,7 +68,7 @@ def without_mode(study: Study, mode: int, count: int, path: Path) -> Fault:
 class EnergyShare:
     """Share of the energy of every mode in a station, in the inner segments of a shaft, or in an elastic element."""
 
-    component: str = result("", "station, shaft or element, and the kind of energy")
+    component: str = result("station, shaft or element, and the kind of energy")
     share: FloatArray = result("1", "mode", "share of the kinetic or elastic energy")
 
 
@@ -76,13 +76,13 @@ class EnergyShare:
 class HolzerRow:
     """A station of a Holzer table and the link that leads to it, referred to the reference speed."""
 
-    number: int = result("", "number of the row, from 1")
-    station: str = result("", "name of the station")
+    number: int = result("number of the row, from 1")
+    station: str = result("name of the station")
     inertia: float | None = result("kg*m**2", "infinite where fixed, null where a loop is closed")
     angle: float = result("rad", "angle of the station")
     inertia_torque: float | None = result("N*m", "omega^2 J angle; null where fixed")
-    before: int | None = result("", "row from which the link leads here; null at a start")
-    through: str | None = result("", "name of the link")
+    before: int | None = result("row from which the link leads here; null at a start")
+    through: str | None = result("name of the link")
     torque_in: float | None = result("N*m", "at the end of the link toward the row before")
     flexibility: float | None = result("rad/(N*m)", "null where the link has inertia inside")
     twist: float | None = result("rad", "angle of the row before - angle of this row")
@@ -97,9 +97,9 @@ class HolzerRow:
 class HolzerMode:
     """The Holzer table of one mode: each row follows from the row that it names."""
 
-    mode: int = result("", "counted from 1")
+    mode: int = result("counted from 1")
     residual: float = result("1", "largest torque that nothing balances / largest torque")
-    rows: tuple[HolzerRow, ...] = result("", "stations and the links that lead to them")
+    rows: tuple[HolzerRow, ...] = result("stations and the links that lead to them")
 
 
 @reported
@@ -125,8 +125,8 @@ class Modes(Displayed, Keyed):
         "Hz", "mode", "lower bound of each: counts prove that the mode lies between both"
     )
     upper: FloatArray = result("Hz", "mode", "upper bound of each")
-    rigid: int = result("", "number of motions of exactly 0 Hz", key="rigid_motions")
-    certified: bool = result("", "counts prove the bounds", key="is_certified")
+    rigid: int = result("number of motions of exactly 0 Hz", key="rigid_motions")
+    certified: bool = result("counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
     distributed: "ShaftModes | None" = field(
         default=None, repr=False
@@ -179,7 +179,6 @@ class Modes(Displayed, Keyed):
         return energy
 
     @derived(
-        "",
         "Holzer tables of the lowest modes: at most 12, and 600 rows of all (the first in any case)",
     )
     def holzer(self) -> tuple[HolzerMode, ...]:
@@ -187,7 +186,7 @@ class Modes(Displayed, Keyed):
         tables: tuple[HolzerMode, ...] = resolve_name(HOLZER)(self)
         return tables
 
-    @derived("", "energy of named stations, inner segments of shafts, and elastic elements")
+    @derived("energy of named stations, inner segments of shafts, and elastic elements")
     def energy_shares(self) -> tuple[EnergyShare, ...]:
         """Kinetic energy by station, all inner stations of a shaft together; elastic energy by element."""
         system = self.system

@@ -20,38 +20,38 @@ from torsion.study import Study
 class Scene:
     """What was read, and how the train is run."""
 
-    name: str = result("", (), "name of the scene")
-    case: str | None = result("", (), "which case of the file it is, or null")
-    description: str = result("", (), "its description")
-    file: str = result("", (), "the file it was read from")
+    name: str = result("name of the scene")
+    case: str | None = result("which case of the file it is, or null")
+    description: str = result("its description")
+    file: str = result("the file it was read from")
     sha256: str | None = result(
-        "", (), "SHA-256 of the file's text and those of its tables behind it, or null"
+        "SHA-256 of the file's text and those of its tables behind it, or null"
     )
-    tables: tuple[str, ...] = result("", (), "CSV files that the file names, in that order")
-    model: str = result("", (), "lumped, fem or exact")
+    tables: tuple[str, ...] = result("CSV files that the file names, in that order")
+    model: str = result("lumped, fem or exact")
     reference: str = result(
-        "", (), "component whose speed is the speed axis, per whose revolution orders count"
+        "component whose speed is the speed axis, per whose revolution orders count"
     )
-    speed_range: tuple[float, float] | None = result("rad/s", (), "[from, to], or null")
-    rated_speed: float | None = result("rad/s", (), "rated speed, or null")
-    rated_power: float | None = result("W", (), "rated power, or null")
-    rules: tuple[str, ...] = result("", (), "rules that the file names")
-    document: dict[str, str] = result("", (), "texts of its front matter, by the keys of the file")
+    speed_range: tuple[float, float] | None = result("rad/s", "[from, to], or null")
+    rated_speed: float | None = result("rad/s", "rated speed, or null")
+    rated_power: float | None = result("W", "rated power, or null")
+    rules: tuple[str, ...] = result("rules that the file names")
+    document: dict[str, str] = result("texts of its front matter, by the keys of the file")
 
 
 @reported
 class StationRow:
     """A point of the train."""
 
-    name: str = result("", (), "name of a point of the train")
-    component: str = result("", (), "component that made it")
-    kind: str = result("", (), "kind of that component")
-    speed_ratio: Fraction = result("", (), "its speed / reference speed, exact")
-    sense: int = result("", (), "1 turns as the reference does, -1 the other way")
-    is_ground: bool = result("", (), "the fixed end of a spring to ground")
-    is_held: bool = result("", (), "turns at exactly its mean speed")
+    name: str = result("name of a point of the train")
+    component: str = result("component that made it")
+    kind: str = result("kind of that component")
+    speed_ratio: Fraction = result("its speed / reference speed, exact")
+    sense: int = result("1 turns as the reference does, -1 the other way")
+    is_ground: bool = result("the fixed end of a spring to ground")
+    is_held: bool = result("turns at exactly its mean speed")
     inertia: float = result(
-        "kg*m**2", (), "with the share of its shafts; null where fixed", key="inertia_kg_m2"
+        "kg*m**2", "with the share of its shafts; null where fixed", key="inertia_kg_m2"
     )
 
 
@@ -59,32 +59,31 @@ class StationRow:
 class Harmonic:
     """One harmonic component of an imposed angle."""
 
-    order: int = result("", (), "per revolution of the driving station")
-    amplitude: complex = result("rad", (), "complex amplitude of that order")
+    order: int = result("per revolution of the driving station")
+    amplitude: complex = result("rad", "complex amplitude of that order")
 
 
 @reported
 class SpanRow:
     """An elastic or rigid piece between two stations."""
 
-    name: str = result("", (), "name of an elastic or rigid piece")
-    component: str = result("", (), "component that made it")
-    kind: str = result("", (), "kind of that component")
-    driving_station: int = result("", (), "position in `stations`")
-    driven_station: int = result("", (), "position in `stations`")
-    ratio: Fraction = result("", (), "speed of the driven / speed of the driving station, exact")
+    name: str = result("name of an elastic or rigid piece")
+    component: str = result("component that made it")
+    kind: str = result("kind of that component")
+    driving_station: int = result("position in `stations`")
+    driven_station: int = result("position in `stations`")
+    ratio: Fraction = result("speed of the driven / speed of the driving station, exact")
     flexibility: float = result(
         "rad/(N*m)",
-        (),
         "0 is rigid, null is damping without stiffness; of a table over frequency at its first point",
     )
-    loss_factor: float = result("1", (), "eta of k (1 + i eta)")
-    viscous: float = result("N*m*s/rad", (), "viscous damping")
+    loss_factor: float = result("1", "eta of k (1 + i eta)")
+    viscous: float = result("N*m*s/rad", "viscous damping")
     error: tuple[Harmonic, ...] = result(
-        "", (), "imposed on the driven angle, over the driving station's angle"
+        "imposed on the driven angle, over the driving station's angle"
     )
 
-    @derived("N*m/rad", (), "1/flexibility; null where the piece is rigid")
+    @derived("N*m/rad", "1/flexibility; null where the piece is rigid")
     def stiffness(self) -> float:
         """Of the whole piece."""
         return 1.0 / self.flexibility if self.flexibility else float("inf")

@@ -76,7 +76,7 @@ class BarredRange:
     critical: float = result(
         "rad/s", "speed of the worst stress, from which the rule's width follows"
     )
-    shaft: str = result("", "shaft for which a range is barred")
+    shaft: str = result("shaft for which a range is barred")
     formula_lower: float = result(
         "rad/s",
         "lower end by the rule's formula for that speed, without tolerance",
@@ -84,7 +84,7 @@ class BarredRange:
     )
     formula_upper: float = result("rad/s", "upper end by the same formula", default=math.nan)
     order: Fraction | None = result(
-        "", "order with the maximum torque at that speed, exact", default=None
+        "order with the maximum torque at that speed, exact", default=None
     )
     tolerance_lower: float = result(
         "rad/s",
@@ -98,7 +98,7 @@ class BarredRange:
 class BarredTime:
     """A motion over time within a barred or unstable range."""
 
-    motion: str = result("", "name of the transient response")
+    motion: str = result("name of the transient response")
     lower: float = result("rad/s", "lower end of the range, reference speed")
     upper: float = result("rad/s", "upper end")
     seconds: float = result("s", "how long it is within the range", key="time_s")
@@ -106,7 +106,7 @@ class BarredTime:
         "1",
         "maximum amplitude of the resonances passed there / steady amplitude; null if unknown",
     )
-    stays: bool = result("", "it ends within the range")
+    stays: bool = result("it ends within the range")
 
 
 @reported
@@ -164,14 +164,13 @@ class Basis:
     """What a limit is based on."""
 
     kind: Kind = result(
-        "",
         "text (compared with the text of the rule), confirmed (by a user), unconfirmed (published practice, edition "
         "not confirmed), maker, user (stated in the file) or definition",
     )
-    edition: str = result("", "rule and edition", default="")
-    clause: str = result("", "clause of the rule", default="")
-    by: str = result("", "who confirmed the limit", default="")
-    on: str = result("", "day of the confirmation", default="")
+    edition: str = result("rule and edition", default="")
+    clause: str = result("clause of the rule", default="")
+    by: str = result("who confirmed the limit", default="")
+    on: str = result("day of the confirmation", default="")
 
     @property
     def words(self) -> str:
@@ -184,49 +183,45 @@ class Basis:
 class Check:
     """One line of the verdict table."""
 
-    rule: str = result("", "name of the rule")
-    clause: str = result("", "its clause")
-    where: str = result("", "component")
-    what: str = result("", "what was compared")
-    value: float = result("", "worst value; null where the response has none")
-    limit: float = result("", "null where the rule has none")
-    unit: str = result("", "of value and limit")
+    rule: str = result("name of the rule")
+    clause: str = result("its clause")
+    where: str = result("component")
+    what: str = result("what was compared")
+    value: float = result("worst value; null where the response has none")
+    limit: float = result("null where the rule has none")
+    unit: str = result("of value and limit")
     verdict: Verdict = result(
-        "",
         "pass, restricted (PASS with restrictions: met if what the note states is met too), fail, not kept (FAIL too: "
         "a limit whose edition is not confirmed is exceeded), or not judged (the rule demands it, and it could not be "
         "judged); the exit status is 1 for the last three",
     )
     standing: Standing = result(
-        "",
         "where the limit is from: rule text, confirmed, to be verified, maker, setting or by definition",
     )
     speed: float | None = result(
         "rad/s", "reference speed of the worst value, or null", default=None
     )
     order: Fraction | None = result(
-        "",
         "order of the reference that contributes most to the worst value, exact; null without one",
         default=None,
     )
-    note: str = result("", "remarks", default="")
+    note: str = result("remarks", default="")
     at_least: bool = result(
-        "", "the value must not be below the limit", key="limit_is_a_least_value", default=False
+        "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
-    barred: tuple[BarredRange, ...] = result("", "ranges on which the verdict depends", default=())
+    barred: tuple[BarredRange, ...] = result("ranges on which the verdict depends", default=())
     times: tuple[BarredTime, ...] = result(
-        "", "transient responses within these, or within unstable ranges", default=()
+        "transient responses within these, or within unstable ranges", default=()
     )
     misfire: str = ""  # the cylinder without heat at its worst, where every one is tried in turn
     reach: Reach | None = result(
-        "", "computed speeds, if the rule demands more; null if all are computed", default=None
+        "computed speeds, if the rule demands more; null if all are computed", default=None
     )
     restrictions: tuple[str, ...] = result(
-        "",
         "what must be met too for the check to be met, in words; barred ranges have their own list",
         default=(),
     )
-    basis: Basis | None = result("", "what the limit is based on", default=None)
+    basis: Basis | None = result("what the limit is based on", default=None)
     parts: tuple[
         int, ...
     ] = ()  # positions of the components it is about, the worst first; none: that of the name
@@ -304,7 +299,7 @@ def worst_checks(
 class Checks:
     """The verdict table."""
 
-    lines: tuple[Check, ...] = result("", "every verdict", key="")
+    lines: tuple[Check, ...] = result("every verdict", key="")
 
     @property
     def fails(self) -> bool:

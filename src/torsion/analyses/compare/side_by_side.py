@@ -77,20 +77,20 @@ class TorquesCompared:
 
     error: FloatArray = result("1", "speed", "relative, the largest of all orders; null if unknown")
     largest: float  # of all; NaN where there is none
-    worst_speed: int | None = result("", "position of the speed of the largest error, or null")
-    worst_order: Fraction | None = result("", "its order of the reference, or null")
+    worst_speed: int | None = result("position of the speed of the largest error, or null")
+    worst_order: Fraction | None = result("its order of the reference, or null")
     worst_frequency: float | None = result("Hz", "its fixed frequency, or null")
-    component: str = result("", "component of the largest error", key="worst_component")
-    left_out: int = result("", "speeds and orders at which a model has no reliable solution")
+    component: str = result("component of the largest error", key="worst_component")
+    left_out: int = result("speeds and orders at which a model has no reliable solution")
 
 
 @reported
 class ModelCompared:
     """One model of the train and its errors, all relative and against the exact model."""
 
-    model: str = result("", "exact (first), lumped or fem")
-    division: str = result("", "segments, elements or pieces of the shafts, in words")
-    certified: bool = result("", "counts prove the frequencies", key="is_certified")
+    model: str = result("exact (first), lumped or fem")
+    division: str = result("segments, elements or pieces of the shafts, in words")
+    certified: bool = result("counts prove the frequencies", key="is_certified")
     frequency: FloatArray = result("Hz", "mode", "null if the model has no such mode")
     frequency_error: FloatArray = result("1", "mode", "signed; null if the model has no such mode")
     shape_error: FloatArray = (
@@ -100,8 +100,8 @@ class ModelCompared:
             "1 - MAC at the stations of the train, weighted by inertia; null for none",
         )
     )
-    below: int = result("", "elastic modes below `check.highest_Hz`", key="modes_below")
-    torques: TorquesCompared | None = result("", "of the response; null if not compared")
+    below: int = result("elastic modes below `check.highest_Hz`", key="modes_below")
+    torques: TorquesCompared | None = result("of the response; null if not compared")
     modes_seconds: float = result("s", "time of assembly and modes", key="modes_seconds")
     torques_seconds: float = result(
         "s", "time of the response torques; 0 without a response", key="torques_seconds"
@@ -128,7 +128,7 @@ class ModelCompared:
         """Largest error of a frequency, of a shape and of the torques; NaN where there is none."""
         return self.largest_frequency_error, self.largest_shape_error, self.largest_torque_error
 
-    @derived("", "no error exceeds the tolerance")
+    @derived("no error exceeds the tolerance")
     def passes(self) -> bool:
         """Whether frequencies, shapes and torques are within their tolerances."""
         return not any(
@@ -140,8 +140,8 @@ class ModelCompared:
 class Compared:
     """The models side by side; `exact` is what the others are compared with."""
 
-    tolerance: float = result("", "largest relative error of frequencies and shapes that passes")
-    torque_tolerance: float = result("", "largest relative error of torques that passes")
+    tolerance: float = result("largest relative error of frequencies and shapes that passes")
+    torque_tolerance: float = result("largest relative error of torques that passes")
     exact: ModelCompared | None = None
     models: tuple[ModelCompared, ...] = ()
     highest: float = result(  # between the last mode compared and the next
@@ -152,16 +152,15 @@ class Compared:
     speed: FloatArray | None = result(
         "rad/s", "speed", "reference speeds at which torques are compared, or null", default=None
     )
-    same: str = result("", "why all models are the same; empty if they were compared", default="")
-    no_torques: str = result("", "why no torques were compared", default="")
+    same: str = result("why all models are the same; empty if they were compared", default="")
+    no_torques: str = result("why no torques were compared", default="")
 
-    @derived("", "models with an error above the tolerance")
+    @derived("models with an error above the tolerance")
     def failed(self) -> tuple[str, ...]:
         """The names of the models that exceed the tolerance."""
         return tuple(model.model for model in self.models if not model.passes)
 
     @derived(
-        "",
         "every model with its errors, which are relative and against the exact one",
         key="models",
     )

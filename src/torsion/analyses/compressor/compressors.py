@@ -19,8 +19,8 @@ DRAWN = 361  # points of the effort over a revolution
 class EndFound:
     """One working side of a piston."""
 
-    end: str = result("", "head end or crank end")
-    given: str = result("", "its file, or its constant pressure", key="pressures")
+    end: str = result("head end or crank end")
+    given: str = result("its file, or its constant pressure", key="pressures")
     area: float = result("m**2", "of the piston on this side")
     clearance: float | None = result(
         "1", "volume at its dead centre / swept volume; null without volumes"
@@ -29,8 +29,8 @@ class EndFound:
         "Pa", "indicated mean effective pressure, positive if the cylinder absorbs work"
     )
     power: float | None = result("W", "indicated, at the speed of the harmonics; or null")
-    angle: FloatArray = result("rad", ("crank angle",), "from the dead centre of the head end")
-    pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
+    angle: FloatArray = result("rad", "crank angle", "from the dead centre of the head end")
+    pressure: FloatArray = result("Pa", "crank angle", "absolute")
 
     @derived("Pa", "lowest pressure of the cycle")
     def lowest(self) -> float:
@@ -47,7 +47,7 @@ class EndFound:
 class ThrowHarmonic:
     """One order of the torque of a throw; phases of a cosine from its dead centre of the head end."""
 
-    order: int = result("", "per revolution of the crankshaft")
+    order: int = result("per revolution of the crankshaft")
     gas: complex = result("N*m", "of both ends")
     masses: complex = result("N*m", "of the moving masses")
 
@@ -61,20 +61,20 @@ class ThrowHarmonic:
 class ThrowFound:
     """One throw."""
 
-    number: int = result("", "from the first end of the crankshaft")
-    station: str = result("", "in the train")
+    number: int = result("from the first end of the crankshaft")
+    station: str = result("in the train")
     angle: float = result("rad", "crank angle of its dead centre of the head end")
     mean_torque: float = result("N*m", "that its gas absorbs")
     inertia: float = result("kg*m**2", "mean of its moving masses")
-    ends: tuple[EndFound, ...] = result("", "orders that have their own pressure")
-    harmonics: tuple[ThrowHarmonic, ...] = result("", "ascending")
+    ends: tuple[EndFound, ...] = result("orders that have their own pressure")
+    harmonics: tuple[ThrowHarmonic, ...] = result("ascending")
 
 
 @reported
 class CompressorFound:
     """One compressor."""
 
-    name: str = result("", "the compressor")
+    name: str = result("the compressor")
     speed: float | None = result(
         "rad/s", "own speed of the harmonics: rated, else the highest; or null"
     )
@@ -83,23 +83,23 @@ class CompressorFound:
     mean_torque: float | None = result(
         "N*m", "power absorbed at that speed according to `operation`; or null"
     )
-    throws: tuple[ThrowFound, ...] = result("", "from the first end of the crankshaft")
+    throws: tuple[ThrowFound, ...] = result("from the first end of the crankshaft")
     rigid: tuple[complex, ...] = result(
         "N*m",
         "sum of all throws by order, as phasors, reference angle zero",
         key="sum_of_throws_Nm",
     )
     turned: FloatArray = result(
-        "rad", ("crank angle",), "of the effort, from reference angle zero", key="effort_angle_rad"
+        "rad", "crank angle", "of the effort, from reference angle zero", key="effort_angle_rad"
     )
     effort: FloatArray = result(
         "N*m",
         ("throw", "crank angle"),
         "torque that each throw takes from the crankshaft, of all orders listed and the mean",
     )
-    varying: tuple[VaryingInertia, ...] = result("", "by mode; empty without masses or modes")
+    varying: tuple[VaryingInertia, ...] = result("by mode; empty without masses or modes")
     words: tuple[tuple[str, str], ...] = result(
-        "", "figures of its data sheet: what, and value with unit"
+        "figures of its data sheet: what, and value with unit"
     )
 
     @derived("N*m", "torque at the shaft that the pressures need: indicated / efficiency")
@@ -112,7 +112,7 @@ class CompressorFound:
 class Compressors:
     """The reciprocating compressors of the train."""
 
-    each: tuple[CompressorFound, ...] = result("", "in the order of the train", key="")
+    each: tuple[CompressorFound, ...] = result("in the order of the train", key="")
 
 
 def run(work: Work) -> None:

@@ -17,12 +17,10 @@ from torsion.results import derived, reported, result
 class CylinderFound:
     """One cylinder of an engine, and how it runs."""
 
-    number: int = result("", "as the file counts, from 1")
-    station: str = result("", "its throw")
+    number: int = result("as the file counts, from 1")
+    station: str = result("its throw")
     firing: float = result("rad", "crank angle at which it fires, from reference angle zero")
-    state: Literal["firing", "motored", "cut out"] = result(
-        "", "firing, motored (misfire) or cut out"
-    )
+    state: Literal["firing", "motored", "cut out"] = result("firing, motored (misfire) or cut out")
     share: float = result(
         "1",
         "its heat / heat of a cylinder of the balanced engine; 0 for a cylinder without firing",
@@ -33,7 +31,7 @@ class CylinderFound:
 class HarmonicFound:
     """One order of the torque of a firing cylinder; phases of a cosine from its firing top dead centre."""
 
-    order: Fraction = result("", "per revolution of the crankshaft, exact")
+    order: Fraction = result("per revolution of the crankshaft, exact")
     gas: complex = result("N*m", "of the gas")
     masses: complex = result("N*m", "of the moving masses")
     motored: complex | None = result("N*m", "gas torque of a misfiring cylinder; null if unknown")
@@ -58,12 +56,12 @@ class HarmonicFound:
 class CurveFound:
     """A pressure over the cycle."""
 
-    name: str = result("", "file of the diagram, or cycle")
-    angle: FloatArray = result("rad", ("crank angle",), "from firing top dead centre")
-    pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
-    motored: FloatArray = result("Pa", ("crank angle",), "the same without heat")
+    name: str = result("file of the diagram, or cycle")
+    angle: FloatArray = result("rad", "crank angle", "from firing top dead centre")
+    pressure: FloatArray = result("Pa", "crank angle", "absolute")
+    motored: FloatArray = result("Pa", "crank angle", "the same without heat")
     tangential: FloatArray = result(
-        "Pa", ("crank angle",), "torque of the gas / (piston area times half the stroke)"
+        "Pa", "crank angle", "torque of the gas / (piston area times half the stroke)"
     )
     imep: float = result("Pa", "indicated mean effective pressure found")
     stated: float | None = result(
@@ -75,14 +73,14 @@ class CurveFound:
 class VaryingInertia:
     """How much the inertia that a mode sees varies over a revolution; an estimate of its parametric resonance."""
 
-    mode: int = result("", "number of the elastic mode, from 1")
-    harmonic: int = result("", "of the crank's revolution: that whose share is largest")
+    mode: int = result("number of the elastic mode, from 1")
+    harmonic: int = result("of the crank's revolution: that whose share is largest")
     share: float = result("1", "its amplitude / mean inertia of the mode")
     lower: float = result("rad/s", "own speed from which the undamped mode would be unstable")
     upper: float = result("rad/s", "up to which")
     damping: float | None = result("1", "damping ratio of the mode, or null")
 
-    @derived("", "the damping ratio exceeds a quarter of the share")
+    @derived("the damping ratio exceeds a quarter of the share")
     def is_stable(self) -> bool:
         """Its damping ratio exceeds a quarter of the share."""
         return self.damping is not None and self.damping > self.share / 4.0
@@ -92,9 +90,9 @@ class VaryingInertia:
 class MisfireFound:
     """The engine with one cylinder motored, all others in balance."""
 
-    cylinder: int = result("", "number; 0 of the engine with every cylinder firing")
+    cylinder: int = result("number; 0 of the engine with every cylinder firing")
     speed: FloatArray = result(
-        "rad/s", ("speed",), "reference speeds: some of those requested, and every peak"
+        "rad/s", "speed", "reference speeds: some of those requested, and every peak"
     )
     half_range: FloatArray = result(
         "N*m",
@@ -108,8 +106,8 @@ class MisfireFound:
 class EngineFound:
     """An engine at the rated speed, else at the highest."""
 
-    name: str = result("", "the engine")
-    gas_words: str = result("", "how the gas torque is given", key="gas")
+    name: str = result("the engine")
+    gas_words: str = result("how the gas torque is given", key="gas")
     speed: float | None = result(
         "rad/s", "own speed of the harmonics: rated, else the highest; or null"
     )
@@ -125,25 +123,25 @@ class EngineFound:
         "Pa", "that at which the gas torque is given, or null", key="stated_imep_Pa"
     )
     efficiency: float = result("1", "mechanical: mean torque / mean gas torque")
-    keeps_power: bool = result("", "the other cylinders make up for those that do not fire")
-    cylinders: tuple[CylinderFound, ...] = result("", "in the order of their numbers")
-    harmonics: tuple[HarmonicFound, ...] = result("", "ascending")
-    curves: tuple[CurveFound, ...] = result("", "indicator diagrams, or the cycle")
+    keeps_power: bool = result("the other cylinders make up for those that do not fire")
+    cylinders: tuple[CylinderFound, ...] = result("in the order of their numbers")
+    harmonics: tuple[HarmonicFound, ...] = result("ascending")
+    curves: tuple[CurveFound, ...] = result("indicator diagrams, or the cycle")
     inertia: float = result("kg*m**2", "mean of the moving masses of a cylinder")
     inertia_harmonics: tuple[complex, ...] = result(
         "kg*m**2", "of a revolution, 1, 2, ..: complex amplitudes"
     )
-    varying: tuple[VaryingInertia, ...] = result("", "by mode; empty without masses or modes")
+    varying: tuple[VaryingInertia, ...] = result("by mode; empty without masses or modes")
     stress_modulus: float | None = result("m**3", "minimum of journal and pin, or null")
     words: tuple[tuple[str, str], ...] = result(
-        "", "figures of its data sheet: what, and value with unit"
+        "figures of its data sheet: what, and value with unit"
     )
-    remarks: tuple[str, ...] = result("", "what is estimated or omitted")
+    remarks: tuple[str, ...] = result("what is estimated or omitted")
     superposed: Callable[[], Sequence[MisfireFound]] = field(
         default=tuple, repr=False, compare=False
     )
 
-    @derived("", "every cylinder in turn, first none; empty if not known")
+    @derived("every cylinder in turn, first none; empty if not known")
     def misfires(self) -> tuple[MisfireFound, ...]:
         """Superposed where an output first needs them: no verdict reads them."""
         return tuple(self.superposed())
@@ -153,12 +151,12 @@ class EngineFound:
 class MisfireLoad:
     """Total vibratory torque in one elastic element with every cylinder firing, and with the worst one motored."""
 
-    component: str = result("", "name of the element")
+    component: str = result("name of the element")
     firing: float | None = result("N*m", "with every cylinder firing; null if unreliable")
     firing_speed: float | None = result("rad/s", "reference speed of that")
     worst: float | None = result("N*m", "with the worst cylinder motored; null if unreliable")
     speed: float | None = result("rad/s", "reference speed of that")
-    cylinder: int = result("", "number of that cylinder")
+    cylinder: int = result("number of that cylinder")
     ratio: float | None = result("1", "worst / firing; null without torque")
     stress: float | None = result("Pa", "nominal stress of that in a crank; null elsewhere")
 
@@ -206,4 +204,4 @@ def _peak(curve: FloatArray, speed: FloatArray) -> tuple[float | None, float | N
 class Engines:
     """The engines of the train."""
 
-    each: tuple[EngineFound, ...] = result("", "in the order of the train", key="")
+    each: tuple[EngineFound, ...] = result("in the order of the train", key="")

@@ -32,23 +32,23 @@ ASIDE = np.array([-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03])  # around one w
 class Largest:
     """Largest reliable amplitudes of an order along the shaft and over the speed; null at an undamped resonance."""
 
-    order: int = result("", "per revolution of the shaft")
+    order: int = result("per revolution of the shaft")
     displacement: float | None = result("m", "displacement in any direction")
     at: float | None = result("m", "its place along the shaft")
     speed: float | None = result("rad/s", "its reference speed")
     moment: float | None = result("N*m", "bending moment in any direction")
     moment_at: float | None = result("m", "its place along the shaft")
     moment_speed: float | None = result("rad/s", "its reference speed")
-    unreliable: int = result("", "speeds without a reliable value")
+    unreliable: int = result("speeds without a reliable value")
 
 
 @reported
 class PointForce:
     """Largest reliable force of an order on a joint or support; null at an undamped resonance."""
 
-    name: str = result("", "joint or support")
+    name: str = result("joint or support")
     at: float = result("m", "its place along the shaft")
-    order: int = result("", "per revolution of the shaft")
+    order: int = result("per revolution of the shaft")
     force: float | None = result("N", "largest amplitude in any direction")
     speed: float | None = result("rad/s", "its reference speed")
 
@@ -60,10 +60,8 @@ class Answer:
     Order 0 stands still and is real. Amplitudes are half ranges.
     """
 
-    order: int = result("", "per revolution of the shaft; 0 stands still")
-    speed: FloatArray = result(
-        "rad/s", ("speed",), "reference speeds, more of them around resonances"
-    )
+    order: int = result("per revolution of the shaft; 0 stands still")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds, more of them around resonances")
     displacement: ComplexArray = result(
         "m", ("speed", "place", "direction"), "[y, z] complex amplitude (zero to peak)"
     )
@@ -73,7 +71,7 @@ class Answer:
         ("speed", "point", "direction"),
         "[y, z] complex amplitude, of the shaft on its joints and supports",
     )
-    amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
+    amplification: FloatArray = result("1", "speed", "growth of relative errors of the data")
     status: Lines  # (speeds,) uint8 of `Status`
 
     @derived(
@@ -86,7 +84,7 @@ class Answer:
         """Half the long axis of the ellipse of the moment, (speeds, places) N m."""
         return extent(self.moment)
 
-    @derived("", ("speed",), "ok, near-singular or singular", key="status")
+    @derived("", "speed", "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
         """How far the values can be relied on, in words, (speeds,)."""
         return words(self.status, Status)

@@ -60,7 +60,7 @@ class LateralSettings(Declared):
 class Holding:
     """What holds a shaft."""
 
-    name: str = result("", "joint or support")
+    name: str = result("joint or support")
     at: float = result("m", "its place along the shaft")
 
 
@@ -68,41 +68,40 @@ class Holding:
 class InPlanes:
     """Frequencies in both planes of bending."""
 
-    y: FloatArray = result("Hz", ("mode",), "along the normal of the joint's plane", key="y")
-    z: FloatArray = result("Hz", ("mode",), "in the plane, square to the shaft", key="z")
+    y: FloatArray = result("Hz", "mode", "along the normal of the joint's plane", key="y")
+    z: FloatArray = result("Hz", "mode", "in the plane, square to the shaft", key="z")
 
 
 @reported
 class ShaftFound:
     """One bending shaft; y lies along the normal of the plane of the joint before it (else behind it)."""
 
-    name: str = result("", "shafts that bend as one")
+    name: str = result("shafts that bend as one")
     parts: tuple[int, ...]  # of its shafts
     ratio: Fraction = result(
-        "", "its speed / reference speed, exact; orders are per revolution of the shaft"
+        "its speed / reference speed, exact; orders are per revolution of the shaft"
     )
     length: float = result("m", "its length")
     position: FloatArray = result(
-        "m", ("place",), "along the shaft; the end between two elements is listed twice"
+        "m", "place", "along the shaft; the end between two elements is listed twice"
     )
-    point: tuple[Holding, ...] = result("", "joints and supports that hold it", key="points")
-    at_rest: InPlanes = result("", "natural frequencies without rotation", key="at_rest_Hz")
+    point: tuple[Holding, ...] = result("joints and supports that hold it", key="points")
+    at_rest: InPlanes = result("natural frequencies without rotation", key="at_rest_Hz")
     critical: tuple[Critical, ...] = result(
-        "",
         "of order 1, then of the orders of the joints' couples, by speed",
         key="critical_speeds",
     )
-    whirl: Whirl | None = result("", "over speed; null without speeds")
+    whirl: Whirl | None = result("over speed; null without speeds")
     answers: tuple[Answer, ...] = result(
-        "", "to the secondary couples, one an order; empty without a torque"
+        "to the secondary couples, one an order; empty without a torque"
     )
-    elements: int = result("", "finite elements")
+    elements: int = result("finite elements")
     tilting: Tilting | None = result(
-        "", "of a driven, nearly rigid shaft on supports with a known torque", default=None
+        "of a driven, nearly rigid shaft on supports with a known torque", default=None
     )
     remark: str = ""  # why its tilting was left out
 
-    @derived("", "largest amplitudes, one an order of the secondary couples")
+    @derived("largest amplitudes, one an order of the secondary couples")
     def largest(self) -> tuple[Largest, ...]:
         """Largest displacement and bending moment of every order."""
         rows = []
@@ -118,7 +117,7 @@ class ShaftFound:
             rows.append(Largest(response.order, size, place, speed, *bending, count))
         return tuple(rows)
 
-    @derived("", "largest forces on joints and supports, by order of the secondary couples")
+    @derived("largest forces on joints and supports, by order of the secondary couples")
     def forces(self) -> tuple[PointForce, ...]:
         """Largest force of every order on every joint and support."""
         rows = []
@@ -134,10 +133,10 @@ class Lateral:
     """The bending side of the train."""
 
     shafts: tuple[ShaftFound, ...] = result(
-        "", "shafts that bend; all speeds are speeds of the reference"
+        "shafts that bend; all speeds are speeds of the reference"
     )
-    remarks: tuple[str, ...] = result("", "what was omitted, and why")
-    shear: bool = result("", "shear deflection is in the beams", key="has_shear", default=False)
+    remarks: tuple[str, ...] = result("what was omitted, and why")
+    shear: bool = result("shear deflection is in the beams", key="has_shear", default=False)
 
 
 def lateral(

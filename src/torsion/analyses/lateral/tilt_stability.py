@@ -194,11 +194,9 @@ class TiltRange:
         "rad/s", "reference speed at which an unstable range begins", key="from_rad_per_s"
     )
     last: float = result("rad/s", "and ends", key="to_rad_per_s")
-    is_open: tuple[bool, bool] = result(
-        "", "[from, to] the range continues beyond the computed speeds"
-    )
+    is_open: tuple[bool, bool] = result("[from, to] the range continues beyond the computed speeds")
     # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
-    kind: str = result("", "principal, sum, difference, several, or mean couple", key="type")
+    kind: str = result("principal, sum, difference, several, or mean couple", key="type")
     at: float = result("rad/s", "reference speed of the fastest growth", key="at_rad_per_s")
     growth: float = result("1/s", "fastest growth in the range", key="growth_per_s")
     unknown: ClassVar = (None, None)  # there is a motion at every speed
@@ -217,16 +215,14 @@ class TiltRange:
 class Tilting:
     """How fast small tilting motions of a rigid shaft grow over speed."""
 
-    joint: str = result("", "that drives the shaft")
+    joint: str = result("that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
     frequency: dict[str, float] = result(
         "Hz", "of the tilt at rest", key="frequency_Hz"
     )  # of y and of z
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    growth: FloatArray = result(
-        "1/s", ("speed",), "of the fastest small motion; positive: unstable"
-    )
-    zones: tuple[TiltRange, ...] = result("", "unstable ranges", key="unstable")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
+    growth: FloatArray = result("1/s", "speed", "of the fastest small motion; positive: unstable")
+    zones: tuple[TiltRange, ...] = result("unstable ranges", key="unstable")
 
     @derived("kg*m**2", "about the centre of the joint")
     def transverse_inertia(self) -> float:

@@ -44,7 +44,7 @@ def sense(direction: float) -> str:
 class WhirlMode:
     """One mode over the speed range."""
 
-    number: int = result("", "by frequency at the highest speed, from 1")
+    number: int = result("by frequency at the highest speed, from 1")
     first: float = result("Hz", "frequency at the lowest speed")
     last: float = result("Hz", "frequency at the highest speed")
     direction: float = result("1", "1 forward, -1 backward whirl at the highest speed")
@@ -55,7 +55,6 @@ class WhirlMode:
     )
 
     @derived(
-        "",
         "whirl at the highest speed: forward or backward, a circle, an ellipse or nearly in a plane",
     )
     def whirl(self) -> str:
@@ -67,7 +66,7 @@ class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
     speed: FloatArray = result(
-        "rad/s", ("speed",), "reference speeds"
+        "rad/s", "speed", "reference speeds"
     )  # `whirl` itself returns those of the shaft
     frequency: FloatArray = result(
         "Hz", ("speed", "mode"), "of the oscillation; null if fewer modes oscillate"
@@ -77,7 +76,7 @@ class Whirl:
         "1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse"
     )
 
-    @derived("", "every oscillating mode over the speed range")
+    @derived("every oscillating mode over the speed range")
     def modes(self) -> tuple[WhirlMode, ...]:
         """Modes by their frequency at the highest speed, what does not oscillate there last."""
         modes = []
@@ -106,8 +105,8 @@ class Whirl:
 class Critical:
     """A speed at which a frequency of the shaft is `order` times its speed; damping is left out of the speed."""
 
-    order: int = result("", "per revolution of the shaft: 1 unbalance, others couples of joints")
-    mode: int = result("", "counted from 1 by speed")
+    order: int = result("per revolution of the shaft: 1 unbalance, others couples of joints")
+    mode: int = result("counted from 1 by speed")
     speed: float = result(
         "rad/s", "reference speed"
     )  # `criticals` itself returns that of the shaft
@@ -118,7 +117,7 @@ class Critical:
         "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound",
     )
 
-    @derived("", "whirl: forward or backward, a circle, an ellipse or nearly in a plane")
+    @derived("whirl: forward or backward, a circle, an ellipse or nearly in a plane")
     def whirl(self) -> str:
         return sense(self.direction)
 

@@ -22,9 +22,9 @@ WHAT = {"": "pendulum", "silicone": "silicone damper"}  # by the key that gives 
 class Table:
     """A table of a coupling or damper, and the certificate that it leaves each mode one frequency."""
 
-    coupling: str = result("", "name of the coupling or damper")
+    coupling: str = result("name of the coupling or damper")
     over: str = result(
-        "", "what the table is over: frequency, mean or vibratory torque of the coupling"
+        "what the table is over: frequency, mean or vibratory torque of the coupling"
     )
     at: FloatArray = result("", "point", "its points, Hz or N m")
     stiffness: FloatArray = result(
@@ -32,8 +32,8 @@ class Table:
     )
     loss_factor: FloatArray = result("1", "point", "loss factor of hysteresis at each")
     viscous: FloatArray = result("N*m*s/rad", "point", "viscous damping at each")
-    holds: bool = result("", "the values at its ends hold beyond them", key="holds_beyond")
-    law: str | None = result("", "law that the points stand for; null: linear between them")
+    holds: bool = result("the values at its ends hold beyond them", key="holds_beyond")
+    law: str | None = result("law that the points stand for; null: linear between them")
     steepest: float = result(
         "1",
         "largest d ln k/d ln x on any piece, of a law a bound on it; over frequency below 2: each mode has "
@@ -46,8 +46,8 @@ class Table:
 class AtMode:
     """A coupling or damper with a table at one mode."""
 
-    coupling: str = result("", "its name")
-    mode: int = result("", "counted from 1")
+    coupling: str = result("its name")
+    mode: int = result("counted from 1")
     frequency: float = result("Hz", "natural frequency")
     stiffness: float = result(
         "N*m/rad", "dynamic stiffness at the mode, at the coupling's own speed"
@@ -60,12 +60,12 @@ class AtMode:
 class CouplingTables:
     """The couplings and dampers with tables."""
 
-    tables: tuple[Table, ...] = result("", "tables as given")
+    tables: tuple[Table, ...] = result("tables as given")
     speed: float | None = result(
         "rad/s",
         "reference speed whose mean torque the modes take; null without a table over mean torque",
     )
-    at_modes: tuple[AtMode, ...] = result("", "couplings and dampers at the modes")
+    at_modes: tuple[AtMode, ...] = result("couplings and dampers at the modes")
     modal_loss_factor: FloatArray = result(
         "1",
         "mode",

@@ -19,8 +19,8 @@ SMALLEST_RATIO = 1e-2  # ring over modal inertia: below it no ring changes the m
 class DamperOptimum:
     """A damper at one mode of the train without its ring, all at the damper's own speed."""
 
-    damper: str = result("", "its name")
-    mode: int = result("", "elastic mode of the train without the ring, counted from 1")
+    damper: str = result("its name")
+    mode: int = result("elastic mode of the train without the ring, counted from 1")
     frequency: float = result("Hz", "of that mode")
     inertia: float = result("kg*m**2", "of that mode, seen at the housing")
     ratio: float = result("1", "inertia of the ring / modal inertia", key="mass_ratio")
@@ -39,7 +39,7 @@ class DamperOptimum:
 class Dampers:
     """The optimum of every damper at every mode that it reaches."""
 
-    each: tuple[DamperOptimum, ...] = result("", "dampers by the modes that they reach", key="")
+    each: tuple[DamperOptimum, ...] = result("dampers by the modes that they reach", key="")
 
 
 def run(work: Work) -> None:

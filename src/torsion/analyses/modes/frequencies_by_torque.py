@@ -38,7 +38,7 @@ TAU = 2.0 * math.pi
 class StiffnessOverSpeed:
     """A coupling with a table over mean torque."""
 
-    coupling: str = result("", "its name")
+    coupling: str = result("its name")
     torque: FloatArray = result("N*m", "speed", "its mean torque, at its driving station's speed")
     stiffness: FloatArray = result("N*m/rad", "speed", "tangent stiffness there")
 
@@ -51,7 +51,7 @@ class FrequenciesOverSpeed:
     frequency: FloatArray = result(
         "Hz", ("mode", "speed"), "undamped natural frequencies at each speed"
     )
-    couplings: tuple[StiffnessOverSpeed, ...] = result("", "couplings by table over mean torque")
+    couplings: tuple[StiffnessOverSpeed, ...] = result("couplings by table over mean torque")
     at: Callable[[float], FloatArray]  # rad/s of the reference station to (modes,) Hz
 
     def crossings(self, order: Fraction) -> Iterator[tuple[int, float, float]]:

@@ -16,14 +16,14 @@ from torsion.train import Train
 class SharpStep:
     """A step that the train takes without a twist of its own."""
 
-    shaft: str = result("", "shaft that ends at it")
-    following: str = result("", "shaft that begins at it")
+    shaft: str = result("shaft that ends at it")
+    following: str = result("shaft that begins at it")
     flexibility: float | None = result(
         "rad/(N*m)",
         "additional twist of a sharp corner between both shafts; null outside the table",
     )
     remark: str = result(
-        "", "equivalent length of the named shaft, and its error; or why there is none"
+        "equivalent length of the named shaft, and its error; or why there is none"
     )
 
 
@@ -31,7 +31,7 @@ class SharpStep:
 class SharpSteps:
     """The steps between shafts that the file says nothing about, and what sharp corners there would do."""
 
-    steps: tuple[SharpStep, ...] = result("", "the steps")
+    steps: tuple[SharpStep, ...] = result("the steps")
     frequency: FloatArray = result(
         "Hz", "mode", "natural frequencies with sharp corners at all of them"
     )
@@ -42,8 +42,8 @@ class SharpSteps:
 class HubMove:
     """A hub on the end of a shaft, compared with a shaft that twists in all its seat."""
 
-    shaft: str = result("", "shaft on whose end it sits")
-    end: str = result("", "first or last")
+    shaft: str = result("shaft on whose end it sits")
+    end: str = result("first or last")
     seat: float = result("m", "length of its seat")
     twisting: float = result("m", "length of the shaft that twists as much as the seat and the hub")
     error: float | None = result("m", "its error by finite elements; null by formula")
@@ -57,7 +57,7 @@ class HubMove:
 class HubMoves:
     """The hubs of the train."""
 
-    each: tuple[HubMove, ...] = result("", "hubs", key="")
+    each: tuple[HubMove, ...] = result("hubs", key="")
 
 
 def run_steps(work: Work) -> None:

@@ -58,7 +58,7 @@ class TolerancesSettings(Declared):
 class CouplingReach:
     """What one coupling alone does, all others as the file has them."""
 
-    coupling: str = result("", "its name")
+    coupling: str = result("its name")
     tolerance: float = result("1", "of its stiffness; 0 if the file has none")
     lower: FloatArray = result("Hz", "mode", "natural frequencies at the soft end of its tolerance")
     upper: FloatArray = result("Hz", "mode", "natural frequencies at the stiff end")
@@ -75,9 +75,9 @@ class CouplingReach:
 class AimedStiffness:
     """The stiffness of one coupling with which a mode is where it should be."""
 
-    mode: int = result("", "counted from 1")
+    mode: int = result("counted from 1")
     frequency: float = result("Hz", "where it should be")
-    coupling: str = result("", "whose stiffness alone is changed")
+    coupling: str = result("whose stiffness alone is changed")
     stiffness: float | None = result(
         "N*m/rad", "stiffness that gives the target; null if no stiffness does"
     )
@@ -90,7 +90,7 @@ class AimedStiffness:
 class RankedFigure:
     """A figure of the file with a tolerance, and how far it moves every mode."""
 
-    figure: str = result("", "the component and its key")
+    figure: str = result("the component and its key")
     tolerance: float = result("1", "relative, either way")
     sensitivity: FloatArray = result(
         "1",
@@ -120,12 +120,11 @@ class Tolerances:
     )
     critical_upper: FloatArray = result("rad/s", "critical speed", "greatest critical speed")
     figures: tuple[RankedFigure, ...] = result(
-        "",
         "every parameter with a tolerance, the dominant one first; none if a stiffness follows the "
         "frequency",
     )
-    couplings: tuple[CouplingReach, ...] = result("", "what each coupling alone does")
-    aims: tuple[AimedStiffness, ...] = result("", "stiffnesses that give the target frequencies")
+    couplings: tuple[CouplingReach, ...] = result("what each coupling alone does")
+    aims: tuple[AimedStiffness, ...] = result("stiffnesses that give the target frequencies")
 
     @derived("1", "mode", "lower bound / natural frequency - 1")
     def down(self) -> FloatArray:

@@ -28,54 +28,50 @@ TINY = np.finfo(float).tiny
 class Change:
     """A change of the law of a torque."""
 
-    time: float = result("s", (), "when")
-    what: str = result("", (), "the torque")
+    time: float = result("s", "when")
+    what: str = result("the torque")
 
 
 @reported
 class CouplingEvent:
     """A coupling passed from one regime to another."""
 
-    time: float = result("s", (), "when")
-    coupling: str = result("", (), "which")
-    what: str = result("", (), "contact, separation, slip, stuck or open")
+    time: float = result("s", "when")
+    coupling: str = result("which")
+    what: str = result("contact, separation, slip, stuck or open")
 
 
 @reported
 class CouplingWork:
     """What a nonlinear coupling did in the whole motion."""
 
-    coupling: str = result("", (), "which")
-    contacts: int = result("", (), "how often its faces met")
-    separations: int = result("", (), "how often they parted")
-    slips: int = result("", (), "how often it began to slip")
-    heat: float = result("J", (), "heat of its friction and of the damping of its contact")
+    coupling: str = result("which")
+    contacts: int = result("how often its faces met")
+    separations: int = result("how often they parted")
+    slips: int = result("how often it began to slip")
+    heat: float = result("J", "heat of its friction and of the damping of its contact")
 
 
 @reported
 class Switching:
     """The events of a motion between the regimes of nonlinear couplings."""
 
-    events: tuple[CouplingEvent, ...] = result(
-        "", (), "every change of a regime, in the order of time"
-    )
-    couplings: tuple[CouplingWork, ...] = result("", (), "what every nonlinear coupling did")
-    work: float = result("J", (), "work of all torques on the motion")
-    damped: float = result("J", (), "energy that the damping of the linear train took")
+    events: tuple[CouplingEvent, ...] = result("every change of a regime, in the order of time")
+    couplings: tuple[CouplingWork, ...] = result("what every nonlinear coupling did")
+    work: float = result("J", "work of all torques on the motion")
+    damped: float = result("J", "energy that the damping of the linear train took")
     sensitive_after: float | None = result(
         "s",
-        (),
         "time from which halved steps change a torque by more than 1e-6 of its peak: read statistics "
         "there, not single values; null if this never happens",
     )
     band_change: float = result(
         "1",
-        (),
         "change of the torques, relative to their peak, with twice the band of modes; 0: all modes are included",
     )
     scatter: FloatArray | None = result(
         "N*m",
-        ("span",),
+        "span",
         "difference of the maximum torque with halved steps, if the motion is sensitive. Maximum "
         "and minimum torques are over both step sizes, and verdicts add the difference",
         default=None,
@@ -86,14 +82,14 @@ class Switching:
 class ElementPeak:
     """Torques of one element, including the mean; 0 for what is rounding beside the largest torque of the train."""
 
-    component: str = result("", "name of the element")
+    component: str = result("name of the element")
     maximum: float = result("N*m", "maximum torque")
     maximum_at: float = result("s", "when")
     minimum: float = result("N*m", "minimum torque")
     minimum_at: float = result("s", "when")
     before: float = result("N*m", "mean torque before the events")
     rated: float = result("N*m", "mean torque at the rated point; 0 if it is not known")
-    reversals: int = result("", "sign changes of the torque")
+    reversals: int = result("sign changes of the torque")
     unresolved: float = result("N*m", "what the samples do not resolve may add so much")
     stress: float | None = result("Pa", "largest shear stress; null except for a shaft")
     damage: float | None = result("1", "Miner's sum; null if not requested")
@@ -114,7 +110,7 @@ class ElementPeak:
 class TransientMotion:
     """The motion of the train from its events."""
 
-    time: FloatArray = result("s", ("time",), "samples")
+    time: FloatArray = result("s", "time", "samples")
     torque: FloatArray = result(
         "N*m",
         ("span", "time"),
@@ -124,111 +120,95 @@ class TransientMotion:
     speed: FloatArray = result(
         "rad/s", ("station", "time"), "speed of its own shaft", printed=("time", "named station")
     )
-    greatest: FloatArray = result("N*m", ("span",), "greatest torque, also between samples")
-    greatest_at: FloatArray = result("s", ("span",), "when")
-    least: FloatArray = result("N*m", ("span",), "least torque")
-    least_at: FloatArray = result("s", ("span",), "when")
-    before: FloatArray = result("N*m", ("span",), "mean torque before the events")
+    greatest: FloatArray = result("N*m", "span", "greatest torque, also between samples")
+    greatest_at: FloatArray = result("s", "span", "when")
+    least: FloatArray = result("N*m", "span", "least torque")
+    least_at: FloatArray = result("s", "span", "when")
+    before: FloatArray = result("N*m", "span", "mean torque before the events")
     reversals: IntArray = result(
-        "", ("span",), "sign changes of the torque (at a gear: separations of the teeth)"
+        "", "span", "sign changes of the torque (at a gear: separations of the teeth)"
     )
     unresolved: FloatArray = result(
         "N*m",
-        ("span",),
+        "span",
         "at most so much do modes and torques too fast for the times looked at add: not in the peaks",
     )
     residual: float = result(
-        "1", (), "largest error of the balance of energy, of the largest energy of the motion"
+        "1", "largest error of the balance of energy, of the largest energy of the motion"
     )
-    speed_before: float = result("rad/s", (), "reference speed before the events")
-    modes: int = result("", (), "elastic modes that were kept")
+    speed_before: float = result("rad/s", "reference speed before the events")
+    modes: int = result("elastic modes that were kept")
     system: System | None = None
-    name: str = result("", (), "name of the motion", default="")
+    name: str = result("name of the motion", default="")
     change: float | None = result(
         "1",
-        (),
         "largest relative change of a peak with twice as many modes; null with all modes",
         default=None,
     )
     rated: FloatArray | None = result(
-        "N*m", ("span",), "mean torque at the rated point, or null", default=None
+        "N*m", "span", "mean torque at the rated point, or null", default=None
     )
     stress: FloatArray | None = result(
-        "Pa", ("span",), "shear stress at the peak; null except for a shaft", default=None
+        "Pa", "span", "shear stress at the peak; null except for a shaft", default=None
     )
     damage: FloatArray | None = result(
-        "1", ("span",), "Miner's sum; null if not requested", default=None
+        "1", "span", "Miner's sum; null if not requested", default=None
     )
     switching: Switching | None = result(
-        "",
-        (),
         "events of couplings with backlash, friction, stages or a capacity; null without them",
         default=None,
     )
     steps: int = result(
-        "", (), "steps for the torques that follow the motion; 0: there are none", default=0
+        "steps for the torques that follow the motion; 0: there are none", default=0
     )
-    following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
+    following: tuple[str, ...] = result("torques that follow the motion", default=())
     undamped: tuple[str, ...] = result(
-        "",
-        (),
         "points whose `damping` is omitted, because the law of a load damps there",
         default=(),
     )
     left_in_series: float = result(
         "1",
-        (),
         "largest last term of their series over a step, of the largest of them",
         default=0.0,
     )
-    passages: tuple[Passage, ...] = result(
-        "", (), "resonances that the changing speed passes", default=()
-    )
+    passages: tuple[Passage, ...] = result("resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result(
-        "", (), "when a torque that follows the motion changes its law", default=()
+        "when a torque that follows the motion changes its law", default=()
     )
     orders: OrderTracking | None = result(
-        "", (), "torques by orders of a shaft; null without orders", default=None
+        "torques by orders of a shaft; null without orders", default=None
     )
     is_rare: bool = result(
-        "",
-        (),
         "no motion of normal operation: T_Kmax2 limits its couplings",
         key="rare",
         default=False,
     )
-    ice: tuple[IceTorque, ...] = result("", (), "maximum ice torques of a class", default=())
+    ice: tuple[IceTorque, ...] = result("maximum ice torques of a class", default=())
     slowed: float | None = result(
         "1",
-        (),
         "largest change of a propeller's mean speed over a revolution in ice, of that before; null "
         "without ice, and where torques follow the speed",
         default=None,
     )
     slip_phase: tuple[float, ...] = result(
         "rad",
-        (),
         "phases of slip pulsations that the file leaves open. The curves are of the worst phases; "
         "maximum and minimum torques are over all computed phases",
         default=(),
     )
-    phases_computed: int = result("", (), "how many sets of these phases were computed", default=0)
+    phases_computed: int = result("how many sets of these phases were computed", default=0)
     worst_fault: str = result(
-        "",
-        (),
         "sense and time of reclosing of the worst short circuit. The curves are of this short circuit; "
         "maximum and minimum torques are over all computed ones; empty for a single one",
         default="",
     )
     faults_computed: int = result(
-        "", (), "how many short circuits were computed; 0: one, or none", default=0
+        "how many short circuits were computed; 0: one, or none", default=0
     )
     acting: tuple[str, ...] = result(
-        "", (), "torques that act: periodic ones, mean ones, events", default=()
+        "torques that act: periodic ones, mean ones, events", default=()
     )
     not_acting: tuple[str, ...] = result(
-        "",
-        (),
         "torques of the file that do not act in the transient response, with the reason",
         default=(),
     )
@@ -268,13 +248,13 @@ class TransientMotion:
         scatter = None if self.switching is None else self.switching.scatter
         return 0.0 if scatter is None else scatter
 
-    @derived("", (), "peaks of every elastic element")
+    @derived("peaks of every elastic element")
     def elements(self) -> tuple[ElementPeak, ...]:
         every = () if self.system is None else elements(self.system)
         nothing = NOTHING * self.peak.max(initial=0.0)
         return tuple(_element_peak(self, element, nothing) for element in every)
 
-    @derived("", (), "ok, or what makes the peaks doubtful and what to do")
+    @derived("ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
         """Return ok, or each doubt with its remedy in words."""
         doubts, size = list[str](), self.peak + TINY
@@ -322,7 +302,7 @@ class TransientMotion:
 class Transients:
     """Every motion over time that the file names."""
 
-    each: tuple[TransientMotion, ...] = result("", (), "every motion over time", key="")
+    each: tuple[TransientMotion, ...] = result("every motion over time", key="")
 
 
 def _element_peak(motion: TransientMotion, element: Element, nothing: float) -> ElementPeak:

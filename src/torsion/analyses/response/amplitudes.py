@@ -203,10 +203,9 @@ class Response(Displayed, Keyed):
     system: System = field(
         repr=False
     )  # whose stations and spans these are; `response` may have refined it
-    remark: str = result("", "what the refinement of speeds omitted", default="")
+    remark: str = result("what the refinement of speeds omitted", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
     by_magnitude: bool = result(
-        "",
         "amplitudes of engines whose phase is any are added by their magnitudes, and so all orders",
         default=False,
     )
@@ -265,7 +264,7 @@ class Response(Displayed, Keyed):
         """Words of the status (speeds, lines) of every component."""
         return words(self.status, Status)
 
-    @derived("", "orders that excite and are not in `orders`, exact; empty if a rule judges all")
+    @derived("orders that excite and are not in `orders`, exact; empty if a rule judges all")
     def orders_left_out(self) -> tuple[Fraction | None, ...]:
         """Orders that excite and were not requested, ascending; None of a fixed frequency."""
         return tuple(line.order for line in self.left_out)
@@ -299,7 +298,7 @@ class Synthesis:
     )
     turns: Fraction  # common cycle in revolutions of the reference station; 0 where lines have none
 
-    @derived("", "revolutions of the reference after which all orders repeat, exact; null if none")
+    @derived("revolutions of the reference after which all orders repeat, exact; null if none")
     def common_cycle_turns(self) -> Fraction | None:
         """The common cycle in revolutions, exact: text such as 21/8 in outputs."""
         return self.turns or None
@@ -309,7 +308,7 @@ class Synthesis:
 class FrequencyPeak:
     """The largest torque of one element over the frequency."""
 
-    component: str = result("", "name of the element")
+    component: str = result("name of the element")
     torque: float | None = result("N*m", "amplitude; null where one is not reliable")
     frequency: float | None = result("Hz", "where it stands")
 
@@ -322,7 +321,7 @@ class FrequencyResponse:
     requested: np.ndarray = result(
         "", "frequency", "the frequency is one of those requested", key="is_asked"
     )
-    sources: tuple[str, ...] = result("", "what excites")
+    sources: tuple[str, ...] = result("what excites")
     speed: float = result(
         "rad/s", "reference speed at which damping was taken; 0 if the file has none"
     )
@@ -343,7 +342,7 @@ class FrequencyResponse:
     residual: FloatArray = result("1", "frequency", "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
-    remark: str = result("", "what the refinement of frequencies omitted", default="")
+    remark: str = result("what the refinement of frequencies omitted", default="")
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
     following: Following | None = field(
         default=None, repr=False
@@ -354,7 +353,7 @@ class FrequencyResponse:
         """The speeds or frequencies (points,) at which it was computed."""
         return self.frequency
 
-    @derived("", "largest torque of every elastic element")
+    @derived("largest torque of every elastic element")
     def peaks(self) -> tuple[FrequencyPeak, ...]:
         """Return the peaks, without a value where any amplitude is not reliable, which may be the largest."""
         is_known = bool(self.frequency.size) and bool((self.status == Status.OK).all())

@@ -33,7 +33,7 @@ Largest = tuple[float | None, float | None]  # value and reference speed (rad/s)
 class MeshLoad:
     """Vibratory against mean torque in one gear mesh."""
 
-    mesh: str = result("", "its name")
+    mesh: str = result("its name")
     torque: float | None = result(
         "N*m", "largest amplitude of all orders, at its driving wheel; null if unreliable"
     )
@@ -48,9 +48,9 @@ class MeshLoad:
     reversal: tuple[float, ...] = result(
         "rad/s", "first and last reference speed at which the load reverses; empty if it does not"
     )
-    reverses_everywhere: bool = result("", "the load reverses at every speed computed")
+    reverses_everywhere: bool = result("the load reverses at every speed computed")
 
-    @derived("", "whether the load reverses: yes, no, or not known")
+    @derived("whether the load reverses: yes, no, or not known")
     def reverses(self) -> str:
         if self.ratio is None:
             return "not known"
@@ -61,7 +61,7 @@ class MeshLoad:
 class CouplingLoad:
     """Torque and heat of one coupling."""
 
-    coupling: str = result("", "its name")
+    coupling: str = result("its name")
     torque: float | None = result("N*m", "largest amplitude of all orders; null if unreliable")
     speed: float | None = result("rad/s", "reference speed of that")
     mean: float | None = result("N*m", "largest mean torque; null if unknown")
@@ -80,10 +80,10 @@ class CouplingLoad:
 class ElementLoad:
     """Vibratory torque in one elastic element, at the speed at which the total is largest."""
 
-    component: str = result("", "its name")
+    component: str = result("its name")
     torque: float | None = result("N*m", "amplitude of all orders together; null if unreliable")
     speed: float | None = result("rad/s", "reference speed of that")
-    order: str | None = result("", "name of the order with the largest amplitude there")
+    order: str | None = result("name of the order with the largest amplitude there")
     order_torque: float | None = result("N*m", "amplitude of that order")
     rms: float | None = result("N*m", "RMS value of the vibratory torque")
     bound: float | None = result("N*m", "sum of the magnitudes of all orders")
@@ -94,21 +94,21 @@ class ElementLoad:
 class Peak:
     """A resonance peak of one order in one element, not below SMALLEST of the element's largest amplitude."""
 
-    component: str = result("", "name of the element")
-    order: str = result("", "name of the order")
+    component: str = result("name of the element")
+    order: str = result("name of the order")
     torque: float = result("N*m", "amplitude")
     referred: float = result("N*m", "the same, referred to the reference speed")
     speed: float = result("rad/s", "reference speed")
     frequency: float = result("Hz", "frequency of the order there")
-    mode: int | None = result("", "mode with the nearest frequency; null if none is near")
+    mode: int | None = result("mode with the nearest frequency; null if none is near")
 
 
 @reported
 class ShaftLoad:
     """Nominal shear stress of one shaft."""
 
-    shaft: str = result("", "its name")
-    role: str | None = result("", "its role for class rules, or null")
+    shaft: str = result("its name")
+    role: str | None = result("its role for class rules, or null")
     stress: float | None = result(
         "Pa", "largest amplitude of all orders, of the plain section; null if unreliable"
     )
@@ -119,9 +119,9 @@ class ShaftLoad:
 class StationLoad:
     """Largest angular amplitude of a single order at one station."""
 
-    station: str = result("", "its name")
+    station: str = result("its name")
     angle: float | None = result("rad", "at its own speed; null if unreliable")
-    order: str | None = result("", "name of the order")
+    order: str | None = result("name of the order")
     speed: float | None = result("rad/s", "reference speed")
     rate: float | None = result("rad/s", "amplitude of its speed")
 
@@ -130,8 +130,8 @@ class StationLoad:
 class JointLoad:
     """Torque in one joint, of the order that it excites."""
 
-    joint: str = result("", "its name")
-    order: Fraction = result("", "per revolution of the reference, exact")
+    joint: str = result("its name")
+    order: Fraction = result("per revolution of the reference, exact")
     torque: float | None = result("N*m", "largest amplitude; null if unreliable")
     speed: float | None = result("rad/s", "reference speed of that")
     model_error: float | None = result("1", "estimated relative error of the joint model there")
@@ -141,15 +141,13 @@ class JointLoad:
 class ComponentLoads:
     """Loads of the components under the response."""
 
-    elements: tuple[ElementLoad, ...] = result("", "elastic elements that carry a torque")
-    peaks: tuple[Peak, ...] = result("", "resonance peaks, the largest of each element first")
-    shafts: tuple[ShaftLoad, ...] = result("", "shafts")
-    stations: tuple[StationLoad, ...] = result("", "stations that are not the ground")
-    meshes: tuple[MeshLoad, ...] = result("", "gear meshes, in the order of the train")
-    couplings: tuple[CouplingLoad, ...] = result(
-        "", "couplings with damping or limits of their maker"
-    )
-    joints: tuple[JointLoad, ...] = result("", "joints that excite", default=())
+    elements: tuple[ElementLoad, ...] = result("elastic elements that carry a torque")
+    peaks: tuple[Peak, ...] = result("resonance peaks, the largest of each element first")
+    shafts: tuple[ShaftLoad, ...] = result("shafts")
+    stations: tuple[StationLoad, ...] = result("stations that are not the ground")
+    meshes: tuple[MeshLoad, ...] = result("gear meshes, in the order of the train")
+    couplings: tuple[CouplingLoad, ...] = result("couplings with damping or limits of their maker")
+    joints: tuple[JointLoad, ...] = result("joints that excite", default=())
 
 
 def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatArray:

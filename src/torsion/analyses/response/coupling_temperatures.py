@@ -28,14 +28,14 @@ class Equilibrium:
     heat: float = result("W", "made and given off there")
     stiffness: float = result("N*m/rad", "dynamic stiffness there, in the first harmonic component")
     loss_factor: float = result("1", "loss factor there, in the first harmonic component")
-    is_stable: bool = result("", "a small change of the temperature dies out")
+    is_stable: bool = result("a small change of the temperature dies out")
 
 
 @reported
 class CouplingTemperature:
     """One coupling over the speed, the others as cold as their surroundings."""
 
-    coupling: str = result("", "its name")
+    coupling: str = result("its name")
     surroundings: float = result("degC", "temperature of the surroundings", key="surroundings_degC")
     permissible: float = result("degC", "highest permissible temperature", key="permissible_degC")
     speed: FloatArray = result("rad/s", "speed", "reference speeds")
@@ -52,7 +52,7 @@ class CouplingTemperature:
         key="highest_degC",
     )
     equilibria: tuple[Equilibrium, ...] = result(
-        "", "all of them at the worst speed and at those with several"
+        "all of them at the worst speed and at those with several"
     )
 
     @property
@@ -65,7 +65,7 @@ class CouplingTemperature:
 class CouplingTemperatures:
     """Couplings whose file says how they warm."""
 
-    each: tuple[CouplingTemperature, ...] = result("", "couplings with `temperature`", key="")
+    each: tuple[CouplingTemperature, ...] = result("couplings with `temperature`", key="")
 
 
 def coupling_temperature(

@@ -27,8 +27,8 @@ KEYWAYS = 0.005, 0.07  # radius / diameter, of that of keyways
 class Fillet:
     """A fillet between two shafts, or a notch in one."""
 
-    shaft: str = result("", "shaft that ends at the detail, or carries it")
-    following: str | None = result("", "shaft that begins at it; null for a notch")
+    shaft: str = result("shaft that ends at the detail, or carries it")
+    following: str | None = result("shaft that begins at it; null for a notch")
     radius: float = result("m", "its radius; of a hole half its diameter")
     diameter: float = result("m", "smaller diameter")
     larger: float | None = result("m", "larger diameter; null for a notch", key="larger_diameter_m")
@@ -46,7 +46,7 @@ class Fillet:
     endurance: float | None = result(
         "Pa", "amplitude of shear that the shafts endure there, as stated"
     )
-    form: str = result("", "fillet, keyway, splines or hole")
+    form: str = result("fillet, keyway, splines or hole")
     spans: tuple[int, ...]
     speed: float | None = result(
         "rad/s",
@@ -71,7 +71,7 @@ class Fillet:
             return None
         return self.peak / self.endurance
 
-    @derived("", "the form, and the shaft that follows a fillet")
+    @derived("the form, and the shaft that follows a fillet")
     def label(self) -> str:
         """Label for tables and messages."""
         return self.form if self.following is None else f"fillet to {self.following}"
@@ -85,7 +85,7 @@ class Fillet:
 class Fillets:
     """The stated fillets and notches of the train."""
 
-    each: tuple[Fillet, ...] = result("", "fillets and notches", key="")
+    each: tuple[Fillet, ...] = result("fillets and notches", key="")
 
 
 @source("Pilkey1997", "chart 3.12")

@@ -26,12 +26,11 @@ class Line:
     """One harmonic: so many cycles per turn of the reference station, or a fixed frequency."""
 
     order: Fraction | None = result(
-        "", "per revolution of the reference, exact; null for a fixed frequency"
+        "per revolution of the reference, exact; null for a fixed frequency"
     )
     frequency: float | None = result("Hz", "null for an order", key="fixed_frequency_Hz")
-    sources: tuple[str, ...] = result("", "what excites it")
+    sources: tuple[str, ...] = result("what excites it")
     own_orders: tuple[Fraction, ...] = result(
-        "",
         "of each source per revolution of the shaft of the source, exact; none of a fixed frequency",
         default=(),
     )

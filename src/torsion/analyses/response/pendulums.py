@@ -22,7 +22,7 @@ FIXED = 1e-9  # of n/q - 1: nearer to its own order a pendulum fixes its carrier
 class PendulumAtOrder:
     """A pendulum at one order that excites the train."""
 
-    order: Fraction = result("", "cycles per revolution of the shaft that carries it, exact")
+    order: Fraction = result("cycles per revolution of the shaft that carries it, exact")
     inertia: float | None = result(
         "kg*m**2",
         "of the bobs as that order meets it at the carrier, m (R + l)^2/(1 - n^2/q^2); null: it is fixed",
@@ -38,9 +38,9 @@ class PendulumAtOrder:
 class Pendulum:
     """One pendulum."""
 
-    pendulum: str = result("", "its name")
+    pendulum: str = result("its name")
     tuned: float = result(
-        "", "order of the carrying shaft to which it is tuned, q = sqrt(R/l)", key="tuned_order"
+        "order of the carrying shaft to which it is tuned, q = sqrt(R/l)", key="tuned_order"
     )
     inertia: float = result("kg*m**2", "of all bobs about the axis, m (R + l)^2, at its own speed")
     deflection: float | None = result(
@@ -48,14 +48,14 @@ class Pendulum:
         "largest deflection of a bob from the radius by all harmonic components, magnitudes added",
     )
     speed: float | None = result("rad/s", "reference speed of that")
-    at_orders: tuple[PendulumAtOrder, ...] = result("", "by order that excites")
+    at_orders: tuple[PendulumAtOrder, ...] = result("by order that excites")
 
 
 @reported
 class Pendulums:
     """All pendulums of the train."""
 
-    each: tuple[Pendulum, ...] = result("", "pendulums")
+    each: tuple[Pendulum, ...] = result("pendulums")
     speed: float | None = result(
         "rad/s",
         "reference speed of modes and of other results without a speed",

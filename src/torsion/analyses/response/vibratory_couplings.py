@@ -34,7 +34,7 @@ SMALLEST = 1e-9  # of the last torque of a table: below it the stiffness is that
 class VibratoryTorque:
     """One coupling over the speed."""
 
-    coupling: str = result("", "its name")
+    coupling: str = result("its name")
     speed: FloatArray = result("rad/s", "speed", "reference speeds")
     torque: FloatArray = result(
         "N*m",
@@ -60,9 +60,7 @@ class VibratoryTorque:
 class VibratoryTorques:
     """Couplings with such a table."""
 
-    each: tuple[VibratoryTorque, ...] = result(
-        "", "couplings by table over vibratory torque", key=""
-    )
+    each: tuple[VibratoryTorque, ...] = result("couplings by table over vibratory torque", key="")
 
 
 class _Train:

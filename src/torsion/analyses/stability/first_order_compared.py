@@ -23,14 +23,14 @@ SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compar
 class ComparedTorque:
     """The largest torque of an element over the speed by both methods, of one order or of all together."""
 
-    component: str = result("", "name of the element")
-    order: Fraction | None = result("", "of the reference, exact; null: the total of all orders")
+    component: str = result("name of the element")
+    order: Fraction | None = result("of the reference, exact; null: the total of all orders")
     first: float | None = result("N*m", "of the first order; null without a reliable value")
     first_speed: float | None = result("rad/s", "reference speed of that")
     exact: float = result("N*m", "of the exact periodic response")
     exact_speed: float = result("rad/s", "reference speed of that")
-    is_coarse: bool = result("", "the periodic motion there lacks harmonics")
-    is_unstable: bool = result("", "the train does not settle in the periodic motion there")
+    is_coarse: bool = result("the periodic motion there lacks harmonics")
+    is_unstable: bool = result("the train does not settle in the periodic motion there")
 
     @derived("1", "(exact - first order) / first order; null where that is missing or 0")
     def excess(self) -> float:
@@ -41,7 +41,7 @@ class ComparedTorque:
 class FirstOrderCompared:
     """Every element that carries torque, each in the orders that matter."""
 
-    each: tuple[ComparedTorque, ...] = result("", "largest torques by both methods", key="")
+    each: tuple[ComparedTorque, ...] = result("largest torques by both methods", key="")
 
 
 def compare_first_order(evidence: Results) -> FirstOrderCompared:

@@ -43,7 +43,7 @@ class MeanSpeedDrift:
     slope: float = result(
         "N*m*s/rad", "slope missing at the machine, at its own speed; null if not found"
     )
-    machine: str = result("", "the machine that drives, at which the slope is missing")
+    machine: str = result("the machine that drives, at which the slope is missing")
     given: float = result(
         "N*m*s/rad",
         "slopes and damping of the file that act on the mean speed, at that machine",

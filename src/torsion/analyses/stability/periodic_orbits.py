@@ -69,9 +69,9 @@ class PeriodicResponse:
     NaN where no periodic solution was found.
     """
 
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
     orders: tuple[Fraction, ...] = result(
-        "", ("order",), "per revolution of the reference, ascending, exact", record="order"
+        "", "order", "per revolution of the reference, ascending, exact", record="order"
     )
     angle: ComplexArray = result(
         "rad",
@@ -90,33 +90,30 @@ class PeriodicResponse:
     )
     drive: FloatArray = result(
         "N*m",
-        ("speed",),
+        "speed",
         "mean torque of all drives at the reference speed; null if the train is fixed",
     )
-    harmonics: np.ndarray = result("", ("speed",), "of the common period")
+    harmonics: np.ndarray = result("", "speed", "of the common period")
     truncation: FloatArray = result(
         "1",
-        ("speed",),
+        "speed",
         "estimated largest omitted harmonic / largest included harmonic",
         key="left_out",
     )
     status: np.ndarray  # (speeds,) uint8: Found
-    why: tuple[str, ...] = result(
-        "", "of every speed: why the periodic motion was not found, or empty"
-    )
+    why: tuple[str, ...] = result("of every speed: why the periodic motion was not found, or empty")
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = result(
-        "1/s", ("speed",), "of small deviations; null if not computed", default=None
+        "1/s", "speed", "of small deviations; null if not computed", default=None
     )
     others: "PeriodicResponse | None" = result(
-        "",
         "further motions at the highest peaks, in the same orders; null for none",
         default=None,
     )
 
     @derived(
         "",
-        ("speed",),
+        "speed",
         "ok, coarse (omitted harmonics above 1e-10) or none (no motion found)",
         key="status",
     )
@@ -124,7 +121,7 @@ class PeriodicResponse:
         """What was found at every speed, in words, (speeds,)."""
         return words(self.status, Found)
 
-    @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")
+    @derived("", "speed", "small deviations grow: the train does not settle in this motion")
     def is_unstable(self) -> BoolArray:
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)

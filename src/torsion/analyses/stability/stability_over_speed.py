@@ -58,46 +58,45 @@ class Stability:
     """Growth rates over speed; NaN where there is no periodic motion."""
 
     speed: FloatArray = result(
-        "rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges"
+        "rad/s", "speed", "reference speeds, more of them in and around unstable ranges"
     )
     requested: np.ndarray = result(
-        "", ("speed",), "the speed is one of those requested", key="is_asked"
+        "", "speed", "the speed is one of those requested", key="is_asked"
     )
     growth: FloatArray = result(
-        "1/s", ("speed",), "of the fastest growing small deviation; null without a periodic motion"
+        "1/s", "speed", "of the fastest growing small deviation; null without a periodic motion"
     )
     frequency: FloatArray = result(
-        "rad/s", ("speed",), "of that motion, within half of the common frequency"
+        "rad/s", "speed", "of that motion, within half of the common frequency"
     )
     amplitude_growth: FloatArray = result(
-        "1", ("speed",), "growth over a revolution of the reference", key="factor_per_turn"
+        "1", "speed", "growth over a revolution of the reference", key="factor_per_turn"
     )
-    ranges: tuple[UnstableRange, ...] = result("", "unstable ranges of speed")
-    modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
-    method: str = result("", "monodromy or hill")
+    ranges: tuple[UnstableRange, ...] = result("unstable ranges of speed")
+    modes: FloatArray = result("rad/s", "mode", "elastic ones of the train with straight joints")
+    method: str = result("monodromy or hill")
     check: float = result("1/s", "largest difference to the other method; null if too large")
-    unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
+    unsolved: FloatArray = result("rad/s", "unsolved", "speeds without a periodic motion")
     loses: bool = result(
-        "", "the train is damped; without damping the best growth is 0", key="something_damps"
+        "the train is damped; without damping the best growth is 0", key="something_damps"
     )
     kept: int | None = result(
-        "",
         "elastic modes that the train is reduced to; null for all",
         key="modes_kept",
         default=None,
     )
     drift: FloatArray | None = result(
         "1/s",
-        ("speed",),
+        "speed",
         "growth of a deviation of the mean speed; null if not distinguished",
         default=None,
     )
     drifts: tuple[MeanSpeedDrift, ...] = result(
-        "", "where the mean speed drifts, at most one", default=()
+        "where the mean speed drifts, at most one", default=()
     )
     doubtful: FloatArray | None = result(
         "rad/s",
-        ("doubtful",),
+        "doubtful",
         "speeds at which a drift of the mean speed and an instability were not distinguished",
         default=None,
     )
@@ -274,15 +273,15 @@ POINTS_CHECKED = 9  # points at which the unreduced train is computed too
 class StabilityMap:
     """Growth rates; NaN where no periodic motion was found."""
 
-    over: Over = result("", "angle, damping or torque")
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    value: FloatArray = result("", ("value",), "joint angles in rad, or factors")
+    over: Over = result("angle, damping or torque")
+    speed: FloatArray = result("rad/s", "speed", "reference speeds")
+    value: FloatArray = result("", "value", "joint angles in rad, or factors")
     growth: FloatArray = result("1/s", ("speed", "value"), "null if no periodic motion was found")
-    modes: int = result("", "elastic modes kept")
-    of_modes: int = result("", "of so many")
+    modes: int = result("elastic modes kept")
+    of_modes: int = result("of so many")
     error: float = result("1/s", "largest difference to the whole train at the points checked")
-    checked: int = result("", "points checked")
-    elsewhere: int = result("", "points checked at which the whole train settled in another motion")
+    checked: int = result("points checked")
+    elsewhere: int = result("points checked at which the whole train settled in another motion")
 
 
 def vary_scene(mechanism: Scene, over: Over, value: float) -> Scene:

@@ -39,13 +39,13 @@ Combination = tuple[Kind, tuple[int, ...], float, float]
 class Zone:
     """A parametric resonance."""
 
-    kind: Kind = result("", "principal, sum, difference or unexplained")
+    kind: Kind = result("principal, sum, difference or unexplained")
     modes: tuple[int, ...] = result(
-        "", "elastic modes that take part, counted from 1"
+        "elastic modes that take part, counted from 1"
     )  # 0: free turning
-    rank: int = result("", "k of k times the common frequency = combination of the modes")
+    rank: int = result("k of k times the common frequency = combination of the modes")
 
-    @derived("", "its type in words")
+    @derived("its type in words")
     def name(self) -> str:
         """The name of the resonance as the report prints it."""
         if self.kind == "unexplained":
@@ -110,7 +110,7 @@ class UnstableRange(Zone):
     first: float = result("rad/s", "lower boundary, reference speed", key="from_rad_per_s")
     last: float = result("rad/s", "upper boundary", key="to_rad_per_s")
     is_open: tuple[bool, bool] = result(
-        "", "[below, above] the range continues beyond the requested speeds", key="goes_on"
+        "[below, above] the range continues beyond the requested speeds", key="goes_on"
     )
     growth: float = result("1/s", "largest growth found within")
     at: float = result("rad/s", "where")

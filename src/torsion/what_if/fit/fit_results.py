@@ -13,9 +13,9 @@ MOST_CHI2 = 2.0  # chi2 over the degrees of freedom above which the model is wro
 class FittedFigure:
     """A figure of the file and what measurements say of it."""
 
-    name: str = result("", "component and key")
-    given: str = result("", "its value in the file, as written there")
-    fitted: str = result("", "the fitted value")
+    name: str = result("component and key")
+    given: str = result("its value in the file, as written there")
+    fitted: str = result("the fitted value")
     factor: float = result("1", "updated value / value of the file")
     prior: float = result(
         "1", "standard deviation of its logarithm before the fit, as the file states it"
@@ -37,9 +37,9 @@ class FittedFigure:
 class FittedMode:
     """A measured natural frequency with the mode that it is paired with."""
 
-    mode: int = result("", "with which it is paired, from 1")
+    mode: int = result("with which it is paired, from 1")
     is_given: bool = result(
-        "", "the number is from the file; else modes rise with the frequencies, in their bands"
+        "the number is from the file; else modes rise with the frequencies, in their bands"
     )
     measured: float = result("Hz", "as measured")
     within: float = result("1", "its standard deviation")
@@ -51,9 +51,9 @@ class FittedMode:
     before: float = result("Hz", "of the nominal case")
     after: float = result("Hz", "with the updated parameters, solved as a separate file")
     residual: float = result("1", "ln of fitted over measured, in deviations of the measurement")
-    is_outside: bool = result("", "the measured frequency lies outside its band")
+    is_outside: bool = result("the measured frequency lies outside its band")
 
-    @derived("", "how its mode was found, or that it is outside its band")
+    @derived("how its mode was found, or that it is outside its band")
     def remark(self) -> str:
         if self.is_outside:
             return "OUTSIDE its band"
@@ -64,32 +64,31 @@ class FittedMode:
 class FittedCurve:
     """Measured amplitudes of one order over speed, in SI."""
 
-    at: str = result("", "component")
-    order: Fraction = result("", "per revolution of the reference")
-    quantity: str = result("", "angle, speed or torque")
-    unit: str = result("", "of the amplitudes")
-    origin: str = result("", "torsiogram, or signal whose orders were tracked")
+    at: str = result("component")
+    order: Fraction = result("per revolution of the reference")
+    quantity: str = result("angle, speed or torque")
+    unit: str = result("of the amplitudes")
+    origin: str = result("torsiogram, or signal whose orders were tracked")
     within: float = result(
         "1", "standard deviation of an amplitude, and in rad of a phase, as stated"
     )
     deviation: FloatArray = result(
-        "1", ("point",), "the same with the remainder of a signal at the neighbouring orders"
+        "1", "point", "the same with the remainder of a signal at the neighbouring orders"
     )
-    speed: FloatArray = result("rad/s", ("point",), "of the reference")
-    measured: FloatArray = result("", ("point",), "amplitude as measured")
-    before: FloatArray = result("", ("point",), "of the nominal case")
-    after: FloatArray = result("", ("point",), "with the fitted figures")
+    speed: FloatArray = result("rad/s", "point", "of the reference")
+    measured: FloatArray = result("", "point", "amplitude as measured")
+    before: FloatArray = result("", "point", "of the nominal case")
+    after: FloatArray = result("", "point", "with the fitted figures")
     residual: FloatArray = result(
-        "1", ("point",), "ln of fitted over measured, in deviations of the measurement"
+        "1", "point", "ln of fitted over measured, in deviations of the measurement"
     )
     phase_residual: FloatArray | None = result(
-        "1", ("point",), "fitted less measured phase in such deviations; null without phases"
+        "1", "point", "fitted less measured phase in such deviations; null without phases"
     )
-    curve_speed: FloatArray = result("rad/s", ("speed",), "speeds of the curves")
-    curve_before: FloatArray = result("", ("speed",), "amplitude of the nominal case")
-    curve_after: FloatArray = result("", ("speed",), "amplitude with the fitted figures")
+    curve_speed: FloatArray = result("rad/s", "speed", "speeds of the curves")
+    curve_before: FloatArray = result("", "speed", "amplitude of the nominal case")
+    curve_after: FloatArray = result("", "speed", "amplitude with the fitted figures")
     unused: int = result(
-        "",
         "windows of a signal outside the speed range, or in whose noise the order is lost",
         default=0,
     )
@@ -102,49 +101,48 @@ class Direction:
     information: float = result(
         "1", "deviation before the fit / deviation from only the measurements"
     )
-    is_unidentified: bool = result("", "no measurement says anything of it")
-    words: str = result("", "the combination in words")
+    is_unidentified: bool = result("no measurement says anything of it")
+    words: str = result("the combination in words")
 
 
 @reported
 class OtherFit:
     """Another set of figures that agrees nearly as well."""
 
-    factor: FloatArray = result("1", ("figure",), "values / values of the file")
+    factor: FloatArray = result("1", "figure", "values / values of the file")
     chi2: float = result("1", "sum of the squared residuals of the measurements")
     prior_chi2: float = result("1", "sum of the squared shifts of the figures")
-    words: str = result("", "the values in words")
+    words: str = result("the values in words")
 
 
 @reported
 class Fit:
     """Figures of the file fitted to measurements."""
 
-    figures: tuple[FittedFigure, ...] = result("", "figures that were fitted")
-    modes: tuple[FittedMode, ...] = result("", "measured natural frequencies")
-    curves: tuple[FittedCurve, ...] = result("", "measured amplitudes over speed")
+    figures: tuple[FittedFigure, ...] = result("figures that were fitted")
+    modes: tuple[FittedMode, ...] = result("measured natural frequencies")
+    curves: tuple[FittedCurve, ...] = result("measured amplitudes over speed")
     directions: tuple[Direction, ...] = result(
-        "", "combinations of figures in all minima, the best known first"
+        "combinations of figures in all minima, the best known first"
     )
     correlation: FloatArray = result(
         "1", ("figure", "other figure"), "correlation of the logarithms, over `others` too"
     )
-    measurements: int = result("", "values that were measured")
+    measurements: int = result("values that were measured")
     chi2: float = result("1", "sum of the squared residuals of the measurements")
     freedom: float = result(
         "1", "degrees of freedom: measurements less the figures that they determine"
     )
     prior_chi2: float = result("1", "sum of the squared shifts of the figures")
-    rank: int = result("", "combinations of parameters that the measurements identify")
-    steps: int = result("", "steps of Gauss and Newton, of all searches")
-    searches: int = result("", "searches, each from another start; this is the best")
+    rank: int = result("combinations of parameters that the measurements identify")
+    steps: int = result("steps of Gauss and Newton, of all searches")
+    searches: int = result("searches, each from another start; this is the best")
     others: tuple[OtherFit, ...] = result(
-        "",
         "other minima by at most 6 greater in the sum of squares of measurements and figures, the best first",
     )
-    warnings: tuple[str, ...] = result("", "what does not go together, in words")
+    warnings: tuple[str, ...] = result("what does not go together, in words")
     frequency: FloatArray = result(
-        "Hz", ("mode",), "natural frequencies of the fitted file, solved the ordinary way"
+        "Hz", "mode", "natural frequencies of the fitted file, solved the ordinary way"
     )
     scene: str  # text of the file with the fitted values
 

@@ -47,46 +47,38 @@ LARGE = 60.0  # states of a train, whose blocks are twice the work
 class NonlinearPeak:
     """A large torque amplitude of a nonlinear coupling, twice; the largest stands first."""
 
-    coupling: str = result("", (), "which")
-    component: str = result("", (), "harmonic component of the largest amplitude")
-    speed: float = result("rad/s", (), "reference speed of it")
-    response: float = result("N*m", (), "amplitude in the response, by harmonic balance")
+    coupling: str = result("which")
+    component: str = result("harmonic component of the largest amplitude")
+    speed: float = result("rad/s", "reference speed of it")
+    response: float = result("N*m", "amplitude in the response, by harmonic balance")
     exact: float | None = result(
         "N*m",
-        (),
         "settled amplitude of the exact motion that starts from the response; null if it does not settle",
     )
-    difference: float | None = result(
-        "1", (), "of the response from the exact motion, of the latter"
-    )
+    difference: float | None = result("1", "of the response from the exact motion, of the latter")
     half_range: float = result(
-        "N*m", (), "(max - min)/2 of the exact motion in its last window, all components"
+        "N*m", "(max - min)/2 of the exact motion in its last window, all components"
     )
-    greatest: float = result("N*m", (), "largest magnitude of its torque in that window")
+    greatest: float = result("N*m", "largest magnitude of its torque in that window")
     from_rest: float | None = result(
         "N*m",
-        (),
         "amplitude of the exact motion that starts without vibration, if the response has several "
         "solutions; null otherwise, or if it does not settle",
     )
-    solutions: int = result(
-        "", (), "of harmonic balance at that speed; the response has the largest"
-    )
+    solutions: int = result("of harmonic balance at that speed; the response has the largest")
     several_from: float | None = result(
-        "rad/s", (), "lowest reference speed of several solutions; null for none"
+        "rad/s", "lowest reference speed of several solutions; null for none"
     )
-    several_to: float | None = result("rad/s", (), "highest of them")
+    several_to: float | None = result("rad/s", "highest of them")
     opens_from: float | None = result(
-        "rad/s", (), "lowest reference speed at which its backlash opens; null for none"
+        "rad/s", "lowest reference speed at which its backlash opens; null for none"
     )
-    opens_to: float | None = result("rad/s", (), "highest of them")
+    opens_to: float | None = result("rad/s", "highest of them")
     mode: int = result(
-        "",
-        (),
         "mode of the linear train with the largest share of its energy in the coupling, from 1",
     )
     natural_frequency: float = result(
-        "Hz", (), "of that mode with all such couplings as stiff as at these amplitudes"
+        "Hz", "of that mode with all such couplings as stiff as at these amplitudes"
     )
     ended: bool  # the motion was followed as long as it may be; else the work of the comparisons had its end before
     span: int  # of the coupling
@@ -99,7 +91,7 @@ class NonlinearPeaks:
     """Every coupling with play, friction or stages."""
 
     each: tuple[NonlinearPeak, ...] = result(
-        "", (), "every coupling with backlash, friction or stages", key=""
+        "every coupling with backlash, friction or stages", key=""
     )
     computed: Synthesis | None = (
         None  # of the response alone, with which the exact motions are compared

@@ -39,7 +39,7 @@ SWEPT = 0.05  # of the largest speed: by how much it changes where orders are tr
 class TrackedTorque:
     """A torque by orders."""
 
-    element: str = result("", (), "whose torque")
+    element: str = result("whose torque")
     torque: ComplexArray = result(
         "N*m",
         ("window", "order"),
@@ -49,7 +49,7 @@ class TrackedTorque:
         "N*m", ("window", "multiple"), "amplitude of the multiples of the resolution, from 0"
     )
 
-    @derived("N*m", ("order",), "largest amplitude of every order that is tracked")
+    @derived("N*m", "order", "largest amplitude of every order that is tracked")
     def largest(self) -> FloatArray:
         """The largest amplitude of each order over all windows, (orders,) N m."""
         return np.asarray(np.abs(self.torque).max(axis=0, initial=0.0))
@@ -64,19 +64,17 @@ class TrackedTorque:
 class OrderTracking:
     """Torques by orders of the reference."""
 
-    reference: str = result("", (), "the point over whose angle")
-    turns: float = result("", (), "revolutions that it makes in one sense; orders need 8")
-    order: FloatArray = result("1", ("order",), "orders of the reference that are tracked")
-    resolution: float = result("1", (), "step between the orders of a waterfall")
-    time: FloatArray = result("s", ("window",), "middle of each window")
-    speed: FloatArray = result("rad/s", ("window",), "of the reference, mean of each window")
+    reference: str = result("the point over whose angle")
+    turns: float = result("revolutions that it makes in one sense; orders need 8")
+    order: FloatArray = result("1", "order", "orders of the reference that are tracked")
+    resolution: float = result("1", "step between the orders of a waterfall")
+    time: FloatArray = result("s", "window", "middle of each window")
+    speed: FloatArray = result("rad/s", "window", "of the reference, mean of each window")
     aliased: float = result(
-        "1", (), "largest change of an amplitude with half of the samples, of the largest"
+        "1", "largest change of an amplitude with half of the samples, of the largest"
     )
-    left_out: int = result(
-        "", (), "windows omitted, because the torque changes too fast for their samples"
-    )
-    each: tuple[TrackedTorque, ...] = result("", (), "every torque that is tracked")
+    left_out: int = result("windows omitted, because the torque changes too fast for their samples")
+    each: tuple[TrackedTorque, ...] = result("every torque that is tracked")
 
 
 @dataclass(frozen=True)

@@ -20,14 +20,14 @@ NEAR = 1e-9  # relative: a frequency that changes by less does not pass
 class Passage:
     """A mode that an order, or a pulsation, meets while the speed changes."""
 
-    mode: int = result("", (), "the elastic mode, from 1")
-    what: str = result("", (), "what excites it")
-    time: float = result("s", (), "when")
-    speed: float = result("rad/s", (), "reference speed there")
-    frequency: float = result("Hz", (), "of the mode")
-    seconds: float = result("s", (), "how long within the range of half the power")
+    mode: int = result("the elastic mode, from 1")
+    what: str = result("what excites it")
+    time: float = result("s", "when")
+    speed: float = result("rad/s", "reference speed there")
+    frequency: float = result("Hz", "of the mode")
+    seconds: float = result("s", "how long within the range of half the power")
     share: float = result(
-        "1", (), "maximum amplitude / steady amplitude at that speed; by a closed form"
+        "1", "maximum amplitude / steady amplitude at that speed; by a closed form"
     )
 
 

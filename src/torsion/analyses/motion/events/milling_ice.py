@@ -70,17 +70,17 @@ LARGE_FACTOR = 1.9
 class IceTorque:
     """The greatest ice torque of a class: its formula's inputs and value."""
 
-    at: str = result("", (), "the propeller")
-    ice_class: str = result("", (), "its class")
-    thickness: float = result("m", (), "H_ice, thickness of the ice")
-    factor: float = result("", (), "k of the formula")
-    diameter: float = result("m", (), "D of the propeller")
-    hub_ratio: float = result("1", (), "d/D")
-    pitch_ratio: float = result("1", (), "P/D at 0.7 of the radius")
-    speed: float = result("rad/s", (), "n, speed of the propeller in the formula")
-    revolutions: float = result("", (), "of the milling")
-    is_ducted: bool = result("", (), "the propeller turns in a duct", key="ducted")
-    torque: float = result("N*m", (), "Q_max, to be verified against the edition in force")
+    at: str = result("the propeller")
+    ice_class: str = result("its class")
+    thickness: float = result("m", "H_ice, thickness of the ice")
+    factor: float = result("k of the formula")
+    diameter: float = result("m", "D of the propeller")
+    hub_ratio: float = result("1", "d/D")
+    pitch_ratio: float = result("1", "P/D at 0.7 of the radius")
+    speed: float = result("rad/s", "n, speed of the propeller in the formula")
+    revolutions: float = result("of the milling")
+    is_ducted: bool = result("the propeller turns in a duct", key="ducted")
+    torque: float = result("N*m", "Q_max, to be verified against the edition in force")
 
     @property
     def is_large(self) -> bool:
