@@ -186,7 +186,10 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.over_speed",
         settings="ResponseSettings",
         needs=("steady",),
-        results={"response": "Response", "synthesis": "torsion.analyses.response.amplitudes:Synthesis"},
+        results={
+            "response": "Response",
+            "synthesis": "torsion.analyses.response.amplitudes:Synthesis",
+        },
         wanted=always,
         chapters=(
             "forced_response",
