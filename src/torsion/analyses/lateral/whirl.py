@@ -252,7 +252,7 @@ def _energy(p: ComplexArray, matrix: FloatArray, right: ComplexArray) -> FloatAr
 def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
     """(modes,) energy of shapes of both planes, of a matrix of one of them where the supports are isotropic."""
     parts = np.split(p, 2) if planes.is_isotropic else [p]
-    return np.sum([_energy(part, matrix, part) for part in parts], axis=0)
+    return np.asarray(np.sum([_energy(part, matrix, part) for part in parts], axis=0))
 
 
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:

@@ -117,7 +117,7 @@ def missing_slope(
     slope = 0.0
     for _ in range(MOST_TURNS):
         speed, least = find_minimum(
-            lambda speed, added=slope: slope_of_all(speed, added),
+            partial(slope_of_all, slope=slope),
             *reach,
             tolerance=SMOOTH * (reach[1] - reach[0]),
         )

@@ -101,10 +101,10 @@ def periodic_over_speed(
     size = np.abs(response.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
     number_sought = max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT))
-    rows = (_peak_rows(size) or [int(largest.argmax())])[:number_sought]
+    motion_rows = (_peak_rows(size) or [int(largest.argmax())])[:number_sought]
     if response.is_unstable.any():
-        rows.append(int(np.nanargmax(growth)))
-    further = further_motions(mechanism, response, list(dict.fromkeys(rows)))
+        motion_rows.append(int(np.nanargmax(growth)))
+    further = further_motions(mechanism, response, list(dict.fromkeys(motion_rows)))
     if further is not None:
         further = replace(further, growth=growths(mechanism, further))
     return replace(response, others=further)

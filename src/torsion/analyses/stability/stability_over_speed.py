@@ -154,7 +154,9 @@ def stability(
     speed = np.array(sorted(search.known))
     solved = [search.known[w] for w in speed.tolist()]
     growth = np.array([np.nan if pair is None else pair[1].growth for pair in solved])
-    exponents = [[] if pair is None else pair[1].exponent for pair in solved]
+    exponents = [
+        np.empty(0, dtype=complex) if pair is None else pair[1].exponent for pair in solved
+    ]
     frequency = np.array(
         [next(iter(exponent), complex(0.0, np.nan)).imag for exponent in exponents]
     )

@@ -110,7 +110,8 @@ def _twists(layout: Layout) -> FloatArray:
     """(springs, free) twist of each spring of the straight train over the free coordinates."""
     coordinates = np.arange(layout.free)
     driving, driven = layout.coordinate[layout.driving], layout.coordinate[layout.driven]
-    return 1.0 * (driving[:, None] == coordinates) - (driven[:, None] == coordinates)
+    twist = 1.0 * (driving[:, None] == coordinates) - (driven[:, None] == coordinates)
+    return np.asarray(twist)
 
 
 def viscous(layout: Layout, shapes: Basis) -> Layout:

@@ -11,9 +11,9 @@ best phases, planes or angle makes small, as the two numbers Re B and Im B. Two 
 the greater rapidity less the other then remains (Ma 2011 finds the same by search).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -199,7 +199,7 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
     # Of phases or planes the least is that of the polygon that does not close.
     sizes = rapidity(line.angle)
     bounds, bound = (0.0, _LIMIT), 0.0
-    derivative: str | Callable[[FloatArray], FloatArray] = "3-point"
+    derivative: Any = "3-point"
     if variable != "angle":
         bounds, derivative = (-np.inf, np.inf), slope
         bound = float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0))

@@ -191,7 +191,9 @@ def _solve(
     form = total + loads, total + loads
     joined = sparse.csc_matrix((values, (row, column)), shape=form)
     try:
-        solution = np.asarray(splu(joined).solve(np.append(right / size, np.zeros(loads))))
+        solution = np.asarray(
+            splu(joined, permc_spec="MMD_AT_PLUS_A").solve(np.append(right / size, np.zeros(loads)))
+        )
     except (np.linalg.LinAlgError, RuntimeError):
         solution = np.full(total + loads, np.nan)
     solution[total:] *= size

@@ -94,8 +94,9 @@ def monodromy(
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
     samples = at_times(np.stack([mass, damping, stiffness], axis=1), share)
-    nodes = np.moveaxis(samples.reshape(steps, stages, 3, size, size), 2, 0)
-    return through_steps(*nodes, period / steps, rule, visited=visited)
+    at_nodes = samples.reshape(steps, stages, 3, size, size)
+    mass, damping, stiffness = np.moveaxis(at_nodes, 2, 0)
+    return through_steps(mass, damping, stiffness, period / steps, rule, visited=visited)
 
 
 def through_steps(
