@@ -80,7 +80,7 @@ def result(
     One axis needs no tuple; a single value has no axes: its meaning follows the unit, and stands alone without a unit.
     """
     if not (axes or meaning):
-        unit, meaning = "", unit
+        unit, axes, meaning = "", (), unit
     elif isinstance(axes, str):
         axes, meaning = ((axes,), meaning) if meaning else ((), axes)
     declared = Quantity(unit, axes, meaning, **traits)
