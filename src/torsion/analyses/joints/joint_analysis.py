@@ -98,7 +98,7 @@ def _of_tripod(
         x = x + both.error[:-1] - both.error[-1]
         share = both.ratio[:-1]
 
-    # (Normal, in the plane) on both shafts, at the angles asked for and over a revolution.
+    # (Normal, in the plane) on both shafts, at the requested angles and over a revolution.
     shown, turned = (
         exact_statics(
             angles,
