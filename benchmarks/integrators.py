@@ -16,7 +16,7 @@ from benchmarks.error_curves import SYMBOLS
 from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
-from torsion.analyses.modes.modal_basis import rigid_shapes
+from torsion.analyses.modes.mode_nodes import rigid_shapes
 from torsion.analyses.motion.events.events import ramps
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient

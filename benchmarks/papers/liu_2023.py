@@ -10,7 +10,7 @@ from benchmarks.papers import space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, stated
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.kernels.joints import cross, line
 
 NAME = "liu_2023"

@@ -10,7 +10,7 @@ from benchmarks.papers import space
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, bound, compared, stated
-from torsion.analyses.joints.joint_results import Joints, LineFound
+from torsion.analyses.joints.joint_lines import Joints, LineFound
 from torsion.kernels.joints import line
 
 NAME = "ma_2011"

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import torsion
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.findings import Findings
 
 SCENES = Path(__file__).parents[2] / "shafting_specs" / "papers"

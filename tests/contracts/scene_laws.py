@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 from tests.contracts.frozen import SCENES, reported, solved
 from tests.contracts.frozen import terminal as lines_of
 
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.undamped_modes import Modes

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pytest
 
 import torsion
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.system_data import SystemData
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings

@@ -12,8 +12,7 @@ from torsion.analyses.modes.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.elements import by_part, elements
-from torsion.assembly.spans import phase
-from torsion.assembly.system import System
+from torsion.assembly.system import System, phase
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
@@ -314,7 +313,7 @@ def _in_reach(system: System, highest: float, count: int) -> System:
         bars = system.condensed_shafts
         if bars is None or not math.isfinite(bars.limit):
             break
-        from torsion.analyses.modes.modal_basis import above_mode, reach
+        from torsion.analyses.modes.mode_nodes import above_mode, reach
 
         tree = undamped_tree(system)
         resolved = reach(tree)
@@ -342,7 +341,7 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
     node = system.condensed.node
     chords = chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
-        from torsion.analyses.modes.modal_basis import referred_modes
+        from torsion.analyses.modes.mode_nodes import referred_modes
 
         referred = referred_modes(tree, count)
     elif chords.size:

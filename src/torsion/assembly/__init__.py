@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from torsion.train import Train
 
 MODELS = {
-    "lumped": "torsion.assembly.lumped:assemble_lumped",
+    "lumped": "torsion.assembly.system_builder:assemble_lumped",
     "fem": "torsion.assembly.fem:assemble_fem",
     "exact": "torsion.assembly.distributed_shafts:assemble_exact",
 }

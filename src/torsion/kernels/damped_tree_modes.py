@@ -12,10 +12,9 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate, layout, spread
 from torsion.kernels.natural_modes import start_frequencies
 from torsion.kernels.reduction import cut, rigidity
-from torsion.kernels.tree import Tree, connected
+from torsion.kernels.tree import EPS, Layout, SpanSides, Tree, connected, eliminate, layout, spread
 from torsion.sources import source
 
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.elimination import eliminate_undamped, forced
 from torsion.kernels.mode_shapes import (
     Shapes,
     TreeModes,
@@ -23,7 +22,7 @@ from torsion.kernels.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.tree import Tree, closing_no_loop, walk
+from torsion.kernels.tree import Tree, closing_no_loop, eliminate_undamped, forced, walk
 from torsion.kernels.tree_response import around, pairs
 from torsion.sources import source
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Slopes
-from torsion.kernels.elimination import eliminate_undamped, forced, spread
-from torsion.kernels.tree import Tree
+from torsion.kernels.tree import Tree, eliminate_undamped, forced, spread
 from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated
 
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault

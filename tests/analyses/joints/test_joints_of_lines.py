@@ -8,8 +8,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.joints.joint_analysis import JointsSettings, joints
-from torsion.analyses.joints.joint_lines import placed
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints, placed
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import assemble

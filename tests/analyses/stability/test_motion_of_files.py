@@ -11,7 +11,7 @@ from tests.contracts.frozen import solved as solved_scene
 from tests.for_all import for_all
 
 import torsion
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.stability.periodic_orbits import PeriodicResponse
 from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.undamped_modes import Modes

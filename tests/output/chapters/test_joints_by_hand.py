@@ -11,7 +11,7 @@ import pytest
 from tests.output.drawn import named, plot, titles
 
 import torsion
-from torsion.analyses.joints.joint_results import (
+from torsion.analyses.joints.joint_lines import (
     CoupleFound,
     Extreme,
     JointFound,

@@ -13,7 +13,7 @@ from rich.console import Console
 from tests.output.drawn import titles as titles_of
 
 import torsion
-from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.joints.joint_lines import Joints
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Points, Table
 from torsion.output.chapters.joint_motion import chapter

@@ -20,8 +20,7 @@ from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import resolved
-from torsion.assembly.spans import bar_segments
-from torsion.assembly.system import System
+from torsion.assembly.system import System, bar_segments
 from torsion.errors import Fault, Path
 from torsion.sources import source
 from torsion.study import FiniteElements, Study
@@ -271,7 +270,7 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
     if count is None:
         count = COUNT
         if highest > 0.0 and system.condensed_shafts is not None:
-            from torsion.analyses.modes.modal_basis import reach
+            from torsion.analyses.modes.mode_nodes import reach
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     solved_modes = modes(system, count)

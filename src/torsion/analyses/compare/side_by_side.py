@@ -25,9 +25,8 @@ from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.arrays import FloatArray
-from torsion.assembly.lumped import SHARE_OF_ERROR
-from torsion.assembly.spans import bar_segments
-from torsion.assembly.system import System
+from torsion.assembly.system import System, bar_segments
+from torsion.assembly.system_builder import SHARE_OF_ERROR
 from torsion.errors import InputError
 from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
@@ -351,7 +350,7 @@ def _count_below(solved_modes: Modes, highest: float) -> int:
         from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - solved_modes.rigid
-    from torsion.analyses.modes.modal_basis import reach
+    from torsion.analyses.modes.mode_nodes import reach
 
     reached = reach(tree, w)
     if reached.frequency >= w:

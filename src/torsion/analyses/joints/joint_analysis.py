@@ -10,8 +10,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.analyses.joints import joint_lines
-from torsion.analyses.joints.joint_lines import Behind, Placed
-from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints
+from torsion.analyses.joints.joint_lines import Behind, CoupleFound, JointFound, Joints, Placed
 from torsion.analyses.steady import Steady
 from torsion.analyses.steady import steady as mean_torques
 from torsion.arrays import FloatArray

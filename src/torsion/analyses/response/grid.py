@@ -120,7 +120,7 @@ def modes_reaching(system: System, highest: float, known: Modes | None) -> Modes
         return modes_as_discretised(system, modes.frequency.size)
     if system.condensed.extra.size:
         return modes_as_discretised(system, None)
-    from torsion.analyses.modes.modal_basis import reach
+    from torsion.analyses.modes.mode_nodes import reach
 
     return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
 

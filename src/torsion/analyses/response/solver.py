@@ -67,7 +67,7 @@ def _modal_answer(system: System, w: FloatArray, sources: Sources) -> Answer:
     and points without inertia carry beside that is the same at every frequency: the exact undamped answer at one, less
     the sum. Raises SolveError for a train of too many stations, or with distributed shafts.
     """
-    from torsion.analyses.modes.modal_basis import beside_modes, rigid_shapes
+    from torsion.analyses.modes.mode_nodes import beside_modes, rigid_shapes
 
     basis: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
     if basis is None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.joints.joint_results import Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_lines import Joints, LineFound, OptimumFound
 from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.arrays import FloatArray
 from torsion.findings import Findings

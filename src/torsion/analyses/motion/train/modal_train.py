@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.modes.modal_basis import beside_modes, massless, rigid_shapes
+from torsion.analyses.modes.mode_nodes import beside_modes, massless, rigid_shapes
 from torsion.analyses.motion.events.transient_settings import PATH
 from torsion.analyses.motion.train.state_before import State
 from torsion.analyses.response.harmonic_components import Sources

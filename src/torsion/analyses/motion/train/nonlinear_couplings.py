@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.modes.modal_basis import massless
+from torsion.analyses.modes.mode_nodes import massless
 from torsion.analyses.motion.events.events import Clutch, ramps
 from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings
 from torsion.arrays import FloatArray
