@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from torsion.assembly import assemble
-from torsion.assembly.system import BLOCK, System, bar_segments
+from torsion.assembly.spans import BLOCK, bar_segments
+from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear

@@ -14,7 +14,7 @@ from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
-from torsion.assembly.system import bar_segments
+from torsion.assembly.spans import bar_segments
 from torsion.errors import InputError, without_controls
 from torsion.findings import Results, Work
 from torsion.model.parts import GearRating, MachineRecord

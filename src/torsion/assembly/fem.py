@@ -6,15 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.assembly.distributed_shafts import collect
-from torsion.assembly.system import (
-    GAUSS,
-    Discretisation,
-    System,
-    area_along,
-    bar_segments,
-    is_uniform,
-    phase,
-)
+from torsion.assembly.spans import GAUSS, area_along, bar_segments, is_uniform, phase
+from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import MOST
 from torsion.primitives import Bar
 from torsion.sources import source

@@ -7,127 +7,17 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.columns import plain
+from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
-from torsion.kernels.round_sections import polar_area_moment
 from torsion.kernels.tree import Tree, Walk, closing_no_loop, connected, walk
-from torsion.primitives import Bar, Damper, Station
+from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
-
-BLOCK = 2**14  # pieces of a cone, times variants, at once; 3 MB an array
-GAUSS = np.polynomial.legendre.leggauss(
-    24
-)  # points in -1..1 and weights; exact to rounding for every cone
-
-
-def phase(bar: Bar, frequency: float) -> float:
-    """Phase (rad) of a wave of some frequency (Hz) along a shaft: omega length sqrt(density/shear modulus)."""
-    wave: float = 2.0 * math.pi * frequency * bar.length * (bar.density / bar.shear_modulus) ** 0.5
-    return wave
-
-
-def is_uniform(bar: Bar) -> bool:
-    """Whether a shaft has the same diameters all along."""
-    return bar.outer[0] == bar.outer[1] and bar.bore[0] == bar.bore[1]
-
-
-def area_along(bar: Bar, share: FloatArray | float) -> FloatArray:
-    """I_p in m4 at shares of the length, from 0 at the driving to 1 at the driven end of a shaft."""
-    outer, outer_end, bore, bore_end = map(plain, (*bar.outer, *bar.bore))
-    return polar_area_moment(outer + (outer_end - outer) * share, bore + (bore_end - bore) * share)
-
-
-def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
-    """Flexibility (segments,) rad/(N m) and lumped inertia (segments + 1,) kg m2 along a shaft, by exact integrals.
-
-    Of a shaft in columns a second axis is that of the variants.
-    """
-    length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
-    begin = area_along(bar, 0.0)
-    if is_uniform(bar):
-        means = np.repeat(np.array([begin, begin])[:, None], number, axis=1)
-    else:
-        # Harmonic and arithmetic mean of I_p, m4, over each piece, block by block.
-        (x, weight), block, parts = GAUSS, max(1, BLOCK // begin.size), []
-        for first in range(0, number, block):
-            piece = np.arange(first, min(first + block, number))[:, None]
-            share = (piece + (x + 1.0) / 2.0) / number
-            along = area_along(bar, share.reshape(*share.shape, *[1] * begin.ndim))
-            harmonic, mean = (np.tensordot(part, weight, (1, 0)) for part in (1.0 / along, along))
-            parts.append([2.0 / harmonic, mean / 2.0])
-        means = np.concatenate(parts, axis=1)
-    # A value of a column is beside those of every segment.
-    variants = np.ndim(length + modulus + density + begin)
-    means = means.reshape(2, number, *[-1] * variants)
-    half = density * (length / number) * means[1] / 2.0
-    none = np.zeros_like(half[:1])
-    lumps = np.concatenate([half, none]) + np.concatenate([none, half])
-    return length / number / (modulus * means[0]), lumps
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """An elastic or rigid piece between two stations, or a mesh or joint."""
-
-    name: str
-    part: int
-    driving: int
-    driven: int
-    ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
-    error: tuple[
-        tuple[int, complex], ...
-    ] = ()  # of the driven angle, over the driving station's angle
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A shaft in segments: the rule for the stations between them and for their spans."""
-
-    bar: Bar
-    number: int  # of segments
-    inside: int  # position of the first station between segments
-    begin: Station  # at the driving end
-
-    @property
-    def spans(self) -> list[Span]:
-        """Segments, from the driving to the driven end."""
-        name, count = self.bar.name, self.number
-        names = [name] if count == 1 else [f"{name} [{k}]" for k in range(1, count + 1)]
-        ends = pairwise(self.stations.tolist())
-        return [Span(name, self.bar.part, *pair) for name, pair in zip(names, ends, strict=True)]
-
-    @property
-    def stations(self) -> IntArray:
-        """(number + 1,) positions of all stations, from the driving to the driven one."""
-        ends = np.arange(self.inside - 1, self.inside + self.number, dtype=np.int64)
-        ends[0], ends[-1] = self.bar.driving, self.bar.driven
-        return ends
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A part of a shaft with distributed inertia: the one of the given position among so many of equal length."""
-
-    bar: Bar
-    position: int
-    number: int
-
-    @property
-    def length(self) -> float:
-        return self.bar.length / self.number
-
-    def polar_area_moment(self, x: FloatArray) -> FloatArray:
-        """Return I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
-        return area_along(self.bar, (self.position + x) / self.number)
-
 
 if TYPE_CHECKING:
     from torsion.assembly.distributed_spans import BarSpans

@@ -10,7 +10,8 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.system import Span, System
+from torsion.assembly.spans import Span
+from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.tree import connected, walk
 
