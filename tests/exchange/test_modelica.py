@@ -172,3 +172,39 @@ def test_what_has_no_counterpart_is_refused_in_words(
     )
     assert (run.exit_code, words in run.output) == (2, True), run.output
     assert not list(tmp_path.iterdir())
+
+
+TWO_DISCS = """name: two discs
+operation: {speeds: {from: 900 rpm, to: 1100 rpm}, rated: {speed: 1000 rpm, power: 10 kW}}
+train:
+- motor: {name: m, inertia: 0.4}
+- coupling: {name: c, stiffness: 9 kN*m/rad, viscous: 6 N*m*s/rad}
+- propeller: {name: p, inertia: 0.7}
+excitations: [%s]
+"""
+BY_ORDER, FIXED = "{at: m, order: 2, torque: 5 N*m}", "{at: m, frequency: 50 Hz, torque: 7 N*m}"
+
+
+def starts_of(excitations: str, order: Fraction | None = None) -> tuple[str, dict]:
+    """The text of two discs, and the start values of its inertias."""
+    study = torsion.parse(TWO_DISCS % excitations)
+    text = modelica(study, assembled(study), 1000 * np.pi / 30, order)
+    parts, _ = parts_of(text)
+    values = [(given["phi0"], given["w0"]) for kind, given in parts.values() if "phi0" in given]
+    return text, np.array(values)
+
+
+def test_a_torque_of_a_fixed_frequency_is_in_the_model_and_in_its_start() -> None:
+    fixed, start = starts_of(FIXED)
+    _, expected = periodic_torques(fixed)
+    for (motion, _, _, w), (angle, velocity) in zip(expected.values(), start, strict=True):
+        assert angle == pytest.approx(motion.real, rel=1e-10)
+        assert velocity == pytest.approx((1j * w * motion).real, rel=1e-10)
+    text, both = starts_of(f"{BY_ORDER}, {FIXED}")
+    by_order = starts_of(BY_ORDER)[1]
+    assert text.count("Sources.Sine") == 2
+    assert "m at 50 Hz" in text
+    assert both == pytest.approx(by_order + start, rel=1e-12)
+    chosen, alone = starts_of(f"{BY_ORDER}, {FIXED}", Fraction(2))
+    assert chosen.count("Sources.Sine") == 1
+    assert alone == pytest.approx(by_order, rel=1e-12)

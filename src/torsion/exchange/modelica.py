@@ -81,16 +81,14 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     if faults := [Fault((), reason) for reason, is_so in reasons.items() if is_so]:
         raise InputError(faults)
     grid = np.array([speed])
-    possible = {
-        item.line.order: item for item in excitations(system) if item.line.order is not None
-    }
-    acting = [item for known, item in possible.items() if order in (None, known)]
+    possible = excitations(system)
+    # Orders first, then fixed frequencies, which belong to no order.
+    acting = [item for item in possible if order in (None, item.line.order)]
+    orders = [item.line.order for item in acting if item.line.order is not None]
     if not acting:
-        orders = ", ".join(map(str, possible)) or "none"
-        raise refusal(f"order {order} does not excite the train", f"orders: {orders}")
-    response = response_of_orders(
-        study, system, [line_order for line_order in possible if order in (None, line_order)], grid
-    )
+        listed = ", ".join(str(item.line.order) for item in possible if item.line.order is not None)
+        raise refusal(f"order {order} does not excite the train", f"orders: {listed or 'none'}")
+    response = response_of_orders(study, system, orders, grid)
     system = response.system
     steady = steady_if_known(study, system, grid)
     # (orders,) rad/s
@@ -112,8 +110,11 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     for item, frequency in zip(acting, frequencies.tolist(), strict=True):
         for torque in item.torques:
             phasor = complex(amplitude(system, torque, grid, steady)[0])
-            label = f"{torque.name} order {item.line.order}"
             phase, hertz = float(np.angle(phasor)) + np.pi / 2.0, frequency / (2.0 * np.pi)
+            is_order = item.line.order is not None
+            label = f"{torque.name} " + (
+                f"order {item.line.order}" if is_order else f"at {hertz:.6g} Hz"
+            )
             modifiers = f"amplitude={abs(phasor)!r}, f={hertz!r}, phase={phase!r}"
             sine = text.declare("Modelica.Blocks.Sources.Sine", label, modifiers)
             about = f"{label} torque", "useSupport=false"
@@ -137,7 +138,8 @@ def _declare_stations(
     text: _Text, system: System, response: Response, frequencies: FloatArray
 ) -> None:
     """Declare inertias and fixed stations; the first inertia of every rigid group has the start values."""
-    angles = response.angle[0]  # (orders, stations) complex
+    # (components, stations) complex; torques of a fixed frequency are in every response, behind the orders
+    angles = response.angle[0][: len(frequencies)]
     angle, velocity = angles.real.sum(0), (1j * frequencies[:, None] * angles).real.sum(0)
     rigid = system.flexibility == 0
     groups = connected(len(system.stations), system.driving[rigid], system.driven[rigid])

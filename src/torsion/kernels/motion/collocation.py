@@ -212,7 +212,7 @@ class _Collocation:
         longest, easy = self.scheme.longest, EASY * self.scheme.tolerance * self.largest
         is_easy = trial.last <= max(easy, trial.rounding)
         if step < length / 2.0 * (1.0 - 1e-9) and not is_easy:
-            length = 2.0 ** math.ceil(math.log2(step / longest)) * longest
+            length = 2.0 ** math.ceil(math.log2(max(step, SHORTEST * longest) / longest)) * longest
         return min(2.0 * length, longest) if is_easy and step >= 0.5 * length else length
 
     def refuse_too_many_steps(self, reached: list[float], number: int) -> None:
