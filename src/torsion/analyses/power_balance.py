@@ -243,8 +243,8 @@ def _loads(
     power = None if rated is None else rated.power
     if not stated:
         parts = free or compressors
-        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
         _refuse_unlike(train, operation, free)
+        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
         if not free:
             stations = _by_pressures(compressors)
         law = law_of(parts[0], operation) if parts else operation.load

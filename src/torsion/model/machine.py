@@ -166,16 +166,18 @@ class Machine(Rotor, symbol=Symbol("load")):
             case "law":
                 damper = Damper(station, load_factor=1.0)
             case "schwanecke":
+                note("Schwanecke")
                 keys = ("diameter", "pitch_ratio", "area_ratio")
                 diameter, pitch, area = (getattr(self, key) for key in keys)
                 size = 0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
                 damper = Damper(station, speed_factor=size)
             case "archer":
+                note("Archer")
                 damper = Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0)
             case _:
+                if damping.model == "frahm":
+                    note("Frahm")
                 damper = Damper(station, torque_factor=factor)
-        if damping.model in ("archer", "frahm", "schwanecke"):
-            note(damping.model.capitalize())
         build.add(damper)
         return station
 
