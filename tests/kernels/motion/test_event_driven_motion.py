@@ -13,7 +13,7 @@ from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.energy_balance import energy_balance
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.loaded_modes import LoadedModes
-from torsion.kernels.motion.march import Chatter, March
+from torsion.kernels.motion.march import Chatter, March, TooManyEvents
 from torsion.kernels.motion.piecewise_elements import (
     OPEN,
     Clearance,
@@ -252,7 +252,11 @@ def test_no_train_gains_energy_by_itself(drawn: tuple[LoadedModes, np.ndarray]) 
         else 0
         for one in train.elements
     )
-    energy = energy_balance(moved(train, state, 0.5, speed=speed))
+    try:
+        motion = moved(train, state, 0.5, speed=speed)
+    except (Chatter, TooManyEvents):
+        return  # elements that switch without end are refused in words
+    energy = energy_balance(motion)
     assert energy.residual < 1e-8
     assert energy.stored <= 1e-9 * 0.5 * float(speed @ speed)
     assert (energy.heat >= -1e-9 * 0.5 * float(speed @ speed)).all()
