@@ -17,7 +17,7 @@ from torsion.analyses.response.fillet_stresses import keyway_fit, peterson
 from torsion.assembly.junction.axisymmetric import fillet_stress, solved
 from torsion.assembly.junction.hubs import bonded
 from torsion.assembly.junction.profile import Corner, Length, Profile, junction
-from torsion.assembly.section.section_torsion import keyway, on_mesh
+from torsion.assembly.section.grooved_sections import keyway, on_mesh
 from torsion.kernels.junction_table import HIGHEST, LOWEST, SIZES, junction_table
 
 HANDBOOK = {

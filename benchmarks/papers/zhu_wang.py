@@ -20,14 +20,8 @@ from benchmarks.papers.zhu_wang_theory import (
     response,
     undamped,
 )
-from torsion.analyses.lateral.tilt_stability import (
-    EXACT,
-    MisalignedShaft,
-    Model,
-    TiltRange,
-    growth,
-    zones,
-)
+from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, Model, growth
+from torsion.analyses.lateral.tilt_stability import TiltRange, zones
 
 NAME = "zhu_wang"
 SPEEDS = (25.9, 26.2)  # rad/s of the paper's curves

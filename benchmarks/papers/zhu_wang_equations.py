@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from benchmarks.papers.zhu_wang_theory import small_angle
-from torsion.analyses.lateral.tilt_stability import MisalignedShaft, linearised, small_angle_part
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft, linearised, small_angle_part
 
 Array = NDArray[np.float64]
 

@@ -8,17 +8,16 @@ from benchmarks.papers import zhu_wang_equations as paper
 from benchmarks.papers.writing import Misprint, apart, bound
 from benchmarks.papers.zhu_wang_motion import RADIUS, SHAFT
 from benchmarks.papers.zhu_wang_theory import SMALL_ANGLE, moment, small_angle, undamped
-from torsion.analyses.lateral.tilt_stability import (
+from torsion.analyses.lateral.misaligned_shaft import (
     EXACT,
     MisalignedShaft,
     Model,
-    TiltRange,
     growth,
     linearised,
     monodromies,
     small_angle_part,
-    zones,
 )
+from torsion.analyses.lateral.tilt_stability import TiltRange, zones
 
 TURN = np.linspace(0.0, np.pi, 91)
 SPEEDS = np.array([25.9, 26.2])

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from benchmarks.papers import zhu_wang_space as space
 from benchmarks.papers.zhu_wang_theory import response, undamped
-from torsion.analyses.lateral.tilt_stability import EXACT, MisalignedShaft, coefficients
+from torsion.analyses.lateral.misaligned_shaft import EXACT, MisalignedShaft, coefficients
 from torsion.kernels.periodic.monodromy import radau, step_matrices
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsion.analyses.lateral.tilt_stability import (
+from torsion.analyses.lateral.misaligned_shaft import (
     EXACT,
     NEUTRAL,
     SPINNING,

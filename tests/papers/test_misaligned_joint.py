@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.lateral.tilt_stability import linearised, small_angle_part
+from torsion.analyses.lateral.misaligned_shaft import linearised, small_angle_part
 
 TILTS = [0.0, np.radians(5.0), 0.7]
 TURN = np.linspace(0.0, 2.0 * np.pi, 25)

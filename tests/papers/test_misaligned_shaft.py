@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.lateral.tilt_stability import (
+from torsion.analyses.lateral.misaligned_shaft import (
     EXACT,
     MisalignedShaft,
     Model,
     growth,
     monodromies,
     small_angle_part,
-    zones,
 )
+from torsion.analyses.lateral.tilt_stability import zones
 
 SHAFT = MisalignedShaft(4.597e-3, 3.96e-5, 0.46, (7.74, 23.22), (1e-3, 1e-3), 0.3, np.radians(5.0))
 STEEP = replace(SHAFT, polar=0.3, tilt=0.6, damping=(2e-3, 5e-3))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.lateral.tilt_stability import EXACT, Model, growth, linearised, zones
+from torsion.analyses.lateral.misaligned_shaft import EXACT, Model, growth, linearised
+from torsion.analyses.lateral.tilt_stability import zones
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"
 SPEEDS = np.array([25.9, 26.2])

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.output.headline import headline
-from torsion.rules import m68, societies
+from torsion.rules import m68, society_limits
 from torsion.rules.m68_shafts import (
     SLOT_FACTOR,
     least_diameter,
@@ -112,12 +112,12 @@ def test_a_keyway_with_a_barred_range() -> None:
 @pytest.mark.parametrize("name", [name for name in BY_NAME if name.startswith("kr-crank")])
 def test_limits_of_crankshafts_of_kr(name: str) -> None:
     given, expected = BY_NAME[name]["input"], BY_NAME[name]["expected"]
-    strength = societies.strength_factor(given["T_s"], alloy=given["alloy"])
-    yields = societies.yield_factor(given["Y"])
+    strength = society_limits.strength_factor(given["T_s"], alloy=given["alloy"])
+    yields = society_limits.yield_factor(given["Y"])
     assert (strength, yields) == (close(expected["f_m"]), close(expected["f_m of tau_2"]))
     in_line = given["engine"] == "four-stroke in line"
-    table = societies.KR_IN_LINE if in_line else societies.KR_OTHER
-    curve = societies.crank_curve(table, societies.NUMBERED, 0.0, strength, yields)
+    table = society_limits.KR_IN_LINE if in_line else society_limits.KR_OTHER
+    curve = society_limits.crank_curve(table, society_limits.NUMBERED, 0.0, strength, yields)
     ratio = np.array([given["lambda"]])
     limits = {"tau_1": curve.pieces[0].limit(ratio), "tau_3": curve.pieces[1].limit(ratio)}
     for letter in limits.keys() & expected.keys():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.rules.m68_shafts import tau_c, tau_t
-from torsion.rules.societies import (
+from torsion.rules.society_limits import (
     CCS_CRANK,
     KR_IN_LINE,
     KR_OTHER,

@@ -6,8 +6,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import InPlanes, Lateral, ShaftFound
-from torsion.analyses.lateral.tilt_stability import MisalignedShaft, Tilting, TiltRange
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Whirl
 from torsion.rules.stable_motion import bending_checks
 from torsion.study import Operation

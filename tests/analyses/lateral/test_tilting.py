@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
-from torsion.analyses.lateral.tilt_stability import MisalignedShaft
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks
 

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 import torsion
 from torsion.analyses.stability.common_period import period_too_long
-from torsion.analyses.stability.equations_of_motion import scene
+from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.periodic_orbits import harmonics_at_least
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.assembly import assemble

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.analyses.stability.equations_of_motion import scene
 from torsion.analyses.stability.floquet_exponents import Search, damped, growth_search, variation
+from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.periodic_orbits import orbit, response_of
 from torsion.analyses.stability.periodic_speeds import growths
 from torsion.analyses.stability.stability_over_speed import stability, stability_map

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsion.analyses.stability.equations_of_motion import scene
 from torsion.analyses.stability.floquet_exponents import growth_search, modes_that_matter
+from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.requested_motion import MapSettings, StabilitySettings
 from torsion.analyses.stability.stability_over_speed import stability_map
 from torsion.analyses.stability.straight_modes import basis

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
-from torsion.analyses.stability.equations_of_motion import scene
+from torsion.analyses.stability.mechanism_loads import scene
 from torsion.analyses.stability.periodic_orbits import (
     Found,
     PeriodicResponse,

@@ -8,13 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from torsion.analyses.stability.equations_of_motion import (
-    equations,
-    mean_angle,
-    operating,
-    scene,
-    state,
-)
+from torsion.analyses.stability.equations_of_motion import equations, mean_angle, state
 from torsion.analyses.stability.floquet_exponents import (
     Variation,
     by_hill,
@@ -22,6 +16,7 @@ from torsion.analyses.stability.floquet_exponents import (
     growth_search,
     variation,
 )
+from torsion.analyses.stability.mechanism_loads import operating, scene
 from torsion.analyses.stability.periodic_orbits import orbit
 from torsion.analyses.stability.stability_over_speed import stability
 from torsion.analyses.stability.straight_modes import Basis, basis

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from torsion.analyses.response.fillet_stresses import hole_factor, keyway_fit
-from torsion.assembly.section.section_torsion import (
+from torsion.assembly.section.grooved_sections import (
     WIDEST,
     Grooved,
     Piece,

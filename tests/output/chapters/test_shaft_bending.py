@@ -11,6 +11,7 @@ from tests.output.drawn import bands, levels, marks, named, plot, titles
 
 import torsion
 from torsion.analyses.lateral.couple_response import Answer
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import (
     Holding,
     InPlanes,
@@ -18,7 +19,7 @@ from torsion.analyses.lateral.shaft_bending import (
     LateralSettings,
     ShaftFound,
 )
-from torsion.analyses.lateral.tilt_stability import MisalignedShaft, Tilting, TiltRange
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Critical, Whirl, sense
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status

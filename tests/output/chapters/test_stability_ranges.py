@@ -12,8 +12,9 @@ import pytest
 from tests.output.drawn import levels, plot
 
 import torsion
+from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import InPlanes, ShaftFound
-from torsion.analyses.lateral.tilt_stability import MisalignedShaft, Tilting, TiltRange
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings

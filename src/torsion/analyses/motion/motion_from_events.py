@@ -23,15 +23,10 @@ from torsion.analyses.motion.events.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.motion.train.built_train import (
-    Built,
-    LoadedTrain,
-    build,
-    build_linear,
-    load_train,
-)
+from torsion.analyses.motion.train.built_train import Built, build, build_linear
 from torsion.analyses.motion.train.following_torques import replaced_dampers
 from torsion.analyses.motion.train.joints import joint_cuts, parts_of
+from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
 from torsion.analyses.motion.train.modal_train import kept_modes, train_in_modes
 from torsion.analyses.motion.train.state_before import point, state_before
 from torsion.analyses.motion.transient_motion import (

@@ -200,7 +200,7 @@ def _concentration(
     """Return radius (m), K_t, its relative error and the K_t of a fit, in a shaft of these diameters (m)."""
     if notch.hole is not None:
         return notch.hole / 2.0, hole_factor(notch.hole / outer), None, None
-    from torsion.assembly.section.section_torsion import groove_stress, keyway, splines
+    from torsion.assembly.section.grooved_sections import groove_stress, keyway, splines
 
     unit = outer / 2.0
     ratio = bore / outer

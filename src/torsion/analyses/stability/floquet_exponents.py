@@ -6,15 +6,10 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.law_slopes import mean_speed_slopes
-from torsion.analyses.stability.equations_of_motion import (
-    Scene,
-    entries,
-    mean_angle,
-    scene,
-    state,
-)
+from torsion.analyses.stability.equations_of_motion import entries, mean_angle, state
 from torsion.analyses.stability.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.stability.mechanism import gathered
+from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import Orbit, continued
 from torsion.analyses.stability.straight_modes import Basis, at_coordinates, basis, reduced, viscous
 from torsion.arrays import ComplexArray, FloatArray

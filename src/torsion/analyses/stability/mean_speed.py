@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from torsion.analyses.stability.equations_of_motion import Scene
+from torsion.analyses.stability.mechanism_loads import Scene
 from torsion.analyses.stability.periodic_orbits import Orbit, orbit
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray

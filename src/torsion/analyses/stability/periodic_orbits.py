@@ -10,17 +10,14 @@ import numpy as np
 
 from torsion.analyses.stability.common_period import harmonics_needed, period_too_long
 from torsion.analyses.stability.equations_of_motion import (
-    Operating,
-    Scene,
     equations,
     mean_angle,
-    operating,
-    rigid_deviation,
     spring_torques,
     state,
     torques,
     turning,
 )
+from torsion.analyses.stability.mechanism_loads import Operating, Scene, operating, rigid_deviation
 from torsion.analyses.stability.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
 from torsion.errors import SolveError

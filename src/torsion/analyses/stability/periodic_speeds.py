@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.stability.equations_of_motion import Scene, scene
 from torsion.analyses.stability.floquet_exponents import Search, damped, modes_that_matter
+from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import (
     Orbit,
     PeriodicResponse,

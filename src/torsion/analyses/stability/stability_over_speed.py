@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.stability.equations_of_motion import Scene, scene
 from torsion.analyses.stability.floquet_exponents import (
     Method,
     Search,
@@ -23,6 +22,7 @@ from torsion.analyses.stability.mean_speed import (
     missing_slope,
     slip_slope,
 )
+from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import harmonics_at_least, orbit
 from torsion.analyses.stability.straight_modes import basis
 from torsion.analyses.stability.unstable_ranges import (

@@ -16,7 +16,8 @@ from torsion.analyses.motion.curves.peaks import (
     looked_at,
     turns_within,
 )
-from torsion.analyses.motion.train.built_train import Built, LoadedTrain
+from torsion.analyses.motion.train.built_train import Built
+from torsion.analyses.motion.train.loaded_train import LoadedTrain
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Progress
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
