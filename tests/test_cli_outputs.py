@@ -182,7 +182,7 @@ def test_no_other_file_is_removed_whatever_the_earlier_results_name(
     ("given", "instead"),
     [
         ('"program": {', '"program": { '),
-        ('"reference": "', '"reference": "x'),
+        ('"reference":"', '"reference":"x'),
         (',\n"report": {', ',\n"more": 1,\n"report": {'),
     ],
 )

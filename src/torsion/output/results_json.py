@@ -4,7 +4,6 @@ Format 1 may gain keys; a key that is there keeps its meaning. Complex amplitude
 and ratios are texts "a/b".
 """
 
-import json
 import math
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic_core import from_json, to_json
 
 import torsion
 from torsion.analyses import ANALYSES
@@ -130,8 +130,12 @@ MOST_OF_A_CASE = (
 
 
 def listed(values: Any) -> Any:
-    """Return the data with nested lists in place of arrays."""
-    return replaced(values, lambda _, array: _listed(array))
+    """Return the data as JSON has them: nested lists in place of arrays, None where a number is not finite."""
+    return from_json(_json(values))
+
+
+def _json(values: Any) -> bytes:
+    return to_json(values, fallback=lambda array: array.tolist(), inf_nan_mode="null")
 
 
 def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str = "") -> Any:
@@ -189,16 +193,7 @@ def write_json(
 def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """Yield the text of a JSON object, one line for each key, without its end."""
     for position, (key, value) in enumerate(parts):
-        text = json.dumps(value, default=_listed, allow_nan=False)
-        yield f"{',' if position else '{'}\n{json.dumps(key)}: {text}"
-
-
-def _listed(array: NDArray[Any]) -> Any:
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        finite = np.isfinite(array)
-        array = array.astype(object)
-        array[~finite] = None
-    return array.tolist()
+        yield f"{',' if position else '{'}\n{_json(key).decode()}: {_json(value).decode()}"
 
 
 FORMAT = 1

@@ -18,12 +18,12 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import reach, table_path, taken_at
 from torsion.errors import SolveError
-from torsion.kernels.bracketed_search import find_root
 from torsion.kernels.stiffness_laws import STEEPEST, StiffnessTable
 
 Modes = Any  # analyses.undamped_modes.Modes, whose module imports this one
 Tables = Mapping[int, StiffnessTable]
 TAU = 2.0 * math.pi
+MOST_STEPS = 100
 ROUNDING = 16.0 * np.finfo(float).eps  # relative, of a stiffness read off a table and of a quotient
 
 
@@ -70,12 +70,25 @@ def tabled_modes(
             columns.append((first, mode))
         else:
 
-            def excess(log_w: float, mode: int = mode) -> float:
-                return log_w - math.log(TAU * float(modes_at(math.exp(log_w)).frequency[mode]))
-
-            # Over ln w it is nearly straight, and interpolation is there in a few steps.
-            w = math.exp(find_root(excess, math.log(low), math.log(high)))
-            columns.append((_enclosed(tables, modes_at(w), mode, w), mode))
+            # Newton's method over ln w, where h is nearly straight, with the exact slope; halving where it leaves.
+            begin, end, w = low, high, TAU * lowest
+            for _ in range(MOST_STEPS):
+                modes = modes_at(w)
+                excess = math.log(w / (TAU * float(modes.frequency[mode])))
+                begin, end = (begin, w) if excess > 0.0 else (w, end)
+                slope = STEEPEST - sum(
+                    float(modes.elastic[span, mode]) * table.slope(w)
+                    for span, table in tables.items()
+                )
+                before, w = w, w * math.exp(-STEEPEST * excess / slope)
+                if not begin <= w <= end:
+                    w = math.sqrt(begin * end)
+                if abs(w - before) <= 0.25 * ROUNDING * before:
+                    break
+            else:
+                message = f"mode {mode + 1} was not found to rounding at the stiffness of a table"
+                raise SolveError(message)
+            columns.append((_enclosed(tables, modes, mode, before), mode))
 
     def combined(name: str) -> FloatArray:
         none = getattr(first, name)[..., :0]

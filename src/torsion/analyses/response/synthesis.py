@@ -120,6 +120,9 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
     """
     if phasors.size == 0:
         return np.zeros(len(phasors)), np.zeros(len(phasors))
+    if phasors.shape[1] == 1:
+        amplitude = np.abs(phasors[:, 0])
+        return amplitude, -amplitude
     number = int(harmonics.max()) * SAMPLES
     turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
     # Re(a b*) is the product of both as real pairs.
