@@ -87,7 +87,7 @@ def _data() -> Iterator[tuple[str, ...]]:
     yield compared(
         "Gamma = T0/(2 J0 W0²), W0² = (w10² + w20²)/2",
         "0.04580",
-        SHAFT.pull / (2.0 * middle**2),
+        SHAFT.torque / SHAFT.inertia / (2.0 * middle**2),
         "",
         6,
     )

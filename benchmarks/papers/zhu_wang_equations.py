@@ -83,8 +83,8 @@ class Averaged:
 def averaged(shaft: MisalignedShaft) -> Averaged:
     """Constants of the sum type."""
     low, high = np.sqrt(np.sort(shaft.square))
-    strength = shaft.pull / (8.0 * np.sqrt(low * high))
-    circulation = shaft.pull / (high**2 - low**2)
+    strength = shaft.torque / shaft.inertia / (8.0 * np.sqrt(low * high))
+    circulation = shaft.torque / shaft.inertia / (high**2 - low**2)
     return Averaged(
         float((low + high) / 2.0), float(strength), float(circulation), float(shaft.decay[0] / 2.0)
     )

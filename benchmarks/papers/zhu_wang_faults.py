@@ -130,7 +130,7 @@ def _criteria() -> tuple[Misprint, ...]:
             "`w = (w_i ± w_j)/2`, i ≠ j, as the only ones",
             "E0 is diagonal: also `w = w10` and `w = w20`, growth T0/(8 J0 w_i) without damping",
             f"growth at w20 by E0 alone {_simple(1):.6f} 1/s, formula "
-            f"{SHAFT.pull / (8.0 * np.sqrt(SHAFT.square[1])):.6f}; both zones stand in the table above",
+            f"{SHAFT.torque / SHAFT.inertia / (8.0 * np.sqrt(SHAFT.square[1])):.6f}; both zones stand in the table above",
         ),
         Misprint(
             "conclusion 3, abstract",

@@ -105,9 +105,9 @@ def _table(keys: list[Key]) -> str:
 def documented() -> tuple[Key, ...]:
     """Return every key of the results, as the manual of results lists them."""
     kinds = {
-        name: kind
+        name: analysis.imported(word)
         for analysis in ANALYSES.values()
-        for name, kind in analysis.result_classes().items()
+        for name, word in analysis.results.items()
     }
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
     all_kinds = head | kinds | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}

@@ -207,7 +207,7 @@ def _run_analyses(work: Work, study: Study, only: Collection[str], names: Collec
         if not (name in study.analyses or name in only or analysis.wanted(study)):
             continue
         try:
-            analysis.function()(work)
+            analysis.imported(analysis.run)(work)
         except (InputError, SolveError) as error:
             if name in work.ruled or name in ESSENTIAL:
                 raise

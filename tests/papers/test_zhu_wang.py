@@ -22,7 +22,7 @@ def test_frequencies_and_constants_of_the_example(paper) -> None:
     low, high = np.sort(shaft.square)
     np.testing.assert_allclose([high, low], [1068.81705460082663, 356.272351533608875], rtol=1e-14)
     middle = (low + high) / 2.0
-    found = [shaft.pull / (2.0 * middle), shaft.decay[0] / np.sqrt(middle)]
+    found = [shaft.torque / shaft.inertia / (2.0 * middle), shaft.decay[0] / np.sqrt(middle)]
     np.testing.assert_allclose(found, [0.0457935845019856098, 0.00172438843553709198], rtol=1e-13)
     first = own.averaged(shaft)
     found = [

@@ -53,21 +53,8 @@ class Analysis:
     ] = ()  # key of the file that is at fault where it has no answer; () for its own
     is_listed: bool = False  # a list of settings may stand in the file, one for each time it is run
 
-    def function(self) -> Callable[[Any], None]:
-        """Import and return the function that runs this analysis."""
-        function: Callable[[Any], None] = getattr(import_module(self.module), self.run)
-        return function
-
-    def settings_class(self) -> type[Declared]:
-        """Import and return the class of its settings."""
-        settings: type[Declared] = self._class(self.settings)
-        return settings
-
-    def result_classes(self) -> dict[str, type]:
-        """Import and return the class of every result, by its name in every output."""
-        return {name: self._class(word) for name, word in self.results.items()}
-
-    def _class(self, word: str) -> Any:
+    def imported(self, word: str) -> Any:
+        """Import and return what `run`, `settings` or an entry of `results` names."""
         module, _, name = word.rpartition(":")
         return getattr(import_module(module or self.module), name)
 
@@ -400,7 +387,9 @@ ANALYSES: dict[str, Analysis] = {
 def settings_classes() -> dict[str, type[Declared]]:
     """Return the settings of every analysis that a file can name."""
     return {
-        name: analysis.settings_class() for name, analysis in ANALYSES.items() if analysis.settings
+        name: analysis.imported(analysis.settings)
+        for name, analysis in ANALYSES.items()
+        if analysis.settings
     }
 
 

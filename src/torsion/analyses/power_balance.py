@@ -31,14 +31,12 @@ def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
 
 
 def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
-    """Return the fault of a table that does not cover the speeds (rad/s); none where it does."""
-    first = table[0][0]
-    last = table[-1][0]
-    if not speed.size or (
-        speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)
-    ):
+    """Return the fault of a table that does not cover the speeds (rad/s); none where it does, or is empty."""
+    if not table or not speed.size:
         return []
-    ends = first, last, speed.min(), speed.max()
+    ends = table[0][0], table[-1][0], speed.min(), speed.max()
+    if ends[2] >= ends[0] * (1 - SAME_SPEED) and ends[3] <= ends[1] * (1 + SAME_SPEED):
+        return []
     begin, end, slowest, fastest = (f"{end * 30.0 / np.pi:.6g} rpm" for end in ends)
     message = f"{about.message} covers {begin} to {end}, the speeds run from {slowest} to {fastest}"
     hint = "extend the table, or narrow the speeds; nothing is extrapolated"
@@ -68,10 +66,6 @@ class Load:
         if self.law.table:
             return interpolated(self.law.table, speed, self.about).copy()
         return self.law.torque(speed, self.speed, self.torque)
-
-    def faults(self, speed: FloatArray) -> list[Fault]:
-        """Return the fault of a table of load that does not cover the speeds (rad/s)."""
-        return uncovered(self.law.table, speed, self.about) if self.law.table else []
 
 
 @dataclass(frozen=True)
@@ -118,11 +112,6 @@ class Balance:
     def corners(self) -> list[float]:
         """Speeds (rad/s of the reference) at which a table of load bends."""
         return [speed for load in self.loads for speed, _ in load.law.table]
-
-    @property
-    def is_polynomial(self) -> bool:
-        """Every torque is a polynomial of at most second order of the speed, between the corners of tables."""
-        return all(load.law.table or load.law.exponent in (0.0, 1.0, 2.0) for load in self.loads)
 
 
 SAME_POWER = 0.01  # relative: the sum of rounded ratings that is still the rated power
@@ -439,7 +428,8 @@ def _remarks(drivers: Parts, balance: Balance, operation: Operation) -> str:
     share = float(balance.delivered)
     if rated is None or abs(share - 1.0) <= SAME_SHARE:
         return remarks
-    if any(load.faults(np.array([rated.speed])) for load in balance.loads):
+    point = np.array([rated.speed])
+    if any(uncovered(load.law.table, point, load.about) for load in balance.loads):
         return remarks
     full = _total(balance.loads, rated.speed) * rated.speed
     change = "rise alike"

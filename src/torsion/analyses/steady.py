@@ -11,8 +11,8 @@ import numpy as np
 
 from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
 from torsion.analyses.power_balance import (
+    TABLE,
     Balance,
-    Load,
     Shared,
     Shares,
     keeping_last,
@@ -278,8 +278,10 @@ def power_faults(study: Study) -> list[Fault]:
     try:
         balance = power_balance(study.train, operation)
     except InputError as error:
-        return [*Load((), [], operation.load).faults(speed), *error.faults]
-    return [fault for load in balance.loads for fault in load.faults(speed)]
+        return [*uncovered(operation.load.table, speed, TABLE), *error.faults]
+    return [
+        fault for load in balance.loads for fault in uncovered(load.law.table, speed, load.about)
+    ]
 
 
 def table_faults(study: Study) -> list[Fault]:

@@ -237,7 +237,11 @@ def bending_checks(bending: Lateral, operation: Operation) -> tuple[Check, ...]:
             first, last, is_whole = _operated(tilting.speed, operation)
             unstable = [zone for zone in tilting.zones if zone.meets(first, last)]
             growth, speed = _fastest(tilting.speed, tilting.growth, unstable, operation)
-            notes = [] if tilting.is_damped else ["its supports do not damp it in both directions"]
+            notes = (
+                []
+                if min(tilting.shaft.damping) > 0.0
+                else ["its supports do not damp it in both directions"]
+            )
             notes += [] if is_whole else [PART]
             has_all = bool(np.isfinite([growth, *tilting.growth]).all())
             kept, what = (

@@ -290,7 +290,7 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             names = [key for key, analysis in ANALYSES.items() if analysis.settings]
             faults.append(unknown_word(path, "analysis", name, [*ShaftModel.model_fields, *names]))
             continue
-        kind = ANALYSES[name].settings_class()
+        kind = ANALYSES[name].imported(ANALYSES[name].settings)
         if isinstance(body, list) and ANALYSES[name].is_listed:
             several = [declared(kind, entry, (*path, k), faults) for k, entry in enumerate(body)]
             read[name] = Several(each=tuple(filter(None, several)))

@@ -224,13 +224,6 @@ class Beam:
         """Length of all segments together, m."""
         return math.fsum(segment.length for segment in self.segments)
 
-    @property
-    def is_isotropic(self) -> bool:
-        """Its supports are the same in both planes."""
-        return all(
-            p.stiffness[0] == p.stiffness[1] and p.damping[0] == p.damping[1] for p in self.points
-        )
-
     def rigid_motions(self, plane: int) -> int:
         """Return the motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
         if any(point.fixation == "clamped" for point in self.points):

@@ -251,7 +251,9 @@ def planes(system: LateralSystem) -> Planes:
                 f"{where} is not supported in the plane {name}; give it a `support`, or a joint at either end"
             )
     y = _plane(system, 0)
-    isotropic = system.beam.is_isotropic
+    # With supports that are the same in both planes one stands for both.
+    supports = [sides for p in system.beam.points for sides in (p.stiffness, p.damping)]
+    isotropic = all(in_y == in_z for in_y, in_z in supports)
     z = y if isotropic else _plane(system, 1)
     turning, crossed = (
         y.shape.T @ matrix @ z.shape for matrix in (system.gyroscopic, system.lossy)

@@ -51,14 +51,9 @@ class MisalignedShaft:
         """(2,) 1/s, twice the decay rate of each angle."""
         return self.length**2 * np.array(self.damping[::-1]) / self.inertia
 
-    @property
-    def pull(self) -> float:
-        """Torque / transverse inertia of the shaft, rad/s2."""
-        return self.torque / self.inertia
-
     def pull_at(self, speeds: FloatArray) -> FloatArray:
-        """Return (speeds,) rad/s2, the same at speeds in rad/s."""
-        return self.pull * self.load(np.asarray(speeds, dtype=float))
+        """Return torque / transverse inertia of the shaft, (speeds,) rad/s2, at speeds in rad/s."""
+        return self.torque / self.inertia * self.load(np.asarray(speeds, dtype=float))
 
     @property
     def frequency(self) -> FloatArray:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -35,7 +35,6 @@ from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange, states_mean_torque
 from torsion.train import Train
 
-OfShaft = TypeVar("OfShaft", Whirl, Critical, Answer)
 PLACE: Path = ("analyses", "lateral")
 _ROUNDS = 6  # of dividing more finely; two suffice but for a shaft with many masses
 _SPARE = 4  # inner unknowns for every mode that is reported
@@ -233,15 +232,14 @@ def _bend_shaft(
     ratio = float(shaft.ratio)
     shaft_speeds = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(placed_joints, shaft) if order)
-    both, critical = _refined(shaft, requested, shaft_speeds, excited)
+    both, critical, at_rest = _refined(shaft, requested, shaft_speeds, excited)
+    # Answers and critical speeds are reported at the speed of the reference in place of the shaft's own.
     map_of = None
     if shaft_speeds is not None:
         count = min(len(shaft_speeds), _WHIRL_SPEEDS)
         rows = np.linspace(0, len(shaft_speeds) - 1, count).round().astype(int)
-        map_of = _of_train(whirl(both, shaft_speeds[rows], requested.modes), ratio)
-    at_rest = InPlanes(
-        _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
-    )
+        map_of = whirl(both, shaft_speeds[rows], requested.modes)
+        map_of = replace(map_of, speed=map_of.speed / ratio)
     answers: tuple[Answer, ...] = ()
     tilt = None
     remark = ""
@@ -250,9 +248,8 @@ def _bend_shaft(
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(reference * ratio, resonances)
         couple = couples_at(placed_joints, shaft, torque(grid / ratio), requested.carrier)
-        answers = tuple(
-            _of_train(answer(both, order, grid, couple[order]), ratio) for order in couple
-        )
+        own = [answer(both, order, grid, couple[order]) for order in couple]
+        answers = tuple(replace(response, speed=response.speed / ratio) for response in own)
     system = both.system
     return ShaftFound(
         shaft.name,
@@ -262,7 +259,7 @@ def _bend_shaft(
         places(system).position,
         tuple(Holding(point.name, point.at) for point in shaft.beam.points),
         at_rest,
-        tuple(_of_train(crossing, ratio) for crossing in critical),
+        tuple(replace(crossing, speed=crossing.speed / ratio) for crossing in critical),
         map_of,
         answers,
         len(system.cells),
@@ -271,22 +268,13 @@ def _bend_shaft(
     )
 
 
-def _of_train(of_shaft: OfShaft, ratio: float) -> OfShaft:
-    """The same with the speed of the reference in place of the shaft's own."""
-    return replace(of_shaft, speed=of_shaft.speed / ratio)
-
-
-def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
-    return frequency[:modes] / (2.0 * np.pi)
-
-
 def _refined(
     shaft: BendingShaft,
     requested: LateralSettings,
     speed: FloatArray | None,
     excited: tuple[int, ...],
-) -> tuple[Planes, tuple[Critical, ...]]:
-    """The shaft in as many elements as the highest frequency that is reported of it needs."""
+) -> tuple[Planes, tuple[Critical, ...], InPlanes]:
+    """The shaft in as many elements as the highest frequency that is reported of it needs, with those it has at rest."""
     highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
     elements = 1
     for _ in range(_ROUNDS):
@@ -299,14 +287,14 @@ def _refined(
             for order in (1, *excited)
             for crossing in criticals(both, order, np.inf)[: 2 * requested.modes]
         )
-        reported_of = [np.array([crossing.frequency for crossing in critical])]
-        reported_of += [_hertz(plane.frequency, requested.modes) for plane in (both.y, both.z)]
+        y, z = (plane.frequency[: requested.modes] / (2.0 * np.pi) for plane in (both.y, both.z))
+        reported_of = [np.array([crossing.frequency for crossing in critical]), y, z]
         reported_of += [] if speed is None else [whirl(both, speed[-1:], requested.modes).frequency]
         top = max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of)
         reached = 2.0 * np.pi * float(top)
         spare = len(system.free) >= _SPARE * requested.modes
         if spare and reached <= highest:
-            return both, critical
+            return both, critical, InPlanes(y, z)
         highest = max(highest, 1.01 * reached)
         elements = elements if spare else 2 * elements
     raise SolveError(f"{shaft.name}: its bending modes need too many elements; give fewer `modes`")

@@ -99,11 +99,6 @@ class Tilting:
         z, y = self.shaft.decay
         return y / 2.0, z / 2.0
 
-    @property
-    def is_damped(self) -> bool:
-        """Both directions of the tilt are damped."""
-        return min(self.shaft.damping) > 0.0
-
 
 def tilting(
     shaft: BendingShaft,

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from torsion.analyses.lateral.bending_shafts import EPS, Planes
-from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import derived, reported, result
 from torsion.sources import source
 
@@ -21,14 +21,9 @@ REACH = 0.05  # relative: a root that moves farther than this was not among the 
 APART = 1e-9  # relative: roots nearer than this may be one found twice
 
 
-UNSTABLE = -1e-9  # of a logarithmic decrement; what lies between it and 0 is rounding
-
-
-def is_unstable(decrement: FloatArray) -> BoolArray:
-    """Return where a logarithmic decrement says that the motion grows by itself."""
-    return decrement < UNSTABLE
-
-
+UNSTABLE = (
+    -1e-9
+)  # a motion grows where its logarithmic decrement is below; between it and 0 is rounding
 PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
 
 
@@ -85,7 +80,7 @@ class Whirl:
             if not np.isfinite(decrement).any():
                 continue
             row = int(np.nanargmin(decrement))
-            grows = is_unstable(decrement)
+            grows = decrement < UNSTABLE
             least = float(decrement[row])
             modes.append(
                 WhirlMode(
@@ -133,7 +128,12 @@ def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     columns = np.full((3, len(speeds), 2 * modes), np.nan)
     square = np.concatenate([planes.y.square, planes.z.square])[:, None]
     for k, omega in enumerate(speeds.tolist()):
-        root, shape = _roots(planes, omega, 2 * modes)
+        # By ascending modulus; at least the lowest that oscillate.
+        roots = None
+        if planes.is_damped:
+            rough = roots_among(planes, omega, lowest(planes, 2 * modes))
+            roots = refined(planes, omega, rough, 2 * modes)
+        root, shape = roots or roots_among(planes, omega, np.arange(len(planes.square)))
         turns = [-1.0, 1.0] if planes.is_isotropic else [1.0]
         wanted = 2 * modes // len(turns)
         for group, sign in enumerate(turns):
@@ -159,22 +159,13 @@ def _both(planes: Planes, p: ComplexArray, sign: float) -> ComplexArray:
     return np.asarray(np.vstack([p, sign * p]) / math.sqrt(2.0), dtype=np.complex128)
 
 
-def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, ComplexArray]:
-    """Roots s by ascending modulus, and shapes (coordinates, roots); at least the `modes` lowest that oscillate."""
-    if planes.is_damped:
-        rough = roots_among(planes, speed, lowest(planes, modes))
-        if (roots := refined(planes, speed, rough, modes)) is not None:
-            return roots
-    return roots_among(planes, speed, np.arange(len(planes.square)))
-
-
 def lowest(planes: Planes, modes: int) -> IntArray:
     """Return the coordinates of the lowest modes at rest, some more than are reported."""
     return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + modes]
 
 
 def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return all roots and shapes (coordinates, roots) of the coordinates that are kept."""
+    """Return all roots s, by ascending modulus, and shapes (coordinates, roots) of the coordinates that are kept."""
     square = planes.square[kept]
     moving = np.flatnonzero(square > 0)
     n = len(kept)

@@ -69,7 +69,6 @@ def tabled_modes(
                 raise SolveError(message, hint, table_path(system, span))
             columns.append((first, mode))
         else:
-
             # Newton's method over ln w, where h is nearly straight, with the exact slope; halving where it leaves.
             begin, end, w = low, high, TAU * lowest
             for _ in range(MOST_STEPS):

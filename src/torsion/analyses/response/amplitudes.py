@@ -254,11 +254,6 @@ class Response(Displayed, Keyed):
         size = np.abs(self.torque[:, :, list(spans)]).max(axis=2)
         return np.where(self.status == Status.OK, size, np.nan)
 
-    def carried(self, span: int) -> FloatArray:
-        """Return the torque (speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
-        vibratory = {} if self.following is None else self.following.by_span
-        return vibratory.get(span, self.mean[:, span])[:, None]
-
     @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
         """Words of the status (speeds, lines) of every component."""

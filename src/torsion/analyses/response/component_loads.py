@@ -160,9 +160,11 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     omega = 2.0 * math.pi * response.frequency
     power = np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
+    vibratory = {} if response.following is None else response.following.by_span
+    speed = response.speed[:, None]
     for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
-        carried = response.carried(span)
-        speed = response.speed[:, None]
+        # Its table may be over the vibratory torque, else over the mean torque.
+        carried = vibratory.get(span, response.mean[:, span])[:, None]
         stiffness, loss = system.elastic(span, omega, carried, speed)
         if span in added:
             balance = added[span]

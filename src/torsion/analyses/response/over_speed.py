@@ -290,12 +290,11 @@ def solve_components(
         vibratory=None if following is None else following.by_span,
     )
 
-    def combined() -> Iterator[Answer]:
-        for count in map(len, components.apart):
-            total = by_magnitude(list(islice(separate, count)))
-            yield replace(total, status=np.where(settled, total.status, Status.SINGULAR))
-
-    return combined(), balance, following
+    totals = (by_magnitude(list(islice(separate, len(apart)))) for apart in components.apart)
+    combined = (
+        replace(total, status=np.where(settled, total.status, Status.SINGULAR)) for total in totals
+    )
+    return combined, balance, following
 
 
 def run(work: Work) -> None:

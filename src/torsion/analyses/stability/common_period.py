@@ -64,15 +64,15 @@ def period_too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> 
         return harmonics_needed(rank, joints, torques)
 
     first, second = max(combinations(sources, 2), key=needed, default=(sources[0], sources[0]))
-
-    def lies_between(gear: Constraint) -> bool:
-        """Return whether the worst two lie on different sides of a gear, of a train without closed loops."""
-        links: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
-        ends = np.array([(link.driving, link.driven) for link in links if link is not gear], int)
+    # The gears on different sides of which the worst two lie, in a train without closed loops.
+    gears = []
+    links: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
+    for mesh in train.constraints:
+        ends = np.array([(link.driving, link.driven) for link in links if link is not mesh], int)
         group = connected(len(ratio), *ends.reshape(-1, 2).T)
-        is_driven = group == group[gear.driven]
-        return bool(is_driven[first.station] != is_driven[second.station])
-
+        is_driven = group == group[mesh.driven]
+        if mesh.ratio != 1 and is_driven[first.station] != is_driven[second.station]:
+            gears.append(mesh)
     period = 1 / common_order([source.of_reference for source in sources])
     length = (
         f"repeat together only every {float(period):.6g} revolutions of the reference shaft, which takes about "
@@ -81,7 +81,6 @@ def period_too_long(train: Train, rank: int, limit: int, *, vibratory: bool) -> 
     names = (
         f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
     )
-    gears = [mesh for mesh in train.constraints if mesh.ratio != 1 and lies_between(mesh)]
     if not gears:
         return SolveError(f"{names} {length}", "take orders with smaller whole numbers")
     gear = max(gears, key=lambda mesh: mesh.ratio.numerator * mesh.ratio.denominator)

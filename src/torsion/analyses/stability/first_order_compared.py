@@ -1,9 +1,8 @@
 """The largest torques of a train with joints by both methods: the first-order and the exact periodic response."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from itertools import chain
 
 import numpy as np
 
@@ -46,25 +45,16 @@ class FirstOrderCompared:
 
 def compare_first_order(evidence: Results) -> FirstOrderCompared:
     """Return all orders together (where no torque has a fixed frequency), then each, of every element with torque."""
-    nothing = rounding(evidence)
-    rows = (
-        _compare(evidence, element, nothing[list(element.spans)].min())
-        for element in elements(evidence.system)
-    )
-    return FirstOrderCompared(tuple(chain.from_iterable(rows)))
-
-
-def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[ComparedTorque]:
-    """nothing: N m, below which a torque is rounding and reported as 0."""
     response = evidence.need(Response)
     periodic = evidence.need(PeriodicResponse)
     orders = [line.order for line in response.lines]
-    first = response.amplitude(element.spans)
-    exact = element.largest(np.abs(periodic.torque))
-    if (top := np.nanmax(exact, initial=0.0)) == 0.0:
-        return
+    all_nothing = rounding(evidence)
 
-    def row(order: Fraction | None, first: FloatArray | None, exact: FloatArray) -> ComparedTorque:
+    def compare(
+        element: Element, order: Fraction | None, first: FloatArray | None, exact: FloatArray
+    ) -> ComparedTorque:
+        # Below that a torque (N m) is rounding and reported as 0.
+        nothing = all_nothing[list(element.spans)].min()
         largest = speed = None
         if first is not None:
             values = np.where(first < nothing, 0.0, first)
@@ -85,16 +75,22 @@ def _compare(evidence: Results, element: Element, nothing: float) -> Iterator[Co
             bool(periodic.is_unstable[place]),
         )
 
-    if None not in orders:
-        total = element.largest(evidence.need(Synthesis).half_range)
-        total = np.where(response.unreliable | ~np.isfinite(total), np.nan, total)
-        yield row(None, total, exact_half_range(periodic, element.spans))
-    for k, order in enumerate(periodic.orders):
-        compared = row(
-            order, first[:, orders.index(order)] if order in orders else None, exact[:, k]
-        )
-        if max(compared.first or 0.0, compared.exact) >= SMALLEST * top:
-            yield compared
+    rows = list[ComparedTorque]()
+    for element in elements(evidence.system):
+        first = response.amplitude(element.spans)
+        exact = element.largest(np.abs(periodic.torque))
+        if (top := np.nanmax(exact, initial=0.0)) == 0.0:
+            continue
+        if None not in orders:
+            total = element.largest(evidence.need(Synthesis).half_range)
+            total = np.where(response.unreliable | ~np.isfinite(total), np.nan, total)
+            rows.append(compare(element, None, total, exact_half_range(periodic, element.spans)))
+        for k, order in enumerate(periodic.orders):
+            of_order = first[:, orders.index(order)] if order in orders else None
+            compared = compare(element, order, of_order, exact[:, k])
+            if max(compared.first or 0.0, compared.exact) >= SMALLEST * top:
+                rows.append(compared)
+    return FirstOrderCompared(tuple(rows))
 
 
 def exact_half_range(periodic: PeriodicResponse, spans: Sequence[int]) -> FloatArray:

@@ -30,14 +30,6 @@ class JointMap:
     yoke: float  # rad
     series: tuple[tuple[int, complex], ...] = ()
 
-    def undone(self) -> "JointMap":
-        """Return the map from the driven side back; raises SolveError where only a series is known."""
-        if self.series:
-            raise SolveError(
-                "a tripod joint that is driven from its driven side by a fixed station is not built"
-            )
-        return replace(self, unevenness=-self.unevenness)
-
 
 def joint_map(system: System, span: Span) -> JointMap:
     """Return the map of a span with an error."""
@@ -193,7 +185,13 @@ def _coordinates(
         inner = int(way.parent[outer])
         above = way.above[outer]
         joint = joint_map(system, system.spans[joints[above]])
-        steps.append(JointStep(inner, outer, joint if driving[above] == inner else joint.undone()))
+        if driving[above] != inner:
+            if joint.series:
+                raise SolveError(
+                    "a tripod joint that is driven from its driven side by a fixed station is not built"
+                )
+            joint = replace(joint, unevenness=-joint.unevenness)
+        steps.append(JointStep(inner, outer, joint))
         coordinate[outer] = coordinate[inner]
     if len(steps) < len(joints):
         raise SolveError(

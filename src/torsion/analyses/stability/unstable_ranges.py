@@ -266,9 +266,6 @@ def indicator(multipliers: Multipliers, meeting: complex | None = None, *, loses
 def _fastest(search: Search, lower: float, upper: float) -> float:
     """The speed (rad/s) of the fastest growth between two: of speeds in all parts, and about the best of them."""
 
-    def growth(speed: float) -> float:
-        return float(np.nan_to_num(search.growth(speed)))
-
     def inside() -> list[float]:
         return sorted(w for w, solved in search.known.items() if solved and lower <= w <= upper)
 
@@ -277,9 +274,14 @@ def _fastest(search: Search, lower: float, upper: float) -> float:
         for speed in np.linspace(low, high, parts + 1)[1:-1].tolist():
             search(speed)
     speeds = inside()
-    best = int(np.argmax([growth(speed) for speed in speeds]))
+    best = int(np.argmax([search.growth(speed) for speed in speeds]))
     low = speeds[max(best - 1, 0)]
     high = speeds[min(best + 1, len(speeds) - 1)]
     if high > low:
-        find_minimum(lambda speed: -growth(float(speed)), low, high, tolerance=PEAK * (high - low))
-    return max(inside(), key=growth)
+        find_minimum(
+            lambda speed: -float(np.nan_to_num(search.growth(float(speed)))),
+            low,
+            high,
+            tolerance=PEAK * (high - low),
+        )
+    return max(inside(), key=search.growth)

@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.analyses.lateral.couple_response import extent
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
-from torsion.analyses.lateral.whirl import Critical, Whirl, is_unstable
+from torsion.analyses.lateral.whirl import UNSTABLE, Critical, Whirl
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
@@ -83,7 +83,7 @@ def _criticals(shafts: Shafts, speeds: Range) -> Table:
     """Speeds of the reference at which an order of a shaft meets one of its bending frequencies."""
     rows = []
     for shaft in shafts:
-        grows = shaft.whirl is not None and bool(is_unstable(shaft.whirl.log_decrement).any())
+        grows = shaft.whirl is not None and bool((shaft.whirl.log_decrement < UNSTABLE).any())
         grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
         name = f"{shaft.name} (UNSTABLE)" if grows else shaft.name
         rows += [(critical, name, _inside(critical, speeds)) for critical in _near(shaft, speeds)]
@@ -175,7 +175,7 @@ def _whirl_figure(
         end = np.array([0.0, min(right, top / hertz * last)])
         words = f"order {order}"
         lines.append(Line("orders", end, hertz * end / last, "pale", words, label_at="end"))
-    rows, columns = np.nonzero(is_unstable(whirl.log_decrement))
+    rows, columns = np.nonzero(whirl.log_decrement < UNSTABLE)
     grows = Marks("UNSTABLE", x[rows], whirl.frequency[rows, columns], "cross", "unstable")
     panel = Panel(
         replace(SPEED, low=0.0, high=right),

@@ -257,7 +257,9 @@ def _with_corners_of_loads(study: Study, ends: set[float], ratio: float) -> set[
         last = min(table[-1][0] for table in tables) * ratio
         ends = ends | {corner * ratio for corner in balance.corners}
         ends = {end for end in ends if first <= end <= last}
-    if not balance.is_polynomial:
+    if any(
+        not load.law.table and load.law.exponent not in (0.0, 1.0, 2.0) for load in balance.loads
+    ):
         lowest = min(ends) if tables else LOWEST * max(ends)
         ends |= set(np.geomspace(lowest, max(ends), PARTS + 1).tolist()[:-1])
     return ends
