@@ -1,6 +1,7 @@
 """Event-driven motion against closed forms, and against Taylor series of extended precision in angles of stations."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -185,17 +186,18 @@ def test_a_stop_that_is_touched_between_two_samples_is_felt(depth: float) -> Non
 
 def test_contact_without_a_regime_of_leaving_is_reported_as_chatter() -> None:
     class Naive(Clearance):
-        def switches(self, regime: int):
-            found = super().switches(regime)
-            return (Switch("torque", regime, 0),) if abs(regime) == 1 else found
+        def law(self, regime: int):
+            law = super().law(regime)
+            ends = (Switch("torque", regime, 0),) if abs(regime) == 1 else law.switches
+            return replace(law, switches=ends)
 
-        def settled(self, old: int, new: int) -> None:
-            return None
+        def switch(self, old: int, new: int) -> tuple[str, None]:
+            return super().switch(old, new)[0], None
 
     train = alone(1.0, 1.0, [(Naive, 1e4, 0.01, 50.0)], [Piece(0.0, math.inf, 3.0)])
     with pytest.raises(Chatter, match="without end") as refused:
         moved(train, (0,), 10.0)
-    assert refused.value.element == 0
+    assert refused.value.path == (0,)
 
 
 def test_friction_behind_a_play_drags_its_play_along() -> None:

@@ -8,6 +8,7 @@ series of every torque are small. A law may have regimes, in each of which it is
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -60,21 +61,13 @@ class Law:
     """Torques at one or two interfaces, by time and by how these move; without regimes, unless a subclass has some."""
 
     interface: int  # the first
-
-    @property
-    def count(self) -> int:
-        """Number of its interfaces, one after the other."""
-        return 1
+    count: int = 1  # of its interfaces, one after the other
+    cuts: tuple[float, ...] = ()  # times (s) at which it changes
 
     @property
     def interfaces(self) -> slice:
         """The rows of its own interfaces among all."""
         return slice(self.interface, self.interface + self.count)
-
-    @property
-    def cuts(self) -> tuple[float, ...]:
-        """Times (s) at which it changes."""
-        return ()
 
     def first(self, points: Points) -> int:
         """Return the regime that holds at the one time of the points."""
@@ -166,7 +159,8 @@ def march(
         if step > 0.0:
             state.refuse_too_many_steps([*begins[::WATCHED], time], len(begins))
             begins.append(time)
-            reached = train.advance(time, step, end, trial.torque)
+            train.start = train.under(trial.torque, step)
+            reached = train.on(time, end)  # the end, or as far as the train stays the same
             state.largest = state.scale(trial.torque)
             state.lack = max(state.lack, trial.last)
             change, step, end = change if reached == end else None, reached - time, reached
@@ -309,30 +303,24 @@ class _Collocation:
     ) -> tuple[float, int, int] | None:
         """The first change of regime in a step: the share of it, the law, and the regime that follows."""
         departure: tuple[float, int, int] | None = None
-        moved: tuple[FloatArray, FloatArray] | None = None
         series, start = SERIES @ trial.torque.T, self.train.under(trial.torque, length)
 
-        def inside(share: float) -> tuple[FloatArray, FloatArray]:
-            shares = np.array([share])
+        def margin(share: float, number: int, which: int) -> float:
+            law, shares = self.laws[number], np.array([share])
             turning = self.train.at(time, start, shares * length)
-            return time + shares * length, np.stack([value(series[:, :, None], shares), *turning])
-
-        def margin(number: int, which: int, moved: tuple[FloatArray, FloatArray]) -> float:
-            law = self.laws[number]
-            return float(law.limits(self.regimes[number], _points(law, *moved))[which][0][0])
+            motion = np.stack([value(series[:, :, None], shares), *turning])
+            points = _points(law, time + shares * length, motion)
+            return float(law.limits(self.regimes[number], points)[which][0][0])
 
         crossings = sorted(self._crossings(time, trial, length), key=lambda crossing: crossing[:2])
         for low, high, number, which, follows in crossings:
-            if moved is not None and margin(number, which, moved) > 0.0:
+            if departure is not None and margin(departure[0], number, which) > 0.0:
                 continue  # it is left later
-
-            def margin_inside(share: float, number: int = number, which: int = which) -> float:
-                return margin(number, which, inside(share))
-
-            is_left = margin_inside(low) <= (0.0 if low else AT_LIMIT)
-            share = low if is_left else float(find_root(margin_inside, low, high))
+            of_law = partial(margin, number=number, which=which)
+            is_left = of_law(low) <= (0.0 if low else AT_LIMIT)
+            share = low if is_left else float(find_root(of_law, low, high))
             if departure is None or share < departure[0]:
-                departure, moved = (share, number, follows), inside(share)
+                departure = share, number, follows
         return departure
 
     def _crossings(
@@ -367,7 +355,9 @@ def _solve_linear(
     """
     try:
         if np.count_nonzero(required.any(axis=1)) > 1:
-            rows = required @ train.at_once()  # what torques change of these
+            # Accelerations that torques make, and what they change of those required.
+            force = train.regime.force[:, train.train.following]
+            rows = required @ train.train.shape @ train.regime.speeds(force)
             rows = rows[rows.any(axis=1)]
             scaled = rows / np.abs(rows).max(axis=1, initial=0.0)[:, None]
             if np.linalg.matrix_rank(scaled, 1e-9) < len(rows):

@@ -6,12 +6,14 @@ with what the modes that are left out add to its twist. What the balance lacks i
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.linear_regime import Reading, Regime
+from torsion.kernels.motion.piecewise_elements import Clearance
 
 RADIANS = 3.0  # of the fastest motion in a window
 GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 6 rad in it, and err by 2e-15
@@ -30,8 +32,7 @@ class EnergyBalance:
     residual: float  # largest error, of the largest energy
 
 
-@dataclass(frozen=True)
-class _Windows:
+class _Windows(NamedTuple):
     """Short times within steps."""
 
     begin: FloatArray
@@ -42,7 +43,7 @@ class _Windows:
 def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
     is_linear = not motion.train.elements
-    windows = _some_windows(motion) if is_linear else _all_windows(motion)
+    windows = _windows(motion)
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
     shares = np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
     # work, damped, heat of each element; energy of all, and of each element, at begin and end
@@ -56,8 +57,7 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
         powers = np.zeros((len(gained), times.size))
         energy = np.zeros((1 + number, times.size))
         for regime, columns, reading, _ in motion.readings(times.ravel(), steps):
-            powers[:, columns] = _powers(regime, reading)
-            energy[:, columns] = _energies(regime, reading)
+            powers[:, columns], energy[:, columns] = _powers_and_energies(regime, reading)
         powers = powers.reshape(len(gained), *times.shape)[..., 1:-1]
         gained[:, part] = powers @ weights * length[:, 0] / 2.0
         energy = energy.reshape(1 + number, *times.shape)
@@ -76,15 +76,22 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
         jumps = ends[0, 0, 1:] - ends[1, 0, :-1] + released.sum(axis=0)
         lack = np.cumsum(lack + np.append(jumps, 0.0))
         # What rounding left where nothing is lost stays in the balance.
-        heat[[not element.loses for element in motion.train.elements]] = 0.0
+        elements = motion.train.elements
+        heat[[isinstance(element, Clearance) and not element.viscous for element in elements]] = 0.0
     error = float(np.abs(lack).max(initial=0.0))
     residual = error / largest if largest else 0.0
     return EnergyBalance(float(gained[0].sum()), heat, float(gained[1].sum()), stored, residual)
 
 
-def _all_windows(motion: EventDrivenMotion) -> _Windows:
-    """The whole motion in windows of RADIANS of its fastest motion."""
+def _windows(motion: EventDrivenMotion) -> _Windows:
+    """The whole motion in windows of RADIANS of its fastest motion; of a linear one CHECKED, each within one step."""
     edges = np.append(motion.begin, motion.end)
+    if not motion.train.elements:
+        begin = np.linspace(0.0, motion.end, CHECKED, endpoint=False)
+        fastest_of_all = max(regime.fastest for regime in motion.regimes)
+        lasts = motion.end / max(CHECKED, 2.0 * fastest_of_all * motion.end)
+        step = np.maximum(np.searchsorted(motion.begin, begin, side="right") - 1, 0)
+        return _Windows(begin, np.minimum(begin + lasts, edges[step + 1]), step)
     fastest = np.array([motion.regimes[regime].fastest for regime, *_ in motion.steps])
     length = np.diff(edges)
     number = np.maximum(np.ceil(length * fastest / RADIANS), 1.0).astype(int)
@@ -92,16 +99,6 @@ def _all_windows(motion: EventDrivenMotion) -> _Windows:
     within = np.arange(len(step)) - np.repeat(np.cumsum(number) - number, number)
     begin, part = edges[step], (length / number)[step]
     return _Windows(begin + part * within, begin + part * (within + 1.0), step)
-
-
-def _some_windows(motion: EventDrivenMotion) -> _Windows:
-    """CHECKED of them over the motion, each within one step."""
-    begin = np.linspace(0.0, motion.end, CHECKED, endpoint=False)
-    fastest = max(regime.fastest for regime in motion.regimes)
-    length = motion.end / max(CHECKED, 2.0 * fastest * motion.end)
-    step = np.maximum(np.searchsorted(motion.begin, begin, side="right") - 1, 0)
-    ends = np.append(motion.begin, motion.end)[step + 1]
-    return _Windows(begin, np.minimum(begin + length, ends), step)
 
 
 def _energy_of_impulses(motion: EventDrivenMotion, windows: _Windows) -> float:
@@ -118,25 +115,23 @@ def _energy_of_impulses(motion: EventDrivenMotion, windows: _Windows) -> float:
     return float(0.5 * np.square(impulse).max(initial=0.0))
 
 
-def _powers(regime: Regime, reading: Reading) -> FloatArray:
-    """(2 + elements, times) W: work of the torques, loss in the damping of the modes, heat of every element."""
+def _powers_and_energies(regime: Regime, reading: Reading) -> tuple[FloatArray, FloatArray]:
+    """(2 + elements, times) W: work of the torques, loss in the damping of the modes, heat of every element.
+
+    Then (1 + elements, times) J stored in the train, and in its elements.
+    """
     train, speed, rates = regime.train, reading.speed, reading.rates
     work = (train.push @ reading.inputs * speed).sum(axis=0)
     if train.higher_answer is not None:
         acting = reading.input_rates[1 : train.following.stop]
         work += (reading.torque * (train.higher_answer @ acting)).sum(axis=0)
     damped = (train.modes.damping @ speed * speed).sum(axis=0)
-    stored = regime.elastic @ reading.values * (regime.elastic @ rates)
-    return np.concatenate(
-        [work[None], damped[None], reading.torque * (regime.twist @ rates) - stored]
-    )
-
-
-def _energies(regime: Regime, reading: Reading) -> FloatArray:
-    """(1 + elements, times) J stored in the train, and in its elements."""
-    train, elastic = regime.train, 0.5 * (regime.elastic @ reading.values) ** 2
+    bent = regime.elastic @ reading.values
+    heat = reading.torque * (regime.twist @ rates) - bent * (regime.elastic @ rates)
+    powers = np.concatenate([work[None], damped[None], heat])
+    elastic = 0.5 * bent**2
     modes = (train.modes.w_of_all[:, None] * reading.position) ** 2 + reading.speed**2
     energy = 0.5 * modes.sum(axis=0) + elastic.sum(axis=0)
     if train.compliance is not None:
         energy += 0.5 * (reading.torque * (train.compliance @ reading.torque)).sum(axis=0)
-    return np.concatenate([energy[None], elastic])
+    return powers, np.concatenate([energy[None], elastic])

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -20,9 +19,9 @@ class Event:
     word: str  # contact, separation, slip, stuck, open
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class EventDrivenMotion:
-    """The motion of a train from step to step."""
+    """The motion of a train from step to step; begin: (steps,) s."""
 
     train: LoadedModes
     steps: tuple[tuple[int, int, Start], ...]  # regime and interval of the history of each
@@ -30,23 +29,18 @@ class EventDrivenMotion:
     events: tuple[Event, ...]
     end: float  # s
 
-    @cached_property
-    def begin(self) -> FloatArray:
-        """(steps,) s."""
-        return np.concatenate([start.time for *_, start in self.steps])
-
-    @cached_property
-    def _alike(self) -> tuple[IntArray, list[tuple[Regime, int, IntArray, Start]]]:
-        """(steps,) which group each is of; of every regime and interval its steps, beside each other."""
+    def __post_init__(self) -> None:
+        self.begin = np.concatenate([start.time for *_, start in self.steps])
+        # Which group each step is of; of every regime and interval its steps, beside each other.
         keys = [step[:2] for step in self.steps]
         numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
-        group, groups = np.array([numbers[key] for key in keys]), []
+        self._group = np.array([numbers[key] for key in keys])
+        self._groups = list[tuple[Regime, int, IntArray, Start]]()
         for (regime, interval), number in numbers.items():
-            chosen = np.flatnonzero(group == number)
+            chosen = np.flatnonzero(self._group == number)
             columns = zip(*(self.steps[step][2] for step in chosen.tolist()), strict=True)
             starts = Start(*(np.concatenate(column, axis=-1) for column in columns))
-            groups.append((self.regimes[regime], interval, chosen, starts))
-        return group, groups
+            self._groups.append((self.regimes[regime], interval, chosen, starts))
 
     def readings(
         self, time: FloatArray, step: IntArray
@@ -55,10 +49,10 @@ class EventDrivenMotion:
 
         Positions of rigid motions (motions, times) rad count from there.
         """
-        group, groups = self._alike
-        for number in np.unique(group[step]).tolist():
-            columns = np.flatnonzero(group[step] == number)
-            regime, interval, chosen, starts = groups[number]
+        group = self._group[step]
+        for number in np.unique(group).tolist():
+            columns = np.flatnonzero(group == number)
+            regime, interval, chosen, starts = self._groups[number]
             which = np.searchsorted(chosen, step[columns])
             start = Start(*(column[..., which] for column in starts))
             reading = regime.read(interval, start, time[columns] - start.time)

@@ -54,9 +54,12 @@ class Reading(NamedTuple):
         return np.concatenate([self.speed, self.acceleration, self.input_rates, 0.0 * self.inputs])
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Regime:
-    """One linear motion; rows are over positions and speeds of the train's motions, its inputs and their rates."""
+    """One linear motion; rows are over positions and speeds of the train's motions, its inputs and their rates.
+
+    is_alone: every motion stands for itself.
+    """
 
     train: LoadedModes
     torque: FloatArray  # (elements, rows) N m
@@ -75,21 +78,14 @@ class Regime:
     roots: Roots  # of what an element ties
     force: ComplexArray  # (coordinates, inputs)
 
-    @cached_property
-    def root(self) -> ComplexArray:
-        """(coordinates,) 1/s, 0 of motions that nothing holds."""
-        return np.concatenate([np.zeros(self.free.shape[1]), self.roots.root])
-
-    @cached_property
-    def untwisting(self) -> FloatArray:
-        """(rigid motions, tied elements) rad by which rigid motions twist elements by 1 rad."""
-        ends = self.train.ends[self.tied, : self.train.modes.rigid]
-        return np.asarray(np.linalg.pinv(ends, rcond=HELD))
-
-    @cached_property
-    def fastest(self) -> float:
-        """1/s."""
-        return max(float(np.abs(self.root).max(initial=0.0)), self.train.fastest)
+    def __post_init__(self) -> None:
+        train, self.is_alone = self.train, self.basis is None and self.roots.shape.ndim == 1
+        # (coordinates,) 1/s, 0 of motions that nothing holds
+        self.root = np.concatenate([np.zeros(self.free.shape[1]), self.roots.root])
+        self.fastest = max(float(np.abs(self.root).max(initial=0.0)), train.fastest)  # 1/s
+        # (rigid motions, tied elements) rad by which rigid motions twist elements by 1 rad
+        ends = train.ends[self.tied, : train.modes.rigid]
+        self.untwisting = np.asarray(np.linalg.pinv(ends, rcond=HELD))
 
     def held(self, rows: FloatArray) -> FloatArray:
         """Rows over motions (..., motions) as rows over the modes of what an element ties."""
@@ -153,11 +149,6 @@ class Regime:
         rows = self.reading(eye, 0.0 * eye), self.reading(0.0 * eye, eye)
         position, speed = (np.concatenate([row.real, -row.imag], axis=1) for row in rows)
         return position, speed
-
-    @property
-    def is_alone(self) -> bool:
-        """Every motion stands for itself."""
-        return self.basis is None and self.roots.shape.ndim == 1
 
     def positions(self, y: ComplexArray, turned: FloatArray, offset: FloatArray) -> FloatArray:
         """(motions, times) of coordinates (coordinates, times), what nothing holds, and offsets of elements."""
@@ -237,8 +228,7 @@ def regime_of(train: LoadedModes, modes: Modes) -> Regime:
         row[one] += switch.level
         return np.asarray(row)
 
-    pairs = enumerate(zip(elements, modes, strict=True))
-    watched = [(k, switch) for k, (element, mode) in pairs for switch in element.switches(mode)]
+    watched = [(number, switch) for number, law in enumerate(laws) for switch in law.switches]
 
     return Regime(
         train,

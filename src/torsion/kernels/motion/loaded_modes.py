@@ -6,7 +6,6 @@ elements' springs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,7 +16,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.motion.closed_answers import DERIVED, POINTS
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.piecewise_elements import Element
-from torsion.kernels.motion.torque_history import History, Piece, history
+from torsion.kernels.motion.torque_history import Piece, history
 
 ROUNDING = 1e-12  # of an element's largest relative angle
 SAME_TIME = 4e-16  # relative: times that are one
@@ -25,9 +24,14 @@ SAME_TIME = 4e-16  # relative: times that are one
 Turning = FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class LoadedModes:
-    """Rigid motions and elastic modes of generalised inertia 1, the elements between them, and what acts on them."""
+    """Rigid motions and elastic modes of generalised inertia 1, the elements between them, and what acts on them.
+
+    motions: how many rigid motions and modes there are. inputs: how many inputs. following: where the torques that
+    follow the motion stand among these. columns: where positions, speeds, inputs and their rates stand in rows over
+    these four. history: the loads by intervals throughout which the same pieces act.
+    """
 
     modes: ModalTrain
     loads: Sequence[Sequence[Piece]]
@@ -39,69 +43,35 @@ class LoadedModes:
     # (elements, loads + interfaces) rad/(N m): their answer to what acts
     higher_answer: FloatArray | None = None
 
-    @cached_property
-    def motions(self) -> int:
-        """How many rigid motions and modes there are."""
-        return len(self.modes.viscous)
+    def __post_init__(self) -> None:
+        self.motions = n = len(self.modes.viscous)
+        first, number = 1 + len(self.loads), len(self.elements)
+        self.following = slice(first, first + len(self.shape))
+        self.inputs = m = first + len(self.shape) + number
+        self.columns = tuple(
+            slice(*ends) for ends in pairwise((0, n, 2 * n, 2 * n + m, 2 * (n + m)))
+        )
+        # (motions, inputs) generalised forces of inputs of 1
+        none = np.zeros((n, 1)), np.zeros((n, number))
+        self.push = np.concatenate([none[0], self.force, self.shape.T, none[1]], axis=1)
 
-    @cached_property
-    def following(self) -> slice:
-        """Where the torques that follow the motion stand among the inputs."""
-        first = 1 + len(self.loads)
-        return slice(first, first + len(self.shape))
-
-    @cached_property
-    def inputs(self) -> int:
-        """How many inputs there are."""
-        return int(self.following.stop) + len(self.elements)
-
-    @cached_property
-    def columns(self) -> tuple[slice, ...]:
-        """Where positions, speeds, inputs and their rates stand in rows over these four."""
-        n, m = self.motions, self.inputs
-        return tuple(slice(*ends) for ends in pairwise((0, n, 2 * n, 2 * n + m, 2 * (n + m))))
-
-    @cached_property
-    def push(self) -> FloatArray:
-        """(motions, inputs) generalised forces of inputs of 1."""
-        none = np.zeros((self.motions, 1)), np.zeros((self.motions, len(self.elements)))
-        return np.concatenate([none[0], self.force, self.shape.T, none[1]], axis=1)
-
-    @cached_property
-    def ends(self) -> FloatArray:
-        """(elements, motions) rad, relative angles of their ends; 0 where a rigid motion twists them by rounding."""
-        ends = np.array([element.ends for element in self.elements]).reshape(-1, self.motions)
+        # (elements, motions) rad, relative angles of their ends; 0 where a rigid motion twists them by rounding
+        ends = np.array([element.ends for element in self.elements]).reshape(-1, n)
         rounding = ROUNDING * np.abs(ends).max(axis=1, initial=0.0, keepdims=True)
         is_rounding = (np.abs(ends) <= rounding) & (self.modes.w_of_all == 0.0)
-        return np.where(is_rounding, 0.0, ends)
-
-    @cached_property
-    def soft(self) -> FloatArray:
-        """(elements, elements) rad/(N m), the compliance; 0 where all modes are kept."""
-        none = np.zeros((len(self.elements),) * 2)
-        return none if self.compliance is None else self.compliance
-
-    @cached_property
-    def capacity(self) -> FloatArray:
-        """(elements, inputs) N m."""
-        rows = np.zeros((len(self.elements), self.inputs))
-        for row, element in zip(rows, self.elements, strict=True):
+        self.ends = np.where(is_rounding, 0.0, ends)
+        # (elements, elements) rad/(N m), the compliance; 0 where all modes are kept
+        self.soft = np.zeros((number, number)) if self.compliance is None else self.compliance
+        self.capacity = np.zeros((number, m))  # (elements, inputs) N m
+        for row, element in zip(self.capacity, self.elements, strict=True):
             if element.signal is None:
                 row[0] = element.capacity
             else:
                 row[1 + element.signal] = 1.0
-        return rows
 
-    @cached_property
-    def history(self) -> History:
-        """The loads by intervals throughout which the same pieces act."""
-        return history(self.loads)
-
-    @cached_property
-    def fastest(self) -> float:
-        """The largest rate of a piece, in 1/s."""
+        self.history = history(self.loads)
         rates = (abs(complex(piece.rate)) for pieces in self.loads for piece in pieces)
-        return max(rates, default=0.0)
+        self.fastest = max(rates, default=0.0)  # 1/s, the largest rate of a piece
 
     def loads_at(self, interval: int, since: FloatArray, orders: int = 1) -> FloatArray:
         """(loads, times, orders) N m and derivatives of it, at times since the begin of an interval (s)."""

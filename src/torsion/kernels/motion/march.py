@@ -52,23 +52,11 @@ BY_NODES = np.concatenate([np.eye(POINTS), AT_END.T])
 
 
 class Chatter(SolveError):
-    """An element switches without end."""
-
-    def __init__(self, time: float, element: int) -> None:
-        super().__init__(
-            f"from {time:.6g} s on, a coupling changes between its regimes without end"
-        )
-        self.time, self.element = time, element
+    """An element switches without end: its number is the path."""
 
 
 class TooManyEvents(SolveError):
     """More events than are kept."""
-
-    def __init__(self, number: int, most: int, time: float, end: float) -> None:
-        super().__init__(
-            f"the motion has its {number} events at {time:.6g} s, and no more than {most} are followed"
-        )
-        self.time = end
 
 
 def _event_rows(regime: Regime) -> Rows:
@@ -190,9 +178,10 @@ class March:
         if old_law.kind == "given":
             slipping = self.regime.torque[number] @ self.values(time)
         self.modes = (*self.modes[:number], to, *self.modes[number + 1 :])
-        if word := element.word(old, to):
+        word, twist = element.switch(old, to)
+        if word:
             self.events.append(Event(time, number, word))
-        if (twist := element.settled(old, to)) is not None:
+        if twist is not None:
             self.twist[number] = twist
         elif old_law.kind == "given" and law.kind == "spring":
             row = self.regime.torque[number]
@@ -226,10 +215,22 @@ class March:
             is_idle = reached - self.last <= near
             self.idle, self.last = (self.idle + 1, self.last) if is_idle else (0, reached)
             if self.idle > CHATTER * len(self.modes):
-                raise Chatter(reached, element)
+                message = (
+                    f"from {reached:.6g} s on, a coupling changes between its regimes without end"
+                )
+                hint = "give its contact damping, or its friction a stiffness"
+                raise Chatter(message, hint, (element,))
             self._refuse_too_many(reached)
             self._tell(reached)
-        self.begin(reached)
+        breaks = self.train.history.begin
+        if (
+            reached == end
+            and (np.abs(breaks - end) <= SAME_TIME * end).any()
+            and end < self.duration
+        ):
+            self.rearm(end)
+        else:
+            self.begin(reached)
         return reached
 
     def _refuse_too_many(self, time: float) -> None:
@@ -242,7 +243,9 @@ class March:
                 end = time + (MOST_EVENTS - count) * float(pace[1])
         if count > MOST_EVENTS or end < self.duration:
             end = time if count > MOST_EVENTS else end
-            raise TooManyEvents(min(count, MOST_EVENTS), MOST_EVENTS, time, end)
+            count = min(count, MOST_EVENTS)
+            message = f"the motion has its {count} events at {time:.6g} s, and no more than {MOST_EVENTS} are followed"
+            raise TooManyEvents(message, f"a `duration` below {end:.4g} s")
 
     def _part(self, regime: Regime, length: float) -> float:
         """s, of the parts in which events are looked for in a step of a length."""
@@ -357,8 +360,6 @@ class March:
         """From time 0 to each of some times (s), ascending; the last is the duration."""
         breaks = self.train.history.begin[self.train.history.begin < self.duration].tolist()
         for time, end in pairwise(sorted({*breaks, *ends})):
-            if time in breaks[1:]:
-                self.rearm(time)
             reached = time
             while reached < end:
                 reached = self.on(reached, end)
@@ -371,11 +372,6 @@ class March:
         return EventDrivenMotion(self.train, tuple(self.steps), regimes, tuple(self.events), end)
 
     # What `collocation` needs.
-
-    def at_once(self) -> FloatArray:
-        """(interfaces, interfaces) 1/(kg m2): accelerations that torques make."""
-        force = self.regime.force[:, self.train.following]
-        return np.asarray(self.train.shape @ self.regime.speeds(force))
 
     def influence(self, length: float) -> FloatArray:
         """What torques of 1 at the nodes of a step (s) add to torques and a turning, (4, interfaces, ENDS, torques)."""
@@ -413,12 +409,3 @@ class March:
         return self.start._replace(
             series=(SERIES @ torque.T)[:, :, None], length=np.array([length])
         )
-
-    def advance(self, time: float, length: float, end: float, torque: FloatArray) -> float:
-        """Go on to the end of such a step, or as far as the train stays the same: to a time (s)."""
-        self.start = self.under(torque, length)
-        reached = self.on(time, end)
-        breaks = self.train.history.begin
-        if reached == end and (np.abs(breaks - end) <= SAME_TIME * end).any():
-            self.rearm(end)
-        return reached

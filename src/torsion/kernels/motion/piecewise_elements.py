@@ -25,16 +25,6 @@ OPEN = 9  # regime of friction that has no capacity at present
 
 
 @dataclass(frozen=True)
-class Law:
-    """What gives the torque in a regime, and whether x moves with the ends."""
-
-    kind: Literal["free", "parted", "spring", "given", "stuck"]
-    moves: bool
-    offset: float = 0.0  # rad
-    sign: int = 0
-
-
-@dataclass(frozen=True)
 class Switch:
     """One switching function of a regime, and the regime that begins where it falls below zero."""
 
@@ -43,6 +33,17 @@ class Switch:
     to: int
     level: float = 0.0  # in the unit of the quantity
     share: float = 0.0  # of the capacity
+
+
+@dataclass(frozen=True)
+class Law:
+    """What gives the torque in a regime, whether x moves with the ends, and the conditions that end the regime."""
+
+    kind: Literal["free", "parted", "spring", "given", "stuck"]
+    moves: bool
+    switches: tuple[Switch, ...]
+    offset: float = 0.0  # rad
+    sign: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,36 +60,22 @@ class Clearance:
     capacity: ClassVar[float] = 0.0  # it never slips
     signal: ClassVar[int | None] = None
 
-    @property
-    def loses(self) -> bool:
-        """Whether the element makes heat of its own."""
-        return self.viscous > 0.0
-
     def law(self, regime: int) -> Law:
         """What gives its torque in a regime."""
         side = int(np.sign(regime))
-        return Law(("free", "spring", "parted")[abs(regime)], True, side * self.half)
-
-    def switches(self, regime: int) -> tuple[Switch, ...]:
-        """The conditions that end a regime."""
-        side = int(np.sign(regime))
         if regime == 0:
-            return _closing(self.half)
+            return Law("free", True, _closing(self.half))
         if abs(regime) == 1:
-            return (Switch("torque", side, 2 * side if self.viscous else 0),)
-        return Switch("twist", side, 0, -self.half), Switch("contact", -side, side)
+            limit = Switch("torque", side, 2 * side if self.viscous else 0)
+            return Law("spring", True, (limit,), side * self.half)
+        limit = Switch("twist", side, 0, -self.half)
+        return Law("parted", True, (limit, Switch("contact", -side, side)), side * self.half)
 
-    def settled(self, old: int, new: int) -> float | None:
-        """x (rad) at a switch where it is known exactly."""
-        if 2 in (abs(old), abs(new)) and 0 not in (old, new):
-            return None
-        return float(np.sign(old + new)) * self.half
-
-    def word(self, old: int, new: int) -> str:
-        """What a switch is called; empty for one that nobody needs to know of."""
-        if abs(new) == 1:
-            return "contact"
-        return "separation" if abs(old) == 1 else ""
+    def switch(self, old: int, new: int) -> tuple[str, float | None]:
+        """What a switch is called, empty for one that nobody needs to know of; x (rad) there where it is known exactly."""
+        word = "contact" if abs(new) == 1 else "separation" if abs(old) == 1 else ""
+        is_inside = 2 in (abs(old), abs(new)) and 0 not in (old, new)
+        return word, None if is_inside else float(np.sign(old + new)) * self.half
 
 
 @dataclass(frozen=True)
@@ -103,27 +90,19 @@ class Friction:
     capacity: float = 0.0  # N m
     signal: int | None = None  # the signal that is its capacity over time, in place of a constant
     viscous: ClassVar[float] = 0.0
-    loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
         if regime == OPEN:
-            return Law("free", False)
+            return Law("free", False, ())
         if regime:
-            return Law("given", False, sign=regime)
-        return Law("stuck", False) if math.isinf(self.stiffness) else Law("spring", True)
+            return Law("given", False, (Switch("speed", regime, 0),), sign=regime)
+        slips = Switch("torque", -1.0, 1, share=1.0), Switch("torque", 1.0, -1, share=1.0)
+        is_rigid = math.isinf(self.stiffness)
+        return Law("stuck" if is_rigid else "spring", not is_rigid, slips)
 
-    def switches(self, regime: int) -> tuple[Switch, ...]:
-        if regime == OPEN:
-            return ()
-        if regime:
-            return (Switch("speed", regime, 0),)
-        return Switch("torque", -1.0, 1, share=1.0), Switch("torque", 1.0, -1, share=1.0)
-
-    def settled(self, old: int, new: int) -> float | None:
-        return None  # sticking begins with the torque of slipping
-
-    def word(self, old: int, new: int) -> str:
-        return "stuck" if new == 0 else "open" if new == OPEN else "slip"
+    def switch(self, old: int, new: int) -> tuple[str, float | None]:
+        # Sticking begins with the torque of slipping.
+        return "stuck" if new == 0 else "open" if new == OPEN else "slip", None
 
 
 @dataclass(frozen=True)
@@ -139,29 +118,20 @@ class DelayedFriction:
     half: float
     viscous: ClassVar[float] = 0.0
     signal: ClassVar[int | None] = None
-    loses: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
         side = int(np.sign(regime))
-        if abs(regime) == 2:
-            return Law("given", False, sign=side)
-        return Law("spring" if regime else "free", True, side * self.half)
-
-    def switches(self, regime: int) -> tuple[Switch, ...]:
-        side = int(np.sign(regime))
         if regime == 0:
-            return _closing(self.half)
-        if abs(regime) == 1:
-            return Switch("torque", -side, 2 * side, share=1.0), Switch("torque", side, 0)
-        return (Switch("speed", side, side),)
+            return Law("free", True, _closing(self.half))
+        if abs(regime) == 2:
+            return Law("given", False, (Switch("speed", side, side),), sign=side)
+        limits = Switch("torque", -side, 2 * side, share=1.0), Switch("torque", side, 0)
+        return Law("spring", True, limits, side * self.half)
 
-    def settled(self, old: int, new: int) -> float | None:
-        return float(np.sign(old + new)) * self.half if 0 in (old, new) else None
-
-    def word(self, old: int, new: int) -> str:
-        if abs(new) == 2:
-            return "slip"
-        return "separation" if new == 0 else "stuck" if abs(old) == 2 else "contact"
+    def switch(self, old: int, new: int) -> tuple[str, float | None]:
+        stays = "stuck" if abs(old) == 2 else "contact"
+        word = "slip" if abs(new) == 2 else "separation" if new == 0 else stays
+        return word, float(np.sign(old + new)) * self.half if 0 in (old, new) else None
 
 
 def _closing(half: float) -> tuple[Switch, ...]:

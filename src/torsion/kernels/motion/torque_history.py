@@ -8,7 +8,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -26,28 +25,26 @@ class Piece:
     rate: complex = 0.0  # 1/s
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Acting:
-    """Terms (level + slope t) exp(rate t) of loads that act together, t from the begin of an interval: each (terms,)."""
+    """Terms (level + slope t) exp(rate t) of loads that act together, t from the begin of an interval: each (terms,).
+
+    by_rate: every rate with its terms, and 2 where one of them has a slope, else 1. kind: the same for terms that differ
+    in levels and slopes alone.
+    """
 
     load: IntArray
     level: ComplexArray  # N m
     slope: ComplexArray  # N m/s
     rate: ComplexArray  # 1/s
 
-    @cached_property
-    def by_rate(self) -> list[tuple[complex, IntArray, int]]:
-        """Every rate with its terms, and 2 where one of them has a slope, else 1."""
-        chosen = (
-            (rate, np.flatnonzero(self.rate == rate)) for rate in dict.fromkeys(self.rate.tolist())
-        )
-        return [(rate, terms, 1 + int(self.slope[terms].any())) for rate, terms in chosen]
-
-    @cached_property
-    def kind(self) -> tuple[object, ...]:
-        """Loads, rates, and which rates have slopes: the same for terms that differ in levels and slopes alone."""
+    def __post_init__(self) -> None:
+        self.by_rate = list[tuple[complex, IntArray, int]]()
+        for rate in dict.fromkeys(self.rate.tolist()):
+            terms = np.flatnonzero(self.rate == rate)
+            self.by_rate.append((rate, terms, 1 + int(self.slope[terms].any())))
         counts = (count for *_, count in self.by_rate)
-        return *self.load.tolist(), *self.rate.tolist(), *counts
+        self.kind = (*self.load.tolist(), *self.rate.tolist(), *counts)
 
     def later(self, since: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Levels and slopes (terms, times) as they are counted from times since the begin of the interval (s)."""

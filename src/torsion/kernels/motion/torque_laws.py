@@ -6,6 +6,7 @@ Angles and speeds are whole and of the own shaft, torques positive in the sense 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,21 +23,18 @@ RETURN = 1e3  # 1/s, rate at which that is taken back
 SAME = 1e-12  # of the largest value: polynomials of two parts that differ less are one
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """The time in which a law acts."""
 
     begin: float = 0.0  # s
     end: float = math.inf
 
-    @property
-    def cuts(self) -> tuple[float, ...]:
-        """Times (s) at which it begins and ends."""
-        return self.begin, self.end
-
     def holds(self, time: FloatArray) -> FloatArray:
         """1 while it acts, else 0, (times,); times lie inside a step, which ends where it does."""
         return ((time >= self.begin) & (time < self.end)).astype(float)
+
+
+ALWAYS = Window()
 
 
 @dataclass(frozen=True)
@@ -132,32 +130,37 @@ class StationLaw(Law):
 
     window: Window
 
-    @property
-    def cuts(self) -> tuple[float, ...]:
-        return self.window.cuts
+    def __post_init__(self) -> None:
+        self.cuts = self.window
 
 
-@dataclass(frozen=True)
-class BySpeed(StationLaw):
+class ByParts(StationLaw):
+    """A torque by parts over the speed of its station."""
+
+    parts: Parts
+
+    def first(self, points: Points) -> int:
+        return self.parts.part(float(points.speed[0, 0]))
+
+    def limits(self, regime: int, points: Points) -> Limits:
+        return self.parts.limits(regime, points.speed[0])
+
+
+@dataclass
+class BySpeed(ByParts):
     """A torque by the speed of its station: a load, a motor by table."""
 
     interface: int
     parts: Parts
-    window: Window = Window()
-
-    def first(self, points: Points) -> int:
-        return self.parts.part(float(points.speed[0, 0]))
+    window: Window = ALWAYS
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         acts = self.window.holds(points.time)
         torque, slope = self.parts.value(regime, points.speed[0])
         return Conditions(acts * torque - points.torque, by_speed=(acts * slope)[None, None])
 
-    def limits(self, regime: int, points: Points) -> Limits:
-        return self.parts.limits(regime, points.speed[0])
 
-
-@dataclass(frozen=True)
+@dataclass
 class InductionMotor(StationLaw):
     """Kloss: 2 pull_out / (s/slip + slip/s), s = 1 - speed/synchronous."""
 
@@ -165,7 +168,7 @@ class InductionMotor(StationLaw):
     pull_out: float  # N m
     slip: float  # at which it pulls out
     synchronous: float  # rad/s
-    window: Window = Window()
+    window: Window = ALWAYS
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         acts, s = self.window.holds(points.time), 1.0 - points.speed[0] / self.synchronous
@@ -176,29 +179,29 @@ class InductionMotor(StationLaw):
 
 
 @dataclass
-class Wave(StationLaw):
+class Wave(ByParts):
     """size(speed) Re exp(i phase + rate (t - begin) + i order (angle - origin)): orders, and pulsations by the slip.
 
     With several orders it is the sum of as many sizes, complex ones: the cylinders of a throw.
     """
 
     interface: int
-    size: Parts
+    parts: Parts  # size
     order: float | FloatArray  # per rad of the own shaft; (orders,) of several
     phase: float = 0.0  # rad
     rate: complex = 0.0  # 1/s
-    window: Window = Window()
+    window: Window = ALWAYS
     from_begin: bool = False  # the angle counts from where the station stands when the wave begins
     origin: float = field(default=0.0, init=False)  # rad
 
     def first(self, points: Points) -> int:
         if self.from_begin and points.time[0] <= self.window.begin:
             self.origin = float(points.angle[0, 0])
-        return self.size.part(float(points.speed[0, 0]))
+        return super().first(points)
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         acts, since = self.window.holds(points.time), points.time - self.window.begin
-        size, slope = self.size.value(regime, points.speed[0][:, None])
+        size, slope = self.parts.value(regime, points.speed[0][:, None])
         turned = np.multiply.outer(points.angle[0] - self.origin, np.atleast_1d(self.order))
         growth = (self.rate * since)[:, None]
         wave: ComplexArray = acts[:, None] * np.exp(1j * (self.phase + turned) + growth)
@@ -208,9 +211,6 @@ class Wave(StationLaw):
             by_speed=(slope * wave).real.sum(axis=1)[None, None],
         )
 
-    def limits(self, regime: int, points: Points) -> Limits:
-        return self.size.limits(regime, points.speed[0])
-
 
 @dataclass
 class ByAngle(StationLaw):
@@ -218,7 +218,7 @@ class ByAngle(StationLaw):
 
     interface: int
     history: History
-    window: Window = Window()
+    window: Window = ALWAYS
     origin: float = field(default=0.0, init=False)  # rad
 
     def first(self, points: Points) -> int:
@@ -242,7 +242,7 @@ class ByAngle(StationLaw):
         return [*limits, (since - begin[regime], regime - 1)] if regime else limits
 
 
-@dataclass(frozen=True)
+@dataclass
 class DryFriction(Law):
     """A torque against the rotation that does not depend on its speed, and holds while it suffices.
 
@@ -253,18 +253,14 @@ class DryFriction(Law):
     interface: int  # of the first station
     torque: tuple[float, ...]  # N m of each
     scale: float  # rad/s of the first
-    windows: tuple[Window, ...] = (Window(),)
+    windows: tuple[Window, ...] = (ALWAYS,)
     ratio: tuple[float, ...] = (1.0,)  # speed of each by that of the first
     inertia: float = 1.0  # kg m2 of the first, that makes a torque of its acceleration
     neighbours: tuple[int, ...] = ()  # interfaces of other laws at these stations
 
-    @property
-    def count(self) -> int:
-        return len(self.torque)
-
-    @property
-    def cuts(self) -> tuple[float, ...]:
-        return tuple(cut for window in self.windows for cut in window.cuts)
+    def __post_init__(self) -> None:
+        self.count = len(self.torque)
+        self.cuts = tuple(cut for window in self.windows for cut in window)
 
     def first(self, points: Points) -> int:
         speed = float(points.speed[0, 0])

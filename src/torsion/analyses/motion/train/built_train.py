@@ -124,16 +124,12 @@ class Built:
         path = self.loaded.path
         try:
             yield
-        except Chatter as chatter:
-            name = self.couplings[self.standing[chatter.element].coupling].part.name
-            message = (
-                f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
-            )
-            hint = "give its contact damping, or its friction a stiffness"
-            raise SolveError(message, hint, path) from None
-        except TooManyEvents as end:
-            hint = f"a `duration` below {end.time:.4g} s"
-            raise SolveError(end.message, hint, (*path, "duration")) from None
+        except Chatter as error:
+            name = self.couplings[self.standing[int(error.path[0])].coupling].part.name
+            message = error.message.replace("a coupling", f"'{name}'")
+            raise SolveError(message, error.hint, path) from None
+        except TooManyEvents as error:
+            raise SolveError(error.message, error.hint, (*path, "duration")) from None
         except SolveError as error:
             raise SolveError(error.message, error.hint, path) from None
 

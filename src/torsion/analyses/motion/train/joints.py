@@ -48,22 +48,19 @@ def turned(
     return angle + e0, 1.0 + e1, e2, e3
 
 
-@dataclass(frozen=True)
+@dataclass
 class ElasticJoint(Law):
     """A joint with a spring behind it and nothing between: k (f(a) - b) + c (f' a' - b') on b, f' times it against a.
 
     Before its time begins it carries a mean torque that is no part of the answer.
     """
 
+    count = 2
     interface: int  # the station in front of the joint; that behind its spring is the next
     joint: JointMap
     stiffness: float  # N m/rad
     viscous: float  # N m s/rad
     mean: float = 0.0  # N m
-
-    @property
-    def count(self) -> int:
-        return 2
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         f0, f1, f2, _ = turned(self.joint, points.angle[0])
@@ -79,18 +76,15 @@ class ElasticJoint(Law):
         )
 
 
-@dataclass(frozen=True)
+@dataclass
 class RigidJoint(Law):
     """A joint between two inertias: b'' = f' a'' + f'' a'^2, by the torque on b that this needs."""
 
+    count = 2
     interface: int  # the station in front of the joint; that behind it is the next
     joint: JointMap
     inertia: float  # kg m2, that makes a torque of what the angles lack
     mean: float = 0.0  # N m
-
-    @property
-    def count(self) -> int:
-        return 2
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         f0, f1, f2, f3 = turned(self.joint, points.angle[0])
