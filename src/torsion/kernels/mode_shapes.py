@@ -40,11 +40,6 @@ class Shapes:
     correction: FloatArray  # (m,) of w^2 by Rayleigh's quotient
     passed: FloatArray  # (m,) sum over the spans of |torque| |angle at the parent|, N m
 
-    @property
-    def of_stations(self) -> tuple[FloatArray, ...]:
-        """What is of stations and shafts, in proportion to the shape."""
-        return self.angle, self.torque, self.inner, self.outer
-
     def put(self, columns: IntArray | slice, shapes: "Shapes") -> None:
         """Write `shapes` over those in `columns`."""
         for values, new in zip(vars(self).values(), vars(shapes).values(), strict=True):
@@ -52,12 +47,12 @@ class Shapes:
 
     def scale(self, factor: FloatArray) -> None:
         """Multiply each shape by its `factor` (m,), in place."""
-        for values in self.of_stations:
+        for values in (self.angle, self.torque, self.inner, self.outer):
             np.multiply(values, factor, out=values)
 
     def correct(self, columns: slice, share: FloatArray) -> None:
         """Take `share` (columns, columns) of the shapes in `columns` from one another, in place."""
-        for values in self.of_stations:
+        for values in (self.angle, self.torque, self.inner, self.outer):
             values[:, columns] -= values[:, columns] @ share
 
 

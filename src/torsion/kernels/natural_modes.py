@@ -25,7 +25,7 @@ from torsion.kernels.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.sturm import bisect, brackets, enclose
+from torsion.kernels.sturm import brackets, enclose
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 
@@ -135,7 +135,8 @@ def _enclosed(
     wrong = ~proven
     if not proven.all():
         frequency = frequency.copy()
-        frequency[wrong] = bisect(tree, np.flatnonzero(wrong) + rigid, tolerance=_FULL_BISECTION)
+        low, high = brackets(tree, np.flatnonzero(wrong) + rigid, tolerance=_FULL_BISECTION)
+        frequency[wrong] = low + 0.5 * (high - low)
         frequency.sort()
         lower, upper, proven = enclose(tree, frequency, rigid)
         if not proven.all():

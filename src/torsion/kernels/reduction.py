@@ -33,9 +33,7 @@ def rigidity(tree: Tree) -> Rigidity:
             component[station] = component[parent]
             if rigid[station]:
                 body[station] = body[parent]
-    fixed_bodies = (
-        {body[station] for station in np.flatnonzero(tree.held).tolist()} if tree.holds else set()
-    )
+    fixed_bodies = {body[station] for station in np.flatnonzero(tree.held).tolist()}
     grounded = {component[station] for station in fixed_bodies}
     heavy = {
         b for b, inertia in zip(body, tree.moving_inertia.tolist(), strict=True) if inertia > 0.0

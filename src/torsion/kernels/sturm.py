@@ -66,16 +66,30 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     """
     w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     lean = np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)
-    return _count(tree, w, lean if lean.any() else None)
 
-
-def count_bounds(tree: Tree, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
-    """A count never less than the exact one at each of `low` (m,) rad/s, and one never more at each of `high` (m,)."""
-    number = len(low)
-    lean = np.ones(2 * number)
-    lean[number:] = -1.0
-    count = _count(tree, np.concatenate((low, high)), lean)
-    return count[:number], count[number:]
+    # Negative pivots z less negative pivots h + 1/z, which are those that pass on less; in blocks, so that memory stays
+    # bounded.
+    block, counts = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1)), list[IntArray]()
+    for begin in range(0, max(len(w), 1), block):
+        square, margin = np.square(w[begin : begin + block]), None
+        of_laws = square
+        if lean.any():
+            side = lean[begin : begin + block]
+            of_square, of_argument, of_stiffness = margins(tree, square)
+            of_laws, margin = square * (1.0 + side * of_argument), side * of_stiffness
+            square = square * (1.0 + side * of_square)
+        station = 0.0 - tree.inertia_columns * square  # a difference, so that a zero is positive
+        station[tree.held] = np.inf
+        passed = np.empty_like(station)
+        passed[:] = tree.flexibility.reshape(tree.size, -1)
+        with np.errstate(divide="ignore", over="ignore", under="ignore"):
+            if tree.shafts is not None:
+                passed[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
+                tree.add_ends(station, inner * -square, outer * -square)
+            passed[tree.parent < 0] = 0.0
+            pass_on(tree.steps, list(station), list(passed), margin)
+        counts.append(((station < 0.0) & ~np.signbit(passed)).sum(axis=0))
+    return np.concatenate(counts)
 
 
 def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, float]:
@@ -84,38 +98,9 @@ def margins(tree: Tree, square: FloatArray) -> tuple[FloatArray | float, float, 
     of_square: FloatArray | float = _ROUNDINGS_OF_INERTIA + siblings + _ROUNDINGS_OF_FLEXIBILITY
     of_square, of_laws = of_square * _UNIT_ROUNDOFF, 0.0
     if tree.shafts is not None:
-        of_ends = (tree.most_children + _ROUNDINGS_OF_ENDS) * _UNIT_ROUNDOFF
+        of_ends = (siblings + _ROUNDINGS_OF_ENDS) * _UNIT_ROUNDOFF
         of_square, of_laws = of_square + of_ends + 2.0 * tree.shafts.rounding(square), _ARGUMENT
     return of_square, of_laws, (_ROUNDINGS_OF_STIFFNESS + siblings) * _UNIT_ROUNDOFF
-
-
-def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
-    """Negative pivots z less negative pivots h + 1/z at each `w` (m,); the latter are those that pass on less.
-
-    `lean` (m,) is the direction in which every rounding is outweighed.
-    """
-    # In blocks, so that memory stays bounded.
-    block, counts = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1)), list[IntArray]()
-    for begin in range(0, max(len(w), 1), block):
-        square, margin = np.square(w[begin : begin + block]), None
-        of_laws = square
-        if lean is not None:
-            side = lean[begin : begin + block]
-            of_square, of_argument, of_stiffness = margins(tree, square)
-            of_laws, margin = square * (1.0 + side * of_argument), side * of_stiffness
-            square = square * (1.0 + side * of_square)
-        station = 0.0 - tree.inertia_columns * square  # a difference, so that a zero is positive
-        station[tree.held] = np.inf
-        passed = np.empty_like(station)
-        passed[:] = tree.flexibility_columns
-        with np.errstate(divide="ignore", over="ignore", under="ignore"):
-            if tree.shafts is not None:
-                passed[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
-                tree.add_ends(station, inner * -square, outer * -square)
-            passed[tree.roots] = 0.0
-            pass_on(tree.steps, list(station), list(passed), margin)
-        counts.append(((station < 0.0) & ~np.signbit(passed)).sum(axis=0))
-    return np.concatenate(counts)
 
 
 def pass_on(
@@ -159,7 +144,8 @@ def enclose(
     lower = upper = frequency
     while len(left):
         lower, upper = frequency * (1.0 - half), frequency * (1.0 + half)
-        at_most, at_least = count_bounds(tree, lower[left], upper[left])
+        w, side = np.concatenate((lower[left], upper[left])), np.repeat((1.0, -1.0), len(left))
+        at_most, at_least = count_below(tree, w, bound=side).reshape(2, -1)
         proven[left] = (at_most <= left + rigid) & (at_least > left + rigid)
 
         # What is not proven is tried in twice the width.
@@ -179,12 +165,6 @@ def expected_width(tree: Tree, frequency: FloatArray, passed: FloatArray | float
     with np.errstate(invalid="ignore", over="ignore"):
         moved: FloatArray = of_square + of_laws + of_stiffness * passed / square
     return _NARROWEST + _OVER_MARGIN * 0.5 * moved
-
-
-def bisect(tree: Tree, mode: IntArray, *, tolerance: float) -> FloatArray:
-    """Middles (m,) rad/s of the `brackets` of the modes `mode` (m,), of the relative width `tolerance`."""
-    low, high = brackets(tree, mode, tolerance=tolerance)
-    return low + 0.5 * (high - low)
 
 
 def brackets(

@@ -56,10 +56,6 @@ class Tree:
         return tuple(map(tuple, lists))
 
     @cached_property
-    def roots(self) -> list[int]:
-        return [station for station, parent in enumerate(self.parents) if parent < 0]
-
-    @cached_property
     def most_children(self) -> int:
         """The largest number of spans from one station toward the leaves."""
         return int(np.bincount(self.parent + 1)[1:].max(initial=0))
@@ -67,27 +63,12 @@ class Tree:
     @cached_property
     def moving_inertia(self) -> FloatArray:
         """Inertia (stations,) kg m2, 0 where fixed."""
-        return np.where(self.held, 0.0, self.inertia.T).T if self.holds else self.inertia
-
-    @cached_property
-    def flexibility_columns(self) -> FloatArray:
-        """(stations, 1) or (stations, m) rad/(N m)."""
-        return self.flexibility.reshape(self.size, -1)
+        return np.where(self.held, 0.0, self.inertia.T).T if self.held.any() else self.inertia
 
     @cached_property
     def inertia_columns(self) -> FloatArray:
         """`moving_inertia` as (stations, 1) or (stations, m) kg m2."""
         return self.moving_inertia.reshape(self.size, -1)
-
-    @cached_property
-    def holds(self) -> bool:
-        """Whether any station is fixed."""
-        return bool(self.held.any())
-
-    @cached_property
-    def is_chain(self) -> bool:
-        """Every span joins a station to the one numbered before it, from a single root."""
-        return self.parents == list(range(-1, self.size - 1))
 
     @cached_property
     def springs(self) -> IntArray:
@@ -226,15 +207,12 @@ EPS = float(np.finfo(np.float64).eps)
 class Layout:
     """What the sweeps need to know of a tree: plain lists, and which stations are moved rather than free to move."""
 
+    size: int  # number of stations
     parent: list[int]
     children: tuple[tuple[int, ...], ...]
     held: list[bool]
     rigid: list[bool]  # span i has no flexibility
     prescribed: list[bool]  # fixed, or rigidly joined to such a root
-
-    @property
-    def size(self) -> int:
-        return len(self.parent)
 
 
 def layout(tree: Tree, compliance: Values) -> Layout:
@@ -257,7 +235,7 @@ def layout(tree: Tree, compliance: Values) -> Layout:
     for station in np.flatnonzero(rigid & (tree.parent >= 0)).tolist():
         prescribed[station] = prescribed[tree.parents[station]]
     lists = (values.tolist() for values in (tree.held, rigid, prescribed))
-    return Layout(tree.parents, tree.children, *lists)
+    return Layout(tree.size, tree.parents, tree.children, *lists)
 
 
 @dataclass(frozen=True)
@@ -363,7 +341,8 @@ def eliminate(
 
 def eliminate_undamped(tree: Tree, w: FloatArray) -> SpanSides:
     """Return both sides of every span of an undamped tree at `w` (m,) rad/s, shafts included."""
-    square, flexibility, inertia = w * w, tree.flexibility_columns, tree.inertia_columns
+    square, inertia = w * w, tree.inertia_columns
+    flexibility = tree.flexibility.reshape(tree.size, -1)
     if tree.shafts is not None:
         flexibility, inertia = tree.at(square)
         inertia[tree.held] = 0.0

@@ -356,9 +356,6 @@ def equilibrium_residual(
     least_angle, least_torque = CANCELLED * turned.max(axis=0), CANCELLED * carried.max(axis=0)
     worst = np.zeros(angle.shape[1])
 
-    def add_equation(error: NDArray[Any], scale: FloatArray, floor: FloatArray) -> None:
-        np.fmax(worst, np.abs(error) / np.maximum(scale, floor), out=worst)
-
     for station, parent in enumerate(plan.parent):
         # Of a station: own angle = force + torque of its span - those of the spans to its children.
         force = given.force[station]
@@ -370,7 +367,7 @@ def equilibrium_residual(
             for child in plan.children[station]:
                 error += torque[child]
                 scale += carried[child]
-            add_equation(error, scale, least_torque)
+            worst = np.fmax(worst, np.abs(error) / np.maximum(scale, least_torque))
 
         # Of a span: angle = angle of the parent - hc torque + twist.
         if parent >= 0:
@@ -381,5 +378,5 @@ def equilibrium_residual(
             if given.twist is not None:
                 error -= given.twist[station]
                 scale += np.abs(given.twist[station])
-            add_equation(error, scale, least_angle)
+            worst = np.fmax(worst, np.abs(error) / np.maximum(scale, least_angle))
     return worst

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.kernels.distributed.continuous_shafts import uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.sturm import count_bounds, margins
+from torsion.kernels.sturm import count_below, margins
 from torsion.kernels.tree import Tree
 
 STEP = 2.0**-52
@@ -21,7 +21,7 @@ def test_bounds_of_a_count_lean_by_both_margins_to_their_own_side():
     w = 1.0 + STEP * np.arange(-400, 401)  # rad/s; the frequency is 1 + 5e-7, less 2e-13
     frequency = np.sqrt(1.0 + 1e-6)
     w *= frequency * (1.0 - 1e-12 / 6.0)
-    never_less, never_more = count_bounds(tree, w, w)
+    never_less, never_more = (count_below(tree, w, bound=side) for side in (1, -1))
     assert np.all(np.diff(never_less) >= 0)
     assert (never_less[0], never_less[-1], never_more[0], never_more[-1]) == (1, 2, 1, 2)
     apart = STEP * (np.argmax(never_more == 2) - np.argmax(never_less == 2))

@@ -11,7 +11,7 @@ from torsion.kernels.distributed.continuous_shafts import UniformShafts, uniform
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sturm import count_below, count_bounds
+from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree
 
 
@@ -333,7 +333,7 @@ def test_counts_step_at_every_frequency_and_their_bounds_on_either_side(trains) 
     assert np.array_equal(count_below(train, exact * (1 + 1e-13)), np.arange(2, 17))
     assert np.array_equal(count_below(train, exact * (1 - 1e-13)), np.arange(1, 16))
     near = exact * (1.0 + 2.0**-52)
-    at_most, at_least = count_bounds(train, near, near)
+    at_most, at_least = (count_below(train, near, bound=side) for side in (1, -1))
     assert np.all(at_most >= np.arange(2, 17))
     assert np.all(at_least <= np.arange(1, 16) + 1)
     assert np.all(at_least < at_most)
@@ -440,9 +440,8 @@ def test_a_bound_of_counts_outweighs_the_stiffness_passed_on_and_the_rounding_of
     below = np.array(
         [[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()]
     )
-    at_most, at_least = count_bounds(
-        replace(tree, shafts=Shafts(np.arange(1, pieces + 1), (law,))), *[near.ravel()] * 2
-    )
+    train = replace(tree, shafts=Shafts(np.arange(1, pieces + 1), (law,)))
+    at_most, at_least = (count_below(train, near.ravel(), bound=side) for side in (1, -1))
     assert np.all(at_most.reshape(below.shape) >= below)
     assert np.all(at_least.reshape(below.shape) <= below)
 

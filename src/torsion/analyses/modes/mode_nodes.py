@@ -48,7 +48,8 @@ def nodes(
     )  # the first of the stations that are joined rigidly
     spans = np.flatnonzero((tree.parent >= 0) & ~rigid)
     held = tree.held[body]
-    if tree.is_chain and tree.shafts is None and not chords.size:
+    is_chain = tree.parents == list(range(-1, tree.size - 1))
+    if is_chain and tree.shafts is None and not chords.size:
         fixed = held[np.unique(body)]
         if not fixed[1:-1].any():
             return np.arange(len(square)) + (0 if fixed.any() else 1)
