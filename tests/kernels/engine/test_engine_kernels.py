@@ -9,13 +9,18 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from torsion.kernels.engine.crank_slider import CrankSlider, Rod, Throw, carter, ker_wilson
+from torsion.kernels.engine.crank_slider import (
+    CrankSlider,
+    Throw,
+    carter,
+    ker_wilson,
+    rod_as_masses,
+)
 from torsion.kernels.engine.gas_torque import (
     Cylinder,
     CylinderOrder,
     Diagram,
     GasLaw,
-    Panels,
     harmonics,
 )
 from torsion.kernels.engine.pressure_cycles import Cycle, UnreachablePressure, fitted, timed
@@ -83,13 +88,12 @@ def test_a_small_offset_changes_nothing_but_by_its_own_size() -> None:
     np.testing.assert_allclose(moved, plain, atol=1e-9 * np.abs(plain).max())
 
 
-def test_derivatives_of_the_piston_and_of_the_rod_are_those_of_their_ways() -> None:
+def test_derivatives_of_the_piston_are_those_of_its_way() -> None:
     crank, angle, step = CrankSlider(RADIUS, ROD, OFFSET), np.linspace(0.0, 6.0, 25), 1e-5
-    for values in (lambda a: crank.piston(a)[:2], crank.rod_angle):
-        slope = (values(angle + step)[0] - values(angle - step)[0]) / (2 * step)
-        np.testing.assert_allclose(values(angle)[1], slope, atol=1e-9)
-    second = (crank.piston(angle + step)[1] - crank.piston(angle - step)[1]) / (2 * step)
-    np.testing.assert_allclose(crank.piston(angle)[2], second, atol=1e-9)
+    later, before = (crank.piston(angle + way) for way in (step, -step))
+    for k in (0, 1):
+        slope = (later[k] - before[k]) / (2 * step)
+        np.testing.assert_allclose(crank.piston(angle)[k + 1], slope, atol=1e-9)
 
 
 def test_a_rod_no_longer_than_crank_and_offset_is_refused() -> None:
@@ -102,15 +106,12 @@ def test_a_rod_no_longer_than_crank_and_offset_is_refused() -> None:
 def test_rod_adds_the_inertia_of_the_published_engine() -> None:
     known = ORACLES["rod"]
     crank = CrankSlider(known["r"], known["l"])
-    rod = Rod(known["rod_mass"], known["cg_from_big_end"], known["I_cg"])
-    assert rod.rotating(crank.rod) == pytest.approx(known["rotating_share"], rel=1e-14)
-    assert rod.reciprocating(crank.rod) == pytest.approx(known["reciprocating_share"], rel=1e-14)
-    correction = rod.correction(crank.rod)
+    rod = known["rod_mass"], known["cg_from_big_end"], known["I_cg"]
+    rotating, reciprocating, correction = rod_as_masses(crank.rod, *rod)
+    assert rotating == pytest.approx(known["rotating_share"], rel=1e-14)
+    assert reciprocating == pytest.approx(known["reciprocating_share"], rel=1e-14)
     assert correction == pytest.approx(known["J_c"], rel=1e-13)
-    turning, mass = (
-        rod.rotating(crank.rod) * crank.radius**2,
-        known["piston"] + rod.reciprocating(crank.rod),
-    )
+    turning, mass = rotating * crank.radius**2, known["piston"] + reciprocating
     found = crank.inertia_harmonics(4, mass, correction)
     assert found[0].real + turning == pytest.approx(known["mean_equivalent_inertia"], rel=1e-13)
     without = crank.inertia_harmonics(0, mass)[0].real + turning
@@ -119,28 +120,21 @@ def test_rod_adds_the_inertia_of_the_published_engine() -> None:
 
 
 def test_the_kinetic_energy_of_the_rod_is_that_of_a_rigid_body() -> None:
-    crank, rod, angle, step = (
-        CrankSlider(0.0685, 0.207),
-        Rod(1.8, 0.06, 0.014),
-        np.linspace(0.0, 6.2, 40),
-        1e-5,
-    )
-    inertia = (
-        2.0 * 0.5 * rod.reciprocating(0.207) * crank.piston(angle)[1] ** 2
-    )  # 2 x kinetic energy / speed^2
-    inertia += (
-        rod.rotating(0.207) * crank.radius**2
-        + rod.correction(0.207) * crank.rod_angle(angle)[0] ** 2
-    )
+    crank, angle, step = CrankSlider(0.0685, 0.207), np.linspace(0.0, 6.2, 40), 1e-5
+    mass, centre, own = 1.8, 0.06, 0.014
+    rotating, *moving = rod_as_masses(crank.rod, mass, centre, own)
+    series = crank.inertia_harmonics(60, *moving)
+    inertia = rotating * crank.radius**2  # 2 x kinetic energy / speed^2
+    inertia += (series * np.exp(1j * np.outer(angle, np.arange(61)))).real.sum(axis=1)
 
     def place(a):
         lean = np.arcsin(crank.radius * np.sin(a) / crank.rod)
-        along = crank.radius * np.cos(a) + rod.centre * np.cos(lean)
-        return np.array([along, (crank.rod - rod.centre) * np.sin(lean), lean])
+        along = crank.radius * np.cos(a) + centre * np.cos(lean)
+        return np.array([along, (crank.rod - centre) * np.sin(lean), lean])
 
     speed = (place(angle + step) - place(angle - step)) / (2 * step)
     np.testing.assert_allclose(
-        inertia, rod.mass * (speed[:2] ** 2).sum(axis=0) + rod.inertia * speed[2] ** 2, rtol=1e-8
+        inertia, mass * (speed[:2] ** 2).sum(axis=0) + own * speed[2] ** 2, rtol=1e-8
     )
 
 
@@ -274,8 +268,8 @@ def test_harmonics_are_those_of_a_long_fast_transform() -> None:
 
 
 def test_quadrature_of_single_harmonics_is_exact() -> None:
-    panels = Panels.between(np.array([-1.0, 0.3, 4 * math.pi - 1.0]))
-    found = harmonics(lambda a: 3.0 + 2.0 * np.cos(1.5 * a - 0.4), panels, 2, 6)
+    corners = np.array([-1.0, 0.3, 4 * math.pi - 1.0])
+    found = harmonics(lambda a: 3.0 + 2.0 * np.cos(1.5 * a - 0.4), corners, 2, 6)
     np.testing.assert_allclose(found, [3.0, 0, 0, 2.0 * np.exp(-0.4j), 0, 0, 0], atol=1e-13)
 
 

@@ -69,15 +69,6 @@ class CrankSlider:
         second = -cosine - (cosine**2 - across * sine) / along - (across * cosine) ** 2 / along**3
         return cosine + along, first, second
 
-    def rod_angle(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """First and second derivative of the angle of the rod against the axis by the crank angle."""
-        turned = np.asarray(angle, dtype=np.float64) + self.top
-        sine, cosine = self.radius * np.sin(turned), self.radius * np.cos(turned)
-        across = sine - self.offset
-        along = np.sqrt(self.rod**2 - across**2)
-        first = cosine / along
-        return first, -sine / along + across * first**2 / along
-
     def inertia_harmonics(
         self, count: int, reciprocating: float, correction: float = 0.0
     ) -> ComplexArray:
@@ -87,7 +78,12 @@ class CrankSlider:
         """
         angle = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
         inertia = reciprocating * self.piston(angle)[1] ** 2
-        return of_samples(inertia + correction * self.rod_angle(angle)[0] ** 2, count)
+
+        # The rod swings by the angle beta against the axis: sin(beta) = across/rod.
+        turned = angle + self.top
+        along = np.sqrt(self.rod**2 - (self.radius * np.sin(turned) - self.offset) ** 2)
+        swing = self.radius * np.cos(turned) / along
+        return of_samples(inertia + correction * swing**2, count)
 
     def inertia_torque(
         self, count: int, reciprocating: float, correction: float = 0.0
@@ -100,25 +96,18 @@ class CrankSlider:
         return np.asarray(-0.5j * order * self.inertia_harmonics(count, reciprocating, correction))
 
 
-@dataclass(frozen=True)
-class Rod:
-    """A connecting rod: mass (kg), distance of its centre of mass from the big end (m), inertia about that (kg m2)."""
+def rod_as_masses(
+    length: float, mass: float, centre: float, inertia: float
+) -> tuple[float, float, float]:
+    """Shares (kg) of a rod that turn with the pin and go with the piston, and J_c by which they differ from it.
 
-    mass: float
-    centre: float
-    inertia: float
+    J_c = I_cg - m u (l - u), kg m2. mass: kg; centre: m, of mass from the big end; inertia: kg m2, about that centre.
 
-    def rotating(self, length: float) -> float:
-        """Share of its mass that turns with the pin, kg."""
-        return self.mass * (length - self.centre) / length
-
-    def reciprocating(self, length: float) -> float:
-        """Share that goes with the piston, kg."""
-        return self.mass * self.centre / length
-
-    def correction(self, length: float) -> float:
-        """J_c = I_cg - m u (l - u), kg m2, by which two masses differ from the rod."""
-        return self.inertia - self.mass * self.centre * (length - self.centre)
+    >>> rod_as_masses(0.25, 2.0, 0.125, 0.5)
+    (1.0, 1.0, 0.46875)
+    """
+    rotating, reciprocating = mass * (length - centre) / length, mass * centre / length
+    return rotating, reciprocating, inertia - mass * centre * (length - centre)
 
 
 def of_samples(values: FloatArray, count: int) -> ComplexArray:

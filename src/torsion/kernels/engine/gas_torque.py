@@ -7,6 +7,7 @@ degrees. Harmonics C_k = a_k - i b_k: T = C_0 + Re sum C_k exp(i k angle/revolut
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -61,32 +62,32 @@ class Cylinder:
         return -self.area * self.crank.piston(angle)[1]
 
 
-@dataclass(frozen=True)
-class Panels:
-    """Nodes and weights of a Gauss quadrature over pieces of a cycle."""
+def panels(
+    corners: FloatArray, widest: float = WIDEST
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Edges (panels + 1,) rad, Gauss' points and weights (panels, NODES) rad, of pieces no wider than `widest` (rad).
 
-    edges: FloatArray  # (panels + 1,) rad, ascending
-    angle: FloatArray  # (panels, NODES) rad
-    weight: FloatArray  # (panels, NODES) rad
-
-    @classmethod
-    def between(cls, corners: FloatArray, widest: float = WIDEST) -> "Panels":
-        """Panels no wider than `widest` (rad) between corners (rad, ascending), beyond which nothing is smooth."""
-        pieces = [
-            np.linspace(low, high, max(math.ceil((high - low) / widest), 1) + 1)[:-1]
-            for low, high in zip(corners[:-1].tolist(), corners[1:].tolist(), strict=True)
-        ]
-        edges = np.append(np.concatenate(pieces), corners[-1])
-        nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        half = np.diff(edges)[:, None] / 2.0
-        return cls(edges, (edges[:-1, None] + half) + half * nodes, half * weights)
+    corners: rad, ascending, beyond which nothing is smooth.
+    """
+    pieces = [
+        np.linspace(low, high, max(math.ceil((high - low) / widest), 1) + 1)[:-1]
+        for low, high in pairwise(corners.tolist())
+    ]
+    edges = np.append(np.concatenate(pieces), corners[-1])
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    half = np.diff(edges)[:, None] / 2.0
+    return edges, (edges[:-1, None] + half) + half * nodes, half * weights
 
 
 def harmonics(
-    torque: Callable[[FloatArray], FloatArray], panels: Panels, revolutions: int, count: int
+    torque: Callable[[FloatArray], FloatArray], corners: FloatArray, revolutions: int, count: int
 ) -> ComplexArray:
-    """(count + 1,) harmonics of a torque over a cycle: of four strokes number k is of order k/2, of two of order k."""
-    angle, weighted = panels.angle.ravel(), (torque(panels.angle) * panels.weight).ravel()
+    """(count + 1,) harmonics of a torque over a cycle: of four strokes number k is of order k/2, of two of order k.
+
+    corners: rad, from end to end of the cycle, between which the torque is smooth.
+    """
+    _, points, weight = panels(corners)
+    angle, weighted = points.ravel(), (torque(points) * weight).ravel()
     harmonics, number = np.zeros(count + 1, dtype=np.complex128), np.arange(count + 1)
     length = max(BLOCK // (count + 1), 1)
     for start in range(0, len(angle), length):
@@ -128,7 +129,7 @@ class Diagram:
             lambda angle: (
                 (np.interp(angle, self.angle, self.pressure) - around) * cylinder.lever(angle)
             ),
-            Panels.between(self.angle),
+            self.angle,
             cylinder.revolutions,
             count,
         )
@@ -216,11 +217,10 @@ class CylinderOrder:
 
     def amplitude(self, speed: FloatArray, mean: FloatArray | None) -> ComplexArray:
         """(speeds,) N m at own speeds (rad/s) and mean torques applied at `station` (N m; None: not known)."""
-        return self.turned * (self.of_gas(speed, mean) + self.inertia * speed**2)
-
-    def of_gas(self, speed: FloatArray, mean: FloatArray | None) -> ComplexArray:
-        """(speeds,) N m of the gas alone, its phase from firing top dead centre of the cylinder."""
-        if self.gas is None:
-            return np.zeros(len(speed), dtype=np.complex128)
-        load = None if mean is None else self.load * mean
-        return self.gas.harmonic(self.number, load, speed, state=self.state, share=self.share)
+        torque: ComplexArray = np.asarray(self.inertia * speed**2)
+        if self.gas is not None:
+            load = None if mean is None else self.load * mean
+            torque = torque + self.gas.harmonic(
+                self.number, load, speed, state=self.state, share=self.share
+            )
+        return self.turned * torque

@@ -9,7 +9,7 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.kernels.engine.crank_slider import CrankSlider
-from torsion.kernels.engine.gas_torque import NODES, Cylinder, Diagram, Panels, harmonics
+from torsion.kernels.engine.gas_torque import NODES, Cylinder, Diagram, harmonics, panels
 
 SAME_ROW = 1e-9  # of the stroke: rows no farther apart are one
 
@@ -129,9 +129,9 @@ class Cycle:
     def _burning(self) -> tuple[FloatArray, FloatArray]:
         """Edges (panels + 1,) of the angles in which heat is released, and the integral of the rate up to each."""
         ends = np.array([self.start, self.start + self.duration])
-        panels = Panels.between(ends, math.radians(0.5))
-        integral = (self._rate(panels.angle) * panels.weight).sum(axis=1)
-        return panels.edges, np.append(0.0, np.cumsum(integral))
+        edges, angle, weight = panels(ends, math.radians(0.5))
+        integral = (self._rate(angle) * weight).sum(axis=1)
+        return edges, np.append(0.0, np.cumsum(integral))
 
     def closed(self, angle: FloatArray) -> FloatArray:
         """Pa at crank angles between closing and opening."""
@@ -192,7 +192,7 @@ class Cycle:
 def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
     return harmonics(
         lambda angle: (cycle.pressure(angle) - around) * cycle.cylinder.lever(angle),
-        Panels.between(cycle.corners),
+        cycle.corners,
         cycle.cylinder.revolutions,
         count,
     )
@@ -201,14 +201,9 @@ def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
 def timed(cycle: Cycle, imep: float, start: float) -> Cycle:
     """The cycle with the heat (J) that gives an imep (Pa) when it begins at `start` (rad)."""
     some = replace(cycle, start=start, heat=imep * cycle.cylinder.swept)
-    none, wanted = _mean(cycle.motored), cycle.cylinder.mean_torque(imep)
-    return replace(some, heat=some.heat * (wanted - none) / (_mean(some) - none))
-
-
-@lru_cache(maxsize=8)
-def _mean(cycle: Cycle) -> float:
-    """Return the mean gas torque (N m) of a cycle."""
-    return float(cycle.torque(0)[0].real)
+    none, reached = (float(of_heat.torque(0)[0].real) for of_heat in (cycle.motored, some))
+    wanted = cycle.cylinder.mean_torque(imep)
+    return replace(some, heat=some.heat * (wanted - none) / (reached - none))
 
 
 def fitted(cycle: Cycle, imep: float, peak: float) -> Cycle:

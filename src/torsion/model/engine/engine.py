@@ -13,7 +13,13 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.fields import given, needs, refuse, required
-from torsion.kernels.engine.crank_slider import CrankSlider, Rod, Throw, carter, ker_wilson
+from torsion.kernels.engine.crank_slider import (
+    CrankSlider,
+    Throw,
+    carter,
+    ker_wilson,
+    rod_as_masses,
+)
 from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, State
 from torsion.model.component import STEEL, Lowering
 from torsion.model.engine.crankshaft import VARYING, Crankshaft, piston_area
@@ -308,9 +314,12 @@ class Engine(Crankshaft, keyword="engine"):
             return 0.0, 0.0, 0.0
         if masses.rod is None:
             return masses.reciprocating or 0.0, 0.0, 0.0
-        rod = Rod(masses.rod.mass, masses.rod.centre, masses.rod.inertia)
-        mass = (masses.piston or 0.0) + rod.reciprocating(slider.rod)
-        return mass, rod.correction(slider.rod), rod.rotating(slider.rod) * slider.radius**2
+        rod = masses.rod
+        rotating, reciprocating, correction = rod_as_masses(
+            slider.rod, rod.mass, rod.centre, rod.inertia
+        )
+        mass = (masses.piston or 0.0) + reciprocating
+        return mass, correction, rotating * slider.radius**2
 
     def moving_inertia(self, throw: int) -> float:
         if self.slider is None:
