@@ -113,13 +113,6 @@ class PiecewiseCoupling:
         )
 
     @property
-    def total_stiffness(self) -> float:
-        """Stiffness of all springs and sliders together, N m/rad."""
-        return sum(stiffness for _, stiffness in self.springs) + sum(
-            dry.stiffness for dry in self.sliders
-        )
-
-    @property
     def stuck(self) -> float:
         """N m/rad of the sliders beside the own spring at a very small amplitude."""
         return sum(dry.stiffness for dry in self.sliders if not dry.half)
@@ -166,7 +159,7 @@ class PiecewiseCoupling:
             for begin, stiffness in self.springs:
                 turned = mean_twist
                 if begin:
-                    above, below = ramp(_sides(mean_twist, begin), amplitudes)[0]
+                    above, below = _both_sides(mean_twist, begin, amplitudes)[0]
                     turned = above - below
                 carried = carried + stiffness * turned
             return carried
@@ -186,20 +179,17 @@ class PiecewiseCoupling:
         )
         share = np.ones(len(amplitude))
         if self.half:
-            share = np.maximum(_both(mean_twist, self.half, amplitude), OPEN)
+            share = np.maximum(_both_sides(mean_twist, self.half, amplitude)[1].sum(axis=0), OPEN)
         extra = np.zeros(len(amplitude), dtype=complex)
         for begin, stiffness in self.stages:
-            extra += stiffness * _both(mean_twist, begin, amplitude)
+            extra += stiffness * _both_sides(mean_twist, begin, amplitude)[1].sum(axis=0)
         for dry in self.sliders:
             extra += slider(amplitude, dry.torque, dry.stiffness, dry.half)
         return Secant(share, extra)
 
 
-def _both(mean_twist: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:
-    """Share of a spring that begins at a twist to either side."""
-    return np.asarray(ramp(_sides(mean_twist, begin), amplitude)[1].sum(axis=0))
-
-
-def _sides(mean_twist: FloatArray, begin: float) -> FloatArray:
-    """(2, columns) rad by which a twist exceeds the begin of a spring on either side."""
-    return np.array([mean_twist - begin, -mean_twist - begin])
+def _both_sides(
+    mean_twist: FloatArray, begin: float, amplitude: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """As `ramp`, (2, columns) each, of a spring that begins at a twist to either side."""
+    return ramp(np.array([mean_twist - begin, -mean_twist - begin]), amplitude)

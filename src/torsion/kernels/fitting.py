@@ -136,26 +136,24 @@ def fitted(
 
     def slopes(values: FloatArray) -> FloatArray:
         nonlocal steps
+        if any(np.abs(values - minimum.values).max() <= DISTINCT for minimum in minima):
+            raise _KnownMinimum
         steps += 1
         return jacobian(values)
 
-    def new(values: FloatArray) -> FloatArray:
-        if any(np.abs(values - minimum.values).max() <= DISTINCT for minimum in minima):
-            raise _KnownMinimum
-        return slopes(values)
-
-    minima = [_searched(residual, slopes, np.zeros(count), TOLERANCE)]
+    minima = list[Fitted]()
+    minima.append(_searched(residual, slopes, np.zeros(count), TOLERANCE))
     starts = deque([*START * np.eye(count), *-START * np.eye(count), *beyond(minima[0].values)])
     while starts and searches < MOST_SEARCHES:
         start = starts.popleft()
         searches += 1
         try:
-            minimum = _searched(residual, new, start, COARSE)
+            minimum = _searched(residual, slopes, start, COARSE)
             if (
                 minimum.squares
                 < min(known_minimum.squares for known_minimum in minima) + 2.0 * AS_WELL
             ):
-                minima.append(_searched(residual, new, minimum.values, TOLERANCE))
+                minima.append(_searched(residual, slopes, minimum.values, TOLERANCE))
                 starts += beyond(minima[-1].values)
         except (SolveError, _KnownMinimum):
             continue

@@ -183,32 +183,11 @@ _SWEEPS = 8  # each squares the inner products
 _GAUSS = 5  # points for the mean of a slope; over a twentieth of s it is right to rounding
 
 
-@dataclass(frozen=True)
-class _Inertia:
-    """-dD/ds, or its mean between two squares of frequencies (m,): of the stations, and of every shaft (shafts, m)."""
-
-    tree: Tree
-    across: FloatArray  # kg m2, between the ends
-    inner: FloatArray  # kg m2, at each end
-    outer: FloatArray
-
-    def load(self, angle: FloatArray, twist: FloatArray) -> FloatArray:
-        """The whole train's times shapes (stations, m), the twists (shafts, m) of the shafts among them."""
-        tree = self.tree
-        load: FloatArray = tree.moving_inertia[:, None] * angle
-        if tree.shafts is not None:
-            across = self.across * twist
-            inner = self.inner * angle[tree.shaft_parent] + across
-            tree.add_ends(load, inner, self.outer * angle[tree.shafts.node] - across)
-            load[tree.held] = 0.0
-        return load
-
-
-def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> _Inertia:
-    """Mean of -dD/ds between the squares `begin` and `end` (m,)."""
+def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> FloatArray:
+    """Mean of -dD/ds between the squares `begin` and `end` (m,): kg m2 (3, shafts, m), across, inner and outer end."""
     total = np.zeros((3, len(tree.shaft_parent), len(begin)))
     if tree.shafts is None:
-        return _Inertia(tree, *total)
+        return total
     from numpy.polynomial import legendre
 
     for point, weight in zip(*(part.tolist() for part in legendre.leggauss(_GAUSS)), strict=True):
@@ -218,7 +197,18 @@ def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> _Inertia:
         )
         total[1] += 0.5 * weight * (slopes.inner + slopes.square * slopes.inner_slope)
         total[2] += 0.5 * weight * (slopes.outer + slopes.square * slopes.outer_slope)
-    return _Inertia(tree, *total)
+    return total
+
+
+def _load(tree: Tree, inertia: FloatArray, angle: FloatArray, twist: FloatArray) -> FloatArray:
+    """Inertia of the whole train times shapes (stations, m), the twists (shafts, m) of the shafts among them."""
+    load: FloatArray = tree.moving_inertia[:, None] * angle
+    if tree.shafts is not None:
+        across = inertia[0] * twist
+        inner = inertia[1] * angle[tree.shaft_parent] + across
+        tree.add_ends(load, inner, inertia[2] * angle[tree.shafts.node] - across)
+        load[tree.held] = 0.0
+    return load
 
 
 def repeated_groups(frequency: FloatArray, undetermined: BoolArray) -> list[IntArray]:
@@ -263,8 +253,8 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
             shapes = np.concatenate((angle, torque, twist))
             shapes /= np.max(np.abs(root * angle), axis=0)
             is_even = 0 < step < steps - 1 and tree.shafts is None
-            _normalise(inertia, shapes, uneven if is_even else parts)
-            load = mean.load(shapes[: tree.size], shapes[2 * tree.size :])
+            _normalise(tree, inertia, shapes, uneven if is_even else parts)
+            load = _load(tree, mean, shapes[: tree.size], shapes[2 * tree.size :])
 
     # Parts of a train that do not touch have shapes of their own.
     for part in parts:
@@ -276,14 +266,14 @@ def repeated_shapes(tree: Tree, frequency: FloatArray, groups: list[IntArray]) -
     return Shapes(angle, torque, *end_torques(tree, square, angle, torque), none, none)
 
 
-def _normalise(inertia: _Inertia, shapes: FloatArray, parts: list[IntArray]) -> None:
+def _normalise(tree: Tree, inertia: FloatArray, shapes: FloatArray, parts: list[IntArray]) -> None:
     """Make the shapes of each part orthonormal, in place; those of shafts twice, for their products are less exact."""
-    tree, size = inertia.tree, inertia.tree.size
+    size = tree.size
     for _ in range(1 if tree.shafts is None else 2):
-        load = inertia.load(shapes[:size], shapes[2 * size :]) if tree.shafts is not None else None
+        load = _load(tree, inertia, shapes[:size], shapes[2 * size :])
         for part in parts:
             angle = shapes[:size, part]
-            if load is None:
+            if tree.shafts is None:
                 matrix = orthonormal(np.sqrt(tree.moving_inertia)[:, None] * angle)
             else:
                 products = angle.T @ load[:, part]
@@ -342,7 +332,7 @@ def _orthogonalise_with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes
     inertia = _inertia(tree, square[first], square[second])
     for _ in range(_SWEEPS):
         twist, angle = flexibility * shapes.torque[node], shapes.angle
-        load = inertia.load(angle[:, first], twist[:, first])
+        load = _load(tree, inertia, angle[:, first], twist[:, first])
         values = np.einsum("ip,ip->p", load, angle[:, second])
         values[np.abs(values) < _ROUNDING_OF_PRODUCT] = 0.0
         if not values.any():

@@ -36,18 +36,19 @@ class Network:
     pair: FloatArray  # (chords, stations) torques of each chord
     chord: FloatArray  # (chords, trains) rad/(N m)
 
-    def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
+    def columns(self, trains: IntArray | BoolArray | slice) -> "Network":
         """Return the network of some trains, by position or mask."""
         return replace(self, tree=self.tree.columns(trains), chord=self.chord[:, trains])
 
 
 @dataclass(frozen=True)
 class Way:
-    """How to eliminate toward a root, with angles q of the tree for each chord; the last axis: 1 or trains.
+    """How to eliminate trains toward a root, with angles q of the tree for each chord; the last axis: 1 or trains.
 
     Branches carry nothing of the chords; they come first, into the dynamic stiffness of the stations of the `core`.
     """
 
+    trains: Network
     branches: list[Step]  # the leaves first
     steps: list[Step]  # the same by position in the core
     core: IntArray  # stations between the ends of chords, and between these and the root, which is the last
@@ -60,15 +61,11 @@ class Way:
         None  # (chords, core, trains) like `load`: sum of its terms without signs; of modes
     )
 
-    def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
+    def columns(self, trains: IntArray | BoolArray | slice) -> "Way":
         """Return the way of some trains, by position or mask."""
-        if self.terms is None:
-            return self
-        rows = {
-            name: getattr(self, name)[..., trains]
-            for name in ("sign", "torque", "load", "lift", "basis", "terms")
-        }
-        return replace(self, **rows)
+        names = ("sign", "torque", "load", "lift", "basis", "terms")
+        rows = {name: getattr(self, name)[..., trains] for name in names if self.terms is not None}
+        return replace(self, trains=self.trains.columns(trains), **rows)
 
     def modal(
         self, fixed: list[bool], chord_torque: FloatArray, torque: FloatArray, lift: FloatArray
@@ -105,13 +102,14 @@ class Elimination:
     """All but the root at s = `square` (trains,); with `lean` +1 or -1 every rounding is outweighed, as in `sturm`.
 
     `stiffness` (core, trains) N m/rad: each as it was eliminated, that of the root last; `inertia`: less what it was
-    before, branches included, 0 where fixed; `load` (chords, core, trains) of g; `matrix` (chords, chords, trains)
-    rad/(N m): M without what the root adds; `negative` (trains,): pivots of all stations but the root. With `lean`,
-    `size` is the sum of the terms of `matrix` without signs, and `error`, `load_error` are of roundings.
+    before, branches included, 0 where fixed; `load` (chords, core, trains) of g; `at_root`: the last of both; `matrix`
+    (chords, chords, trains) rad/(N m): M without what the root adds; `negative` (trains,): pivots of all stations but
+    the root. With `lean`, `size` is the sum of the terms of `matrix` without signs, and `error`, `load_error` are of
+    roundings.
     """
 
-    def __init__(self, trains: Network, square: FloatArray, way: Way, lean: float = 0.0) -> None:
-        tree = trains.tree
+    def __init__(self, way: Way, square: FloatArray, lean: float = 0.0) -> None:
+        tree = way.trains.tree
         self.way, self.lean, self.fixed = way, lean, tree.held[way.core].tolist()
         self.margin = 0.0
         if lean:
@@ -119,7 +117,7 @@ class Elimination:
             # The root is another one, which may have one child more.
             self.margin = of_stiffness + 2.0 * _UNIT_ROUNDOFF
             square = square * (1.0 + lean * (of_square + 2.0 * _UNIT_ROUNDOFF))
-        self.flexibility, self.number = tree.flexibility, len(trains.chord)
+        self.flexibility, self.number = tree.flexibility, len(way.trains.chord)
         station = np.where(tree.held[:, None], np.inf, 0.0 - tree.moving_inertia * square)
         branch, _, spans = np.array(way.branches, dtype=np.int64).reshape(-1, 3).T
         through = tree.flexibility[spans]
@@ -128,17 +126,19 @@ class Elimination:
         self.negative = ((station[branch] < 0.0) & ~np.signbit(through)).sum(axis=0)
         self.stations, self.stiffness = station, station[way.core]
         self.inertia = np.where(tree.held[way.core, None], 0.0, -self.stiffness)
-        self._begin(trains)
+        self._begin()
         for core_station, near, span in way.steps:
             (self._past_fixed if self.fixed[core_station] else self._past_free)(
                 core_station, near, tree.flexibility[span]
             )
+        self.at_root = self.stiffness[-1], self.load[:, -1]
         if lean:
             self.error += 3.0 * len(way.core) * _UNIT_ROUNDOFF * self.size
 
-    def _begin(self, trains: Network) -> None:
+    def _begin(self) -> None:
         """M of q alone, and the loads that q leaves."""
         way, a, h, basis = self.way, self.inertia, self.flexibility, self.way.basis
+        trains = way.trains
         spans = np.count_nonzero(way.torque.any(axis=2), axis=1).max(initial=0)
         # Of a product of loads, or one passed on; and with the roundings of q.
         self.term = (2 * trains.tree.most_children + _ROUNDINGS) * _UNIT_ROUNDOFF
@@ -217,17 +217,12 @@ class Elimination:
         if not self.fixed[near]:  # every span has a copy of a fixed station of its own
             self.load[:, near] += transfer * f
 
-    @property
-    def at_root(self) -> tuple[FloatArray, FloatArray]:
-        """Stiffness (trains,) and loads (chords, trains) that are left there."""
-        return self.stiffness[-1], self.load[:, -1]
 
-
-def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntArray:
+def network_count(way: Way, w: FloatArray, *, bound: float) -> IntArray:
     """Frequencies below `w` (trains,) rad/s, rigid motions included: never less (+1) or never more (-1) than exact."""
-    number = len(trains.chord)
+    number = len(way.trains.chord)
     with np.errstate(all="ignore"):
-        seen = Elimination(trains, w * w, way, lean)
+        seen = Elimination(way, w * w, bound)
         stiffness, load = seen.at_root
         size, room, root = np.abs(load), seen.load_error[:, -1], np.abs(1.0 / stiffness)
         last = product(load, load) / stiffness
@@ -240,20 +235,21 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
             (values / product(scale, scale)).transpose(2, 0, 1)
             for values in (seen.matrix + last, error)
         )
-        matrix[:, chord, chord] += lean * (
+        matrix[:, chord, chord] += bound * (
             error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF
         )
     lost = ~np.isfinite(matrix).all(axis=(1, 2))
-    matrix[lost] = lean * np.eye(number)
+    matrix[lost] = bound * np.eye(number)
     below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
     total = seen.negative + (stiffness < 0.0) - below
-    return np.where(lost, trains.tree.size if lean > 0 else -1, total)
+    return np.where(lost, way.trains.tree.size if bound > 0 else -1, total)
 
 
-def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, FloatArray]:
-    """The way with q of the mode near s = `square` (trains,), and Rayleigh's s (trains,) of it; `way`: static."""
+def modal_way(way: Way, square: FloatArray) -> tuple[Way, FloatArray]:
+    """The static `way` with q of the mode near s = `square` (trains,), and Rayleigh's s (trains,) of it."""
+    tree = way.trains.tree
     with np.errstate(all="ignore"):
-        seen = Elimination(trains, square, way)
+        seen = Elimination(way, square)
         stiffness, load = seen.at_root
         chord_torque = _least_chord_torques(seen.matrix + product(load, load) / stiffness)
         f, q, torque = (
@@ -275,21 +271,21 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         lost = ~np.isfinite(np.vstack([torque, lift, chord_torque])).all(axis=0)
         torque[:, lost], lift, chord_torque[:, lost] = 0.0, np.where(lost, 0.0, lift), 1.0
         modal = way.modal(seen.fixed, chord_torque, torque, lift)
-        seen_with_mode = Elimination(trains, square, modal)
+        seen_with_mode = Elimination(modal, square)
         row, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(len(square))
         stiffness, load = seen_with_mode.at_root
         matrix = (seen_with_mode.matrix + product(load, load) / stiffness)[row, row, column]
 
         # The inertia of a branch as its station in the core turns it.
-        inertia = trains.tree.moving_inertia * square
+        inertia = tree.moving_inertia * square
         for station, near, span in way.branches:
             inertia[near] += (
                 inertia[station] / (1.0 + seen.flexibility[span] * seen.stations[station]) ** 2
             )
         turned = seen_with_mode.q[row, :, column].T
-        change = -matrix / (
-            np.where(trains.tree.held[:, None], 0.0, inertia)[way.core] * turned**2
-        ).sum(axis=0)
+        change = -matrix / (np.where(tree.held[:, None], 0.0, inertia)[way.core] * turned**2).sum(
+            axis=0
+        )
     is_near = np.isfinite(change) & (np.abs(change) < _FARTHEST)
     return modal, np.where(is_near, square * (1.0 + change), square)
 

@@ -50,9 +50,6 @@ def uneven(time: FloatArray) -> int | None:
     side = np.median(np.lib.stride_tricks.sliding_window_view(intervals, NEAR), axis=1)
     share = np.ones(intervals.size)
     share[NEAR:-NEAR] = intervals[NEAR:-NEAR] / np.sqrt(side[: -NEAR - 1] * side[NEAR + 1 :])
-    first = _unlike(share)
-    if first is not None:
-        return first
     for interval, medians, ratio in (
         (intervals, side, share),
         (intervals[::-1], side[::-1], share[::-1]),
@@ -63,13 +60,12 @@ def uneven(time: FloatArray) -> int | None:
             )  # squares of speeds, which rise evenly with the angle
             square = near - (far - near) * (NEAR + 1) / (2.0 * NEAR)
             ratio[k] = interval[k] * np.sqrt(square) if square > 0.0 else 1.0
-    return _unlike(share)
 
-
-def _unlike(share: FloatArray) -> int | None:
-    """The pulse behind the first interval that is not of the size of those around it; share: (intervals,) of these."""
+    # One at an end only where all between are alike.
     wrong = np.flatnonzero((share > LOST) | (share < 1.0 / LOST))
-    return int(wrong[0]) + 1 if wrong.size else None
+    inside = wrong[(wrong >= NEAR) & (wrong < share.size - NEAR)]
+    first = inside if inside.size else wrong
+    return int(first[0]) + 1 if first.size else None
 
 
 def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: int) -> Tracked:

@@ -8,17 +8,15 @@ itself.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.mode_shapes import TreeModes, free_shapes
 from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.network_counts import Way
 from torsion.kernels.sturm import count_below, expected_width
 from torsion.kernels.tree import Tree
-
-Selection = IntArray | BoolArray | slice
 
 _FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin
 _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)
@@ -73,7 +71,8 @@ def variant_modes(
         bounds[:, :, part], proven = frequency, np.ones(frequency.shape[1], dtype=np.bool_)
         for mode, hertz in enumerate(frequency):
             bounds[1:, mode, part], is_proven = enclosed(
-                partial(_counted, trains),
+                trains,
+                count_below,
                 hertz,
                 expected_width(trains, hertz, passed[mode]),
                 mode + middle_modes.rigid,
@@ -153,10 +152,6 @@ def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     return steps[::-1]
 
 
-def _counted(trains: Tree, some: Selection, w: FloatArray, lean: float) -> IntArray:
-    return count_below(trains.columns(some), w, bound=lean)
-
-
 def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Frequency (trains,) rad/s after Rayleigh's steps, and the sum of |torque| |angle at the parent| of its shape."""
     frequency = start.copy()
@@ -181,7 +176,8 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def enclosed(
-    counted: Callable[[Selection, FloatArray, float], IntArray],
+    trains: Tree | Way,
+    count: Callable[..., IntArray],
     frequency: FloatArray,
     half: FloatArray,
     mode: int | IntArray,
@@ -189,18 +185,17 @@ def enclosed(
 ) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, m) rad/s of the mode (from 0, rigid ones counted) about each `frequency` (m,), and which are proven.
 
-    counted: of some columns, frequencies below w, never less (+1.0) or never more (-1.0) than exact. half: relative
+    count: of some trains and w, frequencies below, with `bound` never less (1.0) or never more (-1.0). half: relative
     half width (m,), which is `widened` by each factor for those that are left.
     """
     bounds, left = np.stack([frequency] * 2), np.arange(len(frequency))
     modes = np.broadcast_to(mode, frequency.shape)
     is_proven = np.zeros(len(frequency), dtype=np.bool_)
     for times in widened:
-        some: Selection = slice(None) if len(left) == len(frequency) else left
+        some = trains if len(left) == len(frequency) else trains.columns(left)
         lower, upper = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
-        proven = (counted(some, lower, 1.0) <= modes[left]) & (
-            counted(some, upper, -1.0) > modes[left]
-        )
+        proven = count(some, lower, bound=1.0) <= modes[left]
+        proven &= count(some, upper, bound=-1.0) > modes[left]
         bounds[:, left], is_proven[left] = (lower, upper), proven
         left = left[~proven]
         if not left.size:

@@ -6,7 +6,6 @@ the mode enclose them, toward one root or another. A train that is not proven th
 """
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from torsion.kernels.sturm import expected_width
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import pairs
 from torsion.kernels.variant_modes import (
-    Selection,
     VariantModes,
     enclosed,
     middle_of,
@@ -80,14 +78,14 @@ def network_modes(
         for further in sorted({min(count + _FURTHER, elastic), elastic}):
             if not (is_counted and left.size):
                 break
-            some = many.chosen(left)
+            some = many.columns(left)
             chords = some.chord, middle_of(chord)
             start = ritz_values(some.tree, mean, middle_modes, further, chords)[:count]
 
             # Every mode of every train is a column.
             mode, column = (index.ravel() for index in np.indices(start.shape))
             each_bounds, proven = enclosed_each(
-                torn.chosen(left[column]), start.ravel(), passed[mode], mode + rigid, root
+                torn.columns(left[column]), start.ravel(), passed[mode], mode + rigid, root
             )
             bounds[:, :, left] = each_bounds.reshape(3, *start.shape)
             left = left[~proven.reshape(start.shape).all(axis=0)]
@@ -126,7 +124,7 @@ def counted_modes(
     if torn.tree.parents.count(-1) != 1:
         return modes_found
     bounds, proven = enclosed_each(
-        torn.chosen(np.zeros(modes, dtype=np.int64)),
+        torn.columns(np.zeros(modes, dtype=np.int64)),
         modes_found.frequency,
         passed,
         np.arange(modes) + modes_found.rigid,
@@ -187,6 +185,7 @@ def _way(trains: Network, root: int, square: float) -> Way:
     position = dict(zip(core.tolist(), range(len(core)), strict=True))
     sign, twisted, load = (values[:, core, None] for values in (sign, twisted, load))
     return Way(
+        trains,
         [step for step in steps if not carries[step[0]]],
         [(position[i], position[near], span) for i, near, span in steps if carries[i]],
         core,
@@ -221,11 +220,11 @@ def enclosed_each(
                 near[left] = frequency[left]
                 if not left.size:
                     continue
-            some = trains.chosen(left)
+            some = trains.columns(left)
             way = static = _way(some, station, float(near[left].max()) ** 2)
             at_rest = np.zeros(len(left), dtype=np.bool_)
             for _ in range(_STEPS if attempt == "about the mode" else 0):
-                way, square = modal_way(some, near[left] ** 2, static)
+                way, square = modal_way(static, near[left] ** 2)
                 step = np.where(at_rest, 0.0, square / near[left] ** 2 - 1.0)
                 near[left] *= np.sqrt(1.0 + step)
                 at_rest |= np.abs(step) <= _SETTLED
@@ -235,7 +234,8 @@ def enclosed_each(
             widened = _OF_CHORDS if way.terms is None else _OF_MODES
             width = expected_width(some.tree, near[left], passed[left] * near[left] ** 2)
             bounds[1:, left], proven[left] = enclosed(
-                partial(_counted, some, way),
+                way,
+                network_count,
                 near[left],
                 np.minimum(width, _WIDEST / widened[-1]),
                 mode[left],
@@ -244,7 +244,3 @@ def enclosed_each(
         if len(trains.chord) > _FEW_CHORDS and proven.sum() == proven_before:
             break
     return bounds, proven
-
-
-def _counted(trains: Network, way: Way, left: Selection, w: FloatArray, lean: float) -> IntArray:
-    return network_count(trains.chosen(left), w, lean, way.chosen(left))

@@ -147,7 +147,10 @@ class _Rows:
 
         # 1/twist = a + b K of every harmonic component (components, columns), about the coupling taken as linear.
         stiffness = self._stiffness(span)
-        step = coupling.total_stiffness * (0.5 + 0.5j)
+        step = (0.5 + 0.5j) * (
+            sum(spring for _, spring in coupling.springs)
+            + sum(dry.stiffness for dry in coupling.sliders)
+        )
         twists = list[ComplexArray]()
         for extra in (coupling.stuck, coupling.stuck + step):
             columns = len(self.w[0])

@@ -15,7 +15,6 @@ from torsion.kernels.distributed.span_laws import (
     Law,
     Pi,
     alternating,
-    alternating_slope,
     distinct,
 )
 
@@ -24,6 +23,9 @@ _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a 
 _TERMS = 14  # 4^14/29! < 1e-22
 _SINE = np.array([1.0 / math.factorial(2 * k + 1) for k in range(_TERMS)])  # of sin(mu)/mu in mu^2
 _COSINE = np.array([1.0 / math.factorial(2 * k + 2) for k in range(_TERMS)])  # of (1 - cos mu)/mu^2
+_SINE_SLOPE, _COSINE_SLOPE = (
+    row[1:] * np.arange(1, _TERMS) for row in (_SINE, _COSINE)
+)  # by -mu^2
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,8 @@ class UniformShafts(Law):
         v, versed = travel * s, 0.5 * (tangent * sine)
         small = v < _SERIES_BELOW
         near, far = np.where(small, v, 0.0), np.where(small, 1.0, v)
-        by_sine = np.where(small, alternating_slope(_SINE, near), (cosine - sine) / (2.0 * far))
-        by_versed = np.where(small, alternating_slope(_COSINE, near), (0.5 * sine - versed) / far)
+        by_sine = np.where(small, -alternating(_SINE_SLOPE, near), (cosine - sine) / (2.0 * far))
+        by_versed = np.where(small, -alternating(_COSINE_SLOPE, near), (0.5 * sine - versed) / far)
         by_tangent = 2.0 * (by_versed - versed * by_sine / sine) / sine
         end, end_slope = half * tangent, half * (travel * by_tangent)
         return h * sine, end, end, h * (travel * by_sine), end_slope, end_slope
@@ -111,23 +113,20 @@ def _rule(points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     In the longest arithmetic there is: rounded points and weights would cost a digit where a profile is steep.
     """
     degree = np.arange(points)
-    x = legendre.leggauss(points)[0].astype(np.longdouble)
-    for _ in range(2):  # Newton
-        values, slope = _legendre(x, points)
-        x = x - values[:, points] / slope
-    values, slope = _legendre(x, points)
+    root = legendre.leggauss(points)[0].astype(np.longdouble)
+    for _ in range(
+        3
+    ):  # two steps of Newton, and Legendre's polynomials with the slope of the last at the root
+        x = root
+        values = legendre.legvander(x, points)
+        slope = points * (values[:, points - 1] - x * values[:, points]) / ((1 - x) * (1 + x))
+        root = x - values[:, points] / slope
     weight = 2 / ((1 - x) * (1 + x) * slope**2)
     to_series = (0.5 + degree)[:, None] * (values[:, :points] * weight[:, None]).T
     from_start = np.column_stack([x + 1, (values[:, 2:] - values[:, :-2]) / (2 * degree[1:] + 1)])
     rule = 0.5 * (x + 1), 0.5 * weight, 0.5 * from_start @ to_series
     places, weights, integrals = (part.astype(np.float64) for part in rule)
     return places, weights, integrals
-
-
-def _legendre(x: NDArray[Any], degree: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Legendre's polynomials to `degree` at `x` (points, degree + 1), and the slope of the last."""
-    values = legendre.legvander(x, degree)
-    return values, degree * (values[:, degree - 1] - x * values[:, degree]) / ((1 - x) * (1 + x))
 
 
 def profile_points(points: int = POINTS) -> FloatArray:
@@ -140,6 +139,7 @@ class ProfileShafts(Law):
     """Series in v = s F M, F and M being the whole flexibility and inertia: h = F b(v), J = M e(v)/b(v)."""
 
     both_ends: ClassVar = ("ends",)
+    ends_at_limit: ClassVar = True  # its series have as many terms as the limit needs
     flexibility: FloatArray  # (shafts,) rad/(N m), F
     inertia: FloatArray  # (shafts,) kg m2, M
     spring: FloatArray  # (shafts, terms) of b
@@ -160,11 +160,6 @@ class ProfileShafts(Law):
         with np.errstate(divide="ignore"):  # a shaft without inertia has no limit
             square = 1.0 / np.sqrt(first * first - 2.0 * second) / self._travel
         return float(np.sqrt(square.min(initial=np.inf)))
-
-    @property
-    def reach(self) -> float:
-        """Angular frequency (rad/s) up to which the law holds; its series have as many terms as the limit needs."""
-        return self.limit
 
     def _pi(self, s: NDArray[Any]) -> Pi:
         v = self._travel[:, None] * s

@@ -160,8 +160,9 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
             "the dense way is for finite elements of one degree; expected one law of elements"
         )
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
+    ends = np.column_stack([tree.shaft_parent, shafts.node])
     count = min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
-    mass = _rows_of_inertia(tree, shafts, coordinates, local)
+    mass = _rows_of_inertia(tree, ends, coordinates, local)
     y = np.linalg.svd(mass, full_matrices=False)[2][:count].T
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
@@ -173,9 +174,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     twist, torque = np.zeros_like(angle), np.zeros_like(angle)
     bend, root = coordinates.bend @ y, coordinates.root[:, None]
     twist[coordinates.spring], torque[coordinates.spring] = -root * bend, -bend / root
-    parts = np.concatenate(
-        (angle[_ends(tree, shafts)], y[coordinates.inside]), axis=1
-    )  # (shafts, 2 + modes, m)
+    parts = np.concatenate((angle[ends], y[coordinates.inside]), axis=1)  # (shafts, 2 + modes, m)
     carried = local @ parts
     of_shafts, elastic, outer = np.sum(parts * carried, axis=1), torque * twist, torque.copy()
     elastic[shafts.node] += np.sum(parts[:, 2:] ** 2, axis=1)
@@ -219,7 +218,7 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
 
 
 def _rows_of_inertia(
-    tree: Tree, shafts: Shafts, coordinates: Bends, local: FloatArray
+    tree: Tree, ends: IntArray, coordinates: Bends, local: FloatArray
 ) -> FloatArray:
     """C (rows, coordinates), with as many rows for an element as it has unknowns, of its inertia `local` = R'R."""
     try:
@@ -228,17 +227,12 @@ def _rows_of_inertia(
         values, vectors = np.linalg.eigh(local)
         root = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
     number, unknowns, _ = root.shape
-    rows = root[:, :, :2] @ coordinates.angle[_ends(tree, shafts)]
+    rows = root[:, :, :2] @ coordinates.angle[ends]
     row = np.arange(unknowns)[None, :, None]
     rows[np.arange(number)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
     stations = np.flatnonzero(tree.moving_inertia > 0.0)
     station_rows = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
     return np.concatenate((rows.reshape(number * unknowns, -1), station_rows))
-
-
-def _ends(tree: Tree, shafts: Shafts) -> IntArray:
-    """(shafts, 2) stations at the inner and the outer end of each."""
-    return np.column_stack([tree.shaft_parent, shafts.node])
 
 
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:

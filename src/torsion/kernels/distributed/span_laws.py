@@ -46,6 +46,7 @@ class Law(ABC):
     both_ends: ClassVar[
         tuple[str, ...]
     ] = ()  # fields (shafts, 2, ...) of the inner and the outer end
+    ends_at_limit: ClassVar[bool] = False  # beyond its limit it says nothing
 
     @property
     def size(self) -> int:
@@ -55,11 +56,6 @@ class Law(ABC):
     @abstractmethod
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
-
-    @property
-    def reach(self) -> float:
-        """Angular frequency (rad/s) up to which the law holds at all."""
-        return math.inf
 
     def at(self, square: NDArray[Any]) -> Pi:
         """Flexibility rad/(N m), inner and outer end inertia kg m2, each (shafts, m), at s (m,) or (shafts, m)."""
@@ -130,7 +126,7 @@ class Shafts:
     @cached_property
     def reach(self) -> float:
         """Angular frequency (rad/s) up to which the laws hold at all; counts need `limit`, responses only this."""
-        return min(law.reach for law in self.laws)
+        return min((law.limit for law in self.laws if law.ends_at_limit), default=math.inf)
 
     @cached_property
     def parts(self) -> tuple[slice, ...]:
@@ -197,9 +193,3 @@ def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
         total *= minus
         total += coefficients[..., k, None]
     return total
-
-
-def alternating_slope(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
-    """Derivative with respect to v of `alternating`."""
-    powers = np.arange(1, coefficients.shape[-1])
-    return -alternating(coefficients[..., 1:] * powers, v)

@@ -109,7 +109,9 @@ def balance(
             trial, trial_load = harmonic + part * move, load + part * change
             residual, derivatives = equations(motion_of(trial, w0, times), trial_load, count)
             reached = np.linalg.norm(harmonics_of(residual, count))
-            if last or reached < size or _is_small(part * move, trial):
+            least = QUADRATIC * _amplitude(trial) + ROUNDING * np.abs(trial).max()
+            is_small = bool(np.abs(part * move).max() <= least)
+            if last or reached < size or is_small:
                 break
             part /= 2.0
         else:
@@ -117,15 +119,9 @@ def balance(
         harmonic, load, size = trial, trial_load, reached
         if last:
             return Balance(harmonic, load, step, _truncation(derivatives(), harmonic, w0, count))
-        last = _is_small(move, harmonic) and part == 1.0
+        last = is_small and part == 1.0
     raise SolveError(
         "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
-    )
-
-
-def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
-    return bool(
-        np.abs(move).max() <= QUADRATIC * _amplitude(harmonic) + ROUNDING * np.abs(harmonic).max()
     )
 
 
