@@ -45,16 +45,18 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
     """
     frequency, degree, elements = requested.frequency, requested.degree, requested.elements
     order = degree or DEGREE
+
+    def number_of(bar: Bar) -> int:
+        number = elements_for(bar, frequency, order) if elements is None else elements
+        return max(number, bar.segments or 1)  # at least the segments that the shaft itself states
+
     if degree is None and elements is not None:
         # The least degree that keeps the error below SHARE_OF_ERROR with so many elements a shaft.
         while order < HIGHEST_DEGREE and any(
-            element_error(bar, _number(bar, elements), order, frequency) > SHARE_OF_ERROR
+            element_error(bar, number_of(bar), order, frequency) > SHARE_OF_ERROR
             for bar in train.bars
         ):
             order += 1
-
-    def number_of(bar: Bar) -> int:
-        return _number(bar, elements_for(bar, frequency, order) if elements is None else elements)
 
     collected, bars, numbers = collect(train, number_of)
     moving = [bar for bar in train.bars if bar.density > 0]
@@ -67,11 +69,6 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
     )
     resolved = (numbers[bar.name] * longest / phase(bar, 1.0) for bar in moving if not is_stated)
     return collected.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
-
-
-def _number(bar: Bar, elements: int) -> int:
-    """At least the segments that the shaft itself states."""
-    return max(elements, bar.segments or 1)
 
 
 def element_error(bar: Bar, number: int, degree: int, frequency: float) -> float:

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 
@@ -85,14 +84,6 @@ class Row:
     number: int  # of segments
     inside: int  # position of the first station between segments
     begin: Station  # at the driving end
-
-    @property
-    def spans(self) -> list[Span]:
-        """Segments, from the driving to the driven end."""
-        name, count = self.bar.name, self.number
-        names = [name] if count == 1 else [f"{name} [{k}]" for k in range(1, count + 1)]
-        ends = pairwise(self.stations.tolist())
-        return [Span(name, self.bar.part, *pair) for name, pair in zip(names, ends, strict=True)]
 
     @property
     def stations(self) -> IntArray:

@@ -15,7 +15,7 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import Tree, Walk, closing_no_loop, connected, walk
+from torsion.kernels.tree import Tree, closing_no_loop, connected, walk
 from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
 
@@ -153,7 +153,26 @@ class System:
                 loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
                 raise InputError(fixed_point_faults(self.train) or [loop])
             way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
-        return _layout(self, flexibility, ends, chosen, way)
+
+        # The tree is numbered from its roots to its leaves.
+        stations, order, number = len(self.stations), way.order, len(way.order)
+        tree_station = np.argsort(order)
+        parent, above = way.parent[order], way.above[order]
+        node = np.flatnonzero(above >= 0)
+        span = above[node]
+        flexible, viscous, loss = elastic = np.zeros((3, number))
+        referred = np.array([flexibility, self.viscous * self.span_ratio**2, self.loss_factor])
+        elastic[:, node] = referred[:, span]
+        span_node = np.full(len(flexibility), -1, dtype=np.int64)
+        span_node[span] = node
+        source = np.append(np.arange(stations), np.array(ends.copies, dtype=np.int64))[order]
+        inertia = (self.lumped_inertia * self.speed_ratio**2)[source]
+        parent = np.where(parent >= 0, tree_station[parent], -1)
+        tree = Tree(parent, flexible, inertia, self.held[source])
+        sign = np.where(tree_station[ends.driven] == span_node, 1.0, -1.0)
+        return CondensedTrain(
+            tree, tree_station[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
+        )
 
     @cached_property
     def lumped_inertia(self) -> FloatArray:
@@ -313,31 +332,4 @@ def _split_held(system: System) -> _Ends:
     roots = list(dict.fromkeys([*root.values(), *free_of_ground]))
     return _Ends(
         number + len(copies), driving, driven, tuple(copies), roots, tuple(sorted(anchors))
-    )
-
-
-def _layout(
-    system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk
-) -> CondensedTrain:
-    """Number the tree from its roots to its leaves."""
-    stations = len(system.stations)
-    order, number = way.order, len(way.order)
-    tree_station = np.argsort(order)
-    parent, above = way.parent[order], way.above[order]
-    node = np.flatnonzero(above >= 0)
-    span = above[node]
-    flexible, viscous, loss = elastic = np.zeros((3, number))
-    elastic[:, node] = np.array(
-        [flexibility, system.viscous * system.span_ratio**2, system.loss_factor]
-    )[:, span]
-    span_node = np.full(len(flexibility), -1, dtype=np.int64)
-    span_node[span] = node
-    source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
-    inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
-    tree = Tree(
-        np.where(parent >= 0, tree_station[parent], -1), flexible, inertia, system.held[source]
-    )
-    sign = np.where(tree_station[ends.driven] == span_node, 1.0, -1.0)
-    return CondensedTrain(
-        tree, tree_station[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
     )

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,15 +61,23 @@ class Collected:
     def add_shaft(self, row: Row, flexibility: FloatArray, lumps: FloatArray) -> None:
         """Add the stations between the pieces of a shaft, its inertia lumped at their ends, and its spans."""
         part, begin, number = row.bar.part, row.begin, row.number
+        stations = row.stations.tolist()
         self.stations += [
             Station(f"{row.bar.name} {k}/{number}", part, begin.ratio, begin.sense)
             for k in range(1, number)
         ]
-        self.inertia += [0.0] * (row.number - 1)
-        for end, lump in zip(row.stations.tolist(), lumps.tolist(), strict=True):
+        self.inertia += [0.0] * (number - 1)
+        for end, lump in zip(stations, lumps.tolist(), strict=True):
             self.inertia[end] += lump
-        for span, segment_flexibility in zip(row.spans, flexibility.tolist(), strict=True):
-            self.add(span, segment_flexibility, 0.0, row.bar.loss_factor)
+        names = [f"{row.bar.name} [{k}]" for k in range(1, number + 1)]
+        spans = zip(
+            [row.bar.name] if number == 1 else names,
+            pairwise(stations),
+            flexibility.tolist(),
+            strict=True,
+        )
+        for name, ends, segment_flexibility in spans:
+            self.add(Span(name, part, *ends), segment_flexibility, 0.0, row.bar.loss_factor)
 
     def refuse_more(self, number: int, segments: dict[str, int]) -> None:
         """Refuse more than MOST_STATIONS: InputError where the file states them, SolveError where the program does."""

@@ -62,14 +62,8 @@ class Solved:
     meridian: Meridian
     levels: tuple[Bounds, ...]
     fields: Fields
-
-    @property
-    def excess(self) -> tuple[float, float]:
-        """Bounds of the excess length: of the smaller shaft, over the sum of its lengths each as if it were long."""
-        end = self.profile.smaller
-        unit = end.twist / end.length * end.outer[0]
-        plain = self.profile.plain
-        return (self.levels[-1].lower - plain) / unit, (self.levels[-1].upper - plain) / unit
+    # Bounds of the excess length: of the smaller shaft, over the sum of its lengths each as if it were long.
+    excess: tuple[float, float]
 
     @property
     def excess_length(self) -> float:
@@ -89,13 +83,14 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
     Of an excess length beyond a diameter, in a soft hub, `fine` is a share.
     """
     mesh, levels = meridian(profile).graded(GRADED), list[Bounds]()
-    end = profile.smaller
+    end, plain = profile.smaller, profile.plain
     unit = end.twist / end.length * end.outer[0]
     while True:
         bounds, fields = on_mesh(profile, mesh)
         levels.append(bounds)
-        if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - profile.plain):
-            return Solved(profile, mesh, tuple(levels), fields)
+        if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - plain):
+            excess = (bounds.lower - plain) / unit, (bounds.upper - plain) / unit
+            return Solved(profile, mesh, tuple(levels), fields, excess)
         if bounds.triangles > MOST:
             raise SolveError(
                 "the finite elements of a junction do not converge; look at its dimensions"

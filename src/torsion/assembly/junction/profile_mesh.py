@@ -7,7 +7,7 @@ coordinates are (z, r).
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -152,15 +152,13 @@ def meridian(profile: Profile) -> Meridian:
     return Meridian(mesh, arcs, tuple(sharp), core)
 
 
+@dataclass(frozen=True)
 class _Points:
     """Points by their place."""
 
-    def __init__(self, scale: float) -> None:
-        self.scale, self.found, self.places = (
-            scale,
-            list[tuple[float, float]](),
-            dict[tuple[int, int], int](),
-        )
+    scale: float
+    found: list[tuple[float, float]] = field(default_factory=list)
+    places: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def at(self, z: float, r: float) -> int:
         """The number of the point there."""

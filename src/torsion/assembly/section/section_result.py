@@ -197,11 +197,6 @@ class SectionResult:
         )
 
     @property
-    def eccentricity(self) -> float:
-        """Distance of the centroid from the axis, m."""
-        return float(np.hypot(*self.moments.centroid))
-
-    @property
     def section(self) -> Section:
         """What the train needs of it."""
         return Section(self.torsion_constant, self.moments.polar, self.stress_modulus)
@@ -212,10 +207,11 @@ class SectionResult:
         stress = f"W_t {self.stress_modulus:.6g} m3, last changed by {self.changes[-1]:.1g}"
         if self.changes[-1] > SETTLED:
             stress = f"no W_t: refinement raises the stress (by {self.changes[-1]:.1g}), as at a sharp inner corner"
+        off_axis = np.hypot(*self.moments.centroid)
         triangles = ", ".join(str(level.triangles) for level in self.levels)
         return (
             f"{Path(self.file).name}: I_t {self.torsion_constant:.10g} m4 within {self.error:.1g} (two-sided bound), "
-            f"I_p {self.moments.polar:.10g} m4 about the origin, centroid {self.eccentricity:.3g} m off it, {stress}; "
+            f"I_p {self.moments.polar:.10g} m4 about the origin, centroid {off_axis:.3g} m off it, {stress}; "
             f"{triangles} triangles of degree {self.degree}"
         )
 
