@@ -23,7 +23,7 @@ from torsion.analyses.motion.events.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.motion.train.built_train import Built, build, build_linear
+from torsion.analyses.motion.train.built_train import Built, build, in_modes
 from torsion.analyses.motion.train.following_torques import replaced_dampers
 from torsion.analyses.motion.train.joints import joint_cuts, parts_of
 from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
@@ -111,7 +111,7 @@ def _linear(
 
     def solve(modes: Modes, *, is_band: bool) -> TransientMotion:
         loaded = load_train(
-            study, system, settings, path, before, lambda _: modes, damping_ratio=damping_ratio
+            study, system, settings, path, before, modes, damping_ratio=damping_ratio
         )
         return _modal_motion(study, system, loaded, progress, is_band=is_band)
 
@@ -136,8 +136,8 @@ def _modal_motion(
 ) -> TransientMotion:
     """Return the motion of a train without nonlinear couplings in the modes that are kept."""
     settings, follows = loaded.settings, loaded.follows
-    built, added = build_linear(loaded, is_band=is_band), dict[str, Any]()
-    moved, marched = built.run(progress=progress)
+    built, added = in_modes(loaded, *loaded.start(), is_band=is_band), dict[str, Any]()
+    ((moved, marched),) = built.run(progress=progress)
     if marched is not None:
         # Torques that follow the motion stand for the steady vibration.
         none = {name: getattr(loaded.before, name)[:0] for name in ("frequency", "amplitude")}
@@ -179,15 +179,17 @@ def _event_driven(
 ) -> TransientMotion:
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
     built = build(study, system, settings, path, damping_ratio=damping_ratio)
-    motion, marched = built.run(1.0, progress)
+    ((motion, marched),) = built.run(progress=progress)
     curves, balance = Curves(built, motion), energy_balance(motion)
-    fine = Curves(built, built.run(0.5, progress)[0])
+    ((finer_motion, _),) = built.run(fineness=0.5, progress=progress)
+    fine = Curves(built, finer_motion)
     compared = np.linspace(0.0, settings.duration, COMPARED)
     late = np.flatnonzero(_changes(curves, fine, compared) > TOLERANCE)
     switching = _switching(built, curves, balance)
     if built.is_band:
         half = build(study, system, settings, path, damping_ratio=damping_ratio, halved=True)
-        change = _changes(curves, Curves(half, half.run()[0]), compared)
+        ((half_motion, _),) = half.run()
+        change = _changes(curves, Curves(half, half_motion), compared)
         switching = replace(switching, band_change=float(change.max()))
     time = _samples(settings, built.loaded.modes)
     seen = look_at(curves, time, progress, counts=settings.fatigue is not None)

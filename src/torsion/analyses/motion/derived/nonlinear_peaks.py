@@ -314,7 +314,8 @@ def _settle(
         built = _vibrating(built, response, index)
     last, none = None, np.zeros(len(response.system.spans))
     try:
-        for end, motion in zip(ends, built.until(ends, progress=band.spend), strict=True):
+        motions = built.run(ends, progress=band.spend)
+        for end, (motion, _) in zip(ends, motions, strict=True):
             curves, amplitudes = Curves(built, motion), list[float]()
             for begin in (end - 2.0 * window, end - window):
                 time = begin + np.linspace(0.5, SAMPLES - 0.5, SAMPLES) * (window / SAMPLES)

@@ -14,10 +14,9 @@ from torsion.analyses.motion.train.following_torques import (
     changes_speed,
     refuse_beyond_tables,
 )
-from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
+from torsion.analyses.motion.train.loaded_train import Load, LoadedTrain, load_train
 from torsion.analyses.motion.train.modal_train import (
     direct_torques,
-    kept_modes,
     lowest_modes,
 )
 from torsion.analyses.motion.train.nonlinear_couplings import (
@@ -25,12 +24,10 @@ from torsion.analyses.motion.train.nonlinear_couplings import (
     Standing,
     capacity_pieces,
     couplings,
-    opened,
     standing,
 )
-from torsion.analyses.motion.train.state_before import State, state_before
+from torsion.analyses.motion.train.state_before import state_before
 from torsion.analyses.response.harmonic_components import amplitude, excitations
-from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
@@ -45,7 +42,6 @@ from torsion.kernels.tree import connected
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration
-MOST_OF_ELEMENTS = 200  # modes of a train with finite elements
 LARGEST_ANGLE = 2e7  # rad of the fastest mode within the duration, up to which all modes are kept
 # of the tolerance: events end steps inside, where collocation is not as accurate as at their ends
 CUT_SHORT = 0.1
@@ -69,48 +65,39 @@ class Built:
     is_band: bool = False  # modes were left out
 
     def run(
-        self, fineness: float = 1.0, progress: Progress = silent
-    ) -> tuple[EventDrivenMotion, Marched | None]:
-        """The motion, and how it was marched where torques follow it.
+        self, ends: Sequence[float] = (), fineness: float = 1.0, progress: Progress = silent
+    ) -> Iterator[tuple[EventDrivenMotion, Marched | None]]:
+        """The motion up to each of some times (s), ascending, or to the end of the whole.
 
-        Raises SolveError where a coupling changes its regime without end, or steps become too short.
+        Where torques follow it there is that alone, and how it was marched. Raises SolveError where a coupling changes
+        its regime without end, or steps become too short.
         """
         loaded, settings, follows = self.loaded, self.loaded.settings, self.loaded.follows
-        if follows is None:
-            (motion,) = self.until([settings.duration], fineness, progress)
-            return motion, None
-        # Steps end where a torque that is given, or the speed of a program, has a kink.
-        kinks = (end for line in loaded.carrier.rates for end in line[:2])
-        cuts = (*self.train.history.begin.tolist(), *kinks)
-        finer = (fineness, CUT_SHORT * fineness**4) if self.train.elements else (1.0, 1.0)
-        scheme = Scheme(
-            settings.duration,
-            finer[1] * settings.tolerance,
-            FIRST * settings.duration,
-            finer[0] * LONGEST * settings.duration,
-            np.abs(loaded.system.speed_ratio[loaded.interfaces]),
-            cuts,
-        )
-        with self._located():
-            marching = self._begin(settings.duration, fineness, progress)
-            shown = partial(progress, "torques that follow")
-            marched = march(marching, follows.laws, scheme, shown)
-        refuse_beyond_tables(follows, settings.events, marched, loaded.path)
-        return marching.finished(settings.duration), marched
-
-    def until(
-        self, ends: Sequence[float], fineness: float = 1.0, progress: Progress = silent
-    ) -> Iterator[EventDrivenMotion]:
-        """The motion up to each of some times (s), ascending, where no torque follows it; raises as `run` does."""
-        with self._located():
-            yield from self._begin(ends[-1], fineness, progress).until(ends)
-
-    def _begin(self, duration: float, fineness: float, progress: Progress) -> March:
+        ends = ends or [settings.duration]
         twist = np.array([element.twist for element in self.standing])
         regimes = tuple(element.regime for element in self.standing)
         shown = partial(progress, "from event to event")
-        state = twist, self.position, self.speed, regimes
-        return March(self.train, duration, *state, fineness, shown, self._turning)
+        with self._located():
+            state = twist, self.position, self.speed, regimes
+            marching = March(self.train, ends[-1], *state, fineness, shown, self._turning)
+            if follows is None:
+                yield from ((motion, None) for motion in marching.until(ends))
+                return
+            # Steps end where a torque that is given, or the speed of a program, has a kink.
+            kinks = (end for line in loaded.carrier.rates for end in line[:2])
+            finer = (fineness, CUT_SHORT * fineness**4) if self.train.elements else (1.0, 1.0)
+            scheme = Scheme(
+                settings.duration,
+                finer[1] * settings.tolerance,
+                FIRST * settings.duration,
+                finer[0] * LONGEST * settings.duration,
+                np.abs(loaded.system.speed_ratio[loaded.interfaces]),
+                (*self.train.history.begin.tolist(), *kinks),
+            )
+            laws = [follower.law for follower in follows.followers]
+            marched = march(marching, laws, scheme, partial(progress, "torques that follow"))
+        refuse_beyond_tables(follows, settings.events, marched, loaded.path)
+        yield marching.finished(settings.duration), marched
 
     def _turning(self, time: FloatArray) -> Turning:
         """How the interfaces of what follows the motion turn without any torque."""
@@ -161,8 +148,7 @@ def build(
         settings,
         path,
         before,
-        partial(_all_modes, before=before, path=path),
-        opened=partial(opened, nonlinear=nonlinear),
+        nonlinear=nonlinear,
         damping_ratio=damping_ratio,
         is_settled=speed is not None,
     )
@@ -170,14 +156,15 @@ def build(
         message = "parts at different speeds together with uneven joints are not supported yet"
         hint = "begin with `initial: rest` or `{speed: ...}`"
         raise SolveError(message, hint, (*path, "initial"))
-    loaded = _with_steady_torques(system, loaded, has_orders=speed is not None)
+    loads = [*loaded.loads, *_steady_torques(system, loaded, has_orders=speed is not None)]
     nothing, capacities = np.zeros(len(system.stations)), dict[int, tuple[int, bool]]()
     for number, coupling in enumerate(nonlinear):
         capacity = capacity_pieces(settings, coupling)
         if capacity is not None:
             begins_at_zero = not any(piece.begin == 0.0 for piece in capacity)
-            capacities[number] = len(loaded.loads), begins_at_zero
-            loaded = loaded.with_load(capacity, nothing)
+            capacities[number] = len(loads), begins_at_zero
+            loads.append(Load(capacity, nothing))
+    loaded = replace(loaded, loads=tuple(loads))
 
     turning = _speeds_of_parts(study, loaded)
     twists = loaded.twists(np.array([coupling.span for coupling in nonlinear]))
@@ -196,42 +183,13 @@ def build(
     if settings.modes != "all":
         kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
     kept = max(min(half, kept - 1), 0) if halved else kept
-    return _in_modes(loaded, nonlinear, tuple(elements), kept, start, turning)
+    # Inside finite elements the torque is not that of the modes alone.
+    is_fem = loaded.system.bars is not None
+    return in_modes(loaded, start, turning, nonlinear, tuple(elements), kept=kept, is_band=is_fem)
 
 
-def build_linear(loaded: LoadedTrain, *, is_band: bool) -> Built:
-    """A train without nonlinear couplings in the modes that are kept, as it deviates from its steady motion.
-
-    is_band: higher modes are left out, and stand at once for what they carry.
-    """
-    direct = direct_torques(loaded.system, loaded.modes, loaded.acting, is_band=is_band)
-    pieces, shape = [load.pieces for load in loaded.loads], loaded.shape
-    force = shape.T @ loaded.acting[:, : len(pieces)]
-    train = LoadedModes(loaded.damping, pieces, force, shape[loaded.interfaces])
-    position, speed = loaded.start()
-    none = np.zeros((len(direct), 0))
-    return Built(
-        loaded, train, direct + loaded.carried, position, speed, np.zeros_like(speed), none
-    )
-
-
-def _all_modes(bare: System, before: State, path: Path) -> Modes:
-    """All modes of the linear parts."""
-    if bare.bars is None:
-        return kept_modes(bare, "all", path)[0]
-    if before.torque.any() or before.twist.any():
-        message = "backlash and friction together with finite elements start without torque"
-        hint = "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`"
-        raise SolveError(message, hint, path)
-    modes = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
-    if len(modes.frequency) > MOST_OF_ELEMENTS:
-        message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
-        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", path)
-    return modes
-
-
-def _with_steady_torques(system: System, loaded: LoadedTrain, *, has_orders: bool) -> LoadedTrain:
-    """With the mean torques before the events, and of a train that vibrates steadily its periodic ones.
+def _steady_torques(system: System, loaded: LoadedTrain, *, has_orders: bool) -> Iterator[Load]:
+    """The mean torques before the events, and of a train that vibrates steadily its periodic ones.
 
     has_orders: it turns at one speed, at which orders have frequencies.
     """
@@ -241,7 +199,7 @@ def _with_steady_torques(system: System, loaded: LoadedTrain, *, has_orders: boo
         if follows is not None:
             _, carried, mean = follows.carried(system)
             acting = acting + mean
-        loaded = loaded.with_load((Piece(0.0, math.inf, 1.0),), acting, carried)
+        yield Load((Piece(0.0, math.inf, 1.0),), acting, carried)
     speed = np.array([before.speed])
     for excitation in excitations(system) if has_orders else ():
         vibrating = np.zeros(len(system.stations), dtype=complex)
@@ -249,25 +207,31 @@ def _with_steady_torques(system: System, loaded: LoadedTrain, *, has_orders: boo
             vibrating[torque.station] += amplitude(system, torque, speed, before.mean)[0]
         rate = 1j * float(excitation.line.circular_frequency(speed)[0])
         for factor, column in ((1.0, vibrating.real), (1j, vibrating.imag)):
-            loaded = loaded.with_load((Piece(0.0, math.inf, factor, rate=rate),), column)
-    return loaded
+            yield Load((Piece(0.0, math.inf, factor, rate=rate),), column)
 
 
-def _in_modes(
+def in_modes(
     loaded: LoadedTrain,
-    nonlinear: tuple[Coupling, ...],
-    stands: tuple[Standing, ...],
-    kept: int,
     position: FloatArray,
     speed: FloatArray,
+    nonlinear: tuple[Coupling, ...] = (),
+    stands: tuple[Standing, ...] = (),
+    *,
+    kept: int | None = None,
+    is_band: bool,
 ) -> Built:
-    """With as many modes kept, and the compliance of the others in series with the elements."""
+    """With as many modes kept, and the compliance of the others in series with the elements.
+
+    Without nonlinear couplings all modes of `loaded` are kept, and positions and speeds deviate from the steady motion.
+    is_band: higher modes than those of `loaded` are left out, and stand at once for what they carry.
+    """
     bare, modes, rigid, w = loaded.system, loaded.modes, loaded.rigid, loaded.w
-    low, high, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
-    spans = np.array([nonlinear[stand.coupling].span for stand in stands])
-    acting, damping = loaded.acting, loaded.damping
+    kept = len(w) if kept is None else kept
+    low, high, is_cut = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
+    spans = np.array([nonlinear[stand.coupling].span for stand in stands], dtype=np.int64)
+    acting, damping, shape = loaded.acting, loaded.damping, loaded.shape[:, low]
     force = loaded.shape.T @ acting
-    ends = np.array([stand.element.ends for stand in stands])
+    ends = np.array([stand.element.ends for stand in stands]).reshape(len(stands), len(force))
     soft, answer = ends[:, high] / w[kept:] ** 2, force[high] / w[kept:, None] ** 2
     higher = modes.torque[:, kept:]
 
@@ -277,9 +241,8 @@ def _in_modes(
     reactions = np.zeros((len(bare.stations), len(spans)))
     np.add.at(reactions, (driving, column), -1.0)
     np.add.at(reactions, (driven, column), ratio[driving] / ratio[driven])
-    is_fem = bare.bars is not None  # inside its elements the torque is not that of the modes alone
-    direct = direct_torques(bare, modes, acting, is_band=is_fem)
-    of_elements = direct_torques(bare, modes, reactions, is_band=is_fem) - higher @ soft.T
+    direct = direct_torques(bare, modes, acting, is_band=is_band)
+    of_elements = direct_torques(bare, modes, reactions, is_band=is_band) - higher @ soft.T
     of_elements[spans, column] += 1.0
 
     pieces = [load.pieces for load in loaded.loads]
@@ -287,25 +250,25 @@ def _in_modes(
         ModalTrain(damping.w[:kept], damping.ratio[:kept], damping.viscous[low, low]),
         pieces,
         force[low, : len(pieces)],
-        loaded.shape[loaded.interfaces, low],
+        shape[loaded.interfaces],
         tuple(
             replace(stand.element, ends=row[low]) for stand, row in zip(stands, ends, strict=True)
         ),
-        soft @ ends[:, high].T if is_band else None,
-        soft @ force[high] if is_band else None,
+        soft @ ends[:, high].T if is_cut else None,
+        soft @ force[high] if is_cut else None,
     )
-    shape, slowed = loaded.shape[:, low], loaded.slowed[:, low]
+    is_whole = bool(nonlinear) and loaded.before.mean is not None
     return Built(
-        replace(loaded, modes=lowest_modes(modes, kept), shape=shape, slowed=slowed),
+        replace(loaded, modes=lowest_modes(modes, kept), shape=shape, slowed=loaded.slowed[:, low]),
         train,
         direct + loaded.carried + higher @ answer,
         position[low],
         speed[low],
-        (loaded.before.mean is not None) * position[low],
+        is_whole * position[low],
         of_elements,
         nonlinear,
         stands,
-        is_band,
+        is_cut,
     )
 
 

@@ -50,11 +50,6 @@ class Following:
 
     followers: tuple[Follower, ...]
 
-    @property
-    def laws(self) -> list[Law]:
-        """The laws in the order of their interfaces."""
-        return [follower.law for follower in self.followers]
-
     @cached_property
     def station(self) -> IntArray:
         """The station at which each interface acts, (interfaces,)."""

@@ -227,7 +227,7 @@ def _cut(
         viscous += loss / float(system.flexibility[elastic]) / w
     return JointCut(
         span,
-        joint if forward else joint.undone(),
+        joint if forward else replace(joint, unevenness=-joint.unevenness),
         front,
         behind,
         elastic,

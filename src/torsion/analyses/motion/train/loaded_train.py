@@ -1,9 +1,9 @@
 """A train in modes with everything that acts on it: what every motion over time begins with."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from torsion.analyses.motion.train.following_torques import (
 from torsion.analyses.motion.train.joints import JointCut, joint_cuts, parts_of, standing_angles
 from torsion.analyses.motion.train.modal_train import (
     TrainInModes,
+    all_modes,
     train_in_modes,
 )
+from torsion.analyses.motion.train.nonlinear_couplings import Coupling, opened
 from torsion.analyses.motion.train.state_before import State, points_of_events
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
@@ -102,10 +104,6 @@ class LoadedTrain(TrainInModes):
             columns.append(self.follows.carried(self.system)[0])
         return np.column_stack(columns) if columns else none[:, None][:, :0]
 
-    def with_load(self, *load: Any) -> "LoadedTrain":
-        """With a torque by time besides; load: what a Load has."""
-        return replace(self, loads=(*self.loads, Load(*load)))
-
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Positions and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
         system, before = self.system, self.before
@@ -132,17 +130,17 @@ def load_train(
     settings: TransientSettings,
     path: Path,
     before: State,
-    choose_modes: Callable[[System], Modes],
+    modes: Modes | None = None,
     *,
-    opened: Callable[[System], System] = lambda system: system,
+    nonlinear: tuple[Coupling, ...] = (),
     damping_ratio: float | None = None,
     is_settled: bool = False,
 ) -> LoadedTrain:
     """Return the linear parts of a train in modes, with what acts on them.
 
-    choose_modes: the modes of the linear parts. opened: takes out the couplings that can part or slip. damping_ratio: of
-    every mode, in place of the damping of the train. is_settled: the train vibrates steadily at one speed, and no torque
-    follows it. Raises InputError for an event that the train cannot have.
+    modes: of the linear parts (default: all). nonlinear: couplings, of which those that can part or slip are taken out.
+    damping_ratio: of every mode, in place of the damping of the train. is_settled: the train vibrates steadily at one
+    speed, and no torque follows it. Raises InputError for an event that the train cannot have.
     """
     events, cuts = settings.events, joint_cuts(system, before.mean)
     is_driven = changes_speed(system, events)
@@ -155,8 +153,10 @@ def load_train(
     replaced = replaced_dampers(study, system, settings, path)
     parts = parts_of(system, cuts)
     dampers = tuple(damper for damper in parts.dampers if damper.station not in replaced)
-    parts = opened(replace(parts, dampers=dampers))
-    train = train_in_modes(parts, choose_modes(parts), before, is_driven=is_driven)
+    parts = replace(parts, dampers=dampers)
+    parts = opened(parts, nonlinear) if nonlinear else parts
+    modes = all_modes(parts, before, path) if modes is None else modes
+    train = train_in_modes(parts, modes, before, is_driven=is_driven)
     damping = train.damped()
     if damping_ratio is not None:
         ratio = np.full(len(damping.w), damping_ratio)

@@ -23,6 +23,7 @@ from torsion.errors import Path, SolveError
 from torsion.kernels.motion.damped_modes import ModalTrain
 
 MOST_MODES = 3000
+MOST_OF_ELEMENTS = 200  # modes of a train with finite elements and nonlinear couplings
 ROUNDING = 1e-13  # of the largest damping: less is none
 BAND = 50  # modes kept of a train of finite elements, where the file names no number
 
@@ -158,6 +159,21 @@ def kept_modes(
     number = BAND if count == "all" else count
     modes = modes_as_discretised(system, 2 * number)
     return lowest_modes(modes, number), modes
+
+
+def all_modes(system: System, before: State, path: Path) -> Modes:
+    """All modes of the linear parts of a train with nonlinear couplings."""
+    if system.bars is None:
+        return kept_modes(system, "all", path)[0]
+    if before.torque.any() or before.twist.any():
+        message = "backlash and friction together with finite elements start without torque"
+        hint = "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`"
+        raise SolveError(message, hint, path)
+    modes = modes_as_discretised(system, MOST_OF_ELEMENTS + 1)
+    if len(modes.frequency) > MOST_OF_ELEMENTS:
+        message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
+        raise SolveError(message, "take `model: lumped`, or a lower highest frequency", path)
+    return modes
 
 
 def lowest_modes(modes: Modes, number: int) -> Modes:
