@@ -36,8 +36,11 @@ def mean_speed_slopes(study: Study) -> dict[str, str]:
         return lacking
     damped = {damper.station for damper in study.train.dampers}
     for load in power_balance(study.train, study.operation).loads:
+        has_slope = load.law.exponent != 0
+        if load.law.table:
+            has_slope = len({torque for _, torque in load.law.table}) > 1
         for station, _ in load.stations:
-            if load.law.has_slope and station not in damped:
+            if has_slope and station not in damped:
                 part = study.train.parts[study.train.stations[station].part]
                 lacking[part.name] = "damping: law"
     return lacking

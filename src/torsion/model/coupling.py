@@ -221,7 +221,23 @@ class Coupling(Component, keyword="coupling", sort="link"):
             message = f"{rare:g} N m is below the {normal:g} N m of `max_torque`"
             raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
         heat_ratings(self.heat_limit, self.heat_limit_misfire)
-        _refuse_nonlinear_clashes(self)
+        rigid = self.flexibility == 0
+        play, friction, stages = self.clearance, self.hysteresis_torque, self.stages
+        if play is not None and rigid and play.stiffness is None:
+            message = "a clearance in a rigid coupling needs the stiffness of its contact"
+            raise refuse(message, "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}", "clearance")
+        if rigid and (friction or stages):
+            key = "stages" if stages else "hysteresis_torque"
+            raise refuse(
+                f"a rigid coupling has no `{key}`: it does not twist", "give a stiffness", key
+            )
+        total = sum(element.torque for element in friction)
+        if friction and self.max_torque is not None and total >= self.max_torque:
+            message = f"the friction of {total:g} N m is not below the maximum torque, {self.max_torque:g} N m"
+            raise refuse(message, "it would never slip", "hysteresis_torque")
+        if any(before.first >= after.first for before, after in pairwise(stages)):
+            message = "stages come in the order of the twists at which they begin"
+            raise refuse(message, "rising `from`", "stages")
 
     def lower(self, build: Lowering) -> None:
         damping, temperature = given_damping(self), self.temperature
@@ -268,25 +284,6 @@ class Coupling(Component, keyword="coupling", sort="link"):
             build.record(nonlinear)
             viscous = nonlinear.viscous if nonlinear.play else viscous
         build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, eta))
-
-
-def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
-    """Refuse what does not go together with the nonlinear keys of a coupling."""
-    rigid = coupling.flexibility == 0
-    play, friction, stages = coupling.clearance, coupling.hysteresis_torque, coupling.stages
-    if play is not None and rigid and play.stiffness is None:
-        message = "a clearance in a rigid coupling needs the stiffness of its contact"
-        raise refuse(message, "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}", "clearance")
-    if rigid and (friction or stages):
-        key = "stages" if stages else "hysteresis_torque"
-        raise refuse(f"a rigid coupling has no `{key}`: it does not twist", "give a stiffness", key)
-    total = sum(element.torque for element in friction)
-    if friction and coupling.max_torque is not None and total >= coupling.max_torque:
-        message = f"the friction of {total:g} N m is not below the maximum torque, {coupling.max_torque:g} N m"
-        raise refuse(message, "it would never slip", "hysteresis_torque")
-    if any(before.first >= after.first for before, after in pairwise(stages)):
-        message = "stages come in the order of the twists at which they begin"
-        raise refuse(message, "rising `from`", "stages")
 
 
 def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> NonlinearRecord | None:

@@ -185,11 +185,6 @@ class LoadLaw:
         return np.asarray(rated_torque / rated_speed * rise)
 
     @property
-    def has_slope(self) -> bool:
-        """Its torque changes with the speed."""
-        return len({torque for _, torque in self.table}) > 1 if self.table else self.exponent != 0
-
-    @property
     def words(self) -> str:
         """The law in words, for tables."""
         if self.table:
@@ -276,11 +271,6 @@ class DriveLaw(Declared):
             message = "`lag` beyond the pull-out torque, where the slope damps no more"
             raise refuse(message, "leave `lag` out", "lag")
 
-    @property
-    def is_controlled(self) -> bool:
-        """A controller holds the mean speed."""
-        return self.law == "speed"
-
     @source("Kloss1916")
     def rated_torque(self) -> float | None:
         """Return the torque (N m) that Kloss's law has at the rated slip; None of any other law."""
@@ -317,4 +307,4 @@ class DriveLaw(Declared):
             return f"{name} {100.0 * (share or 0.0):g} %{pull_out}{lag}"
         if self.torque is not None:
             return "torque by a table over speed"
-        return "speed kept by a controller" if self.is_controlled else "constant torque"
+        return "speed kept by a controller" if self.law == "speed" else "constant torque"

@@ -102,11 +102,6 @@ class NonlinearRecord:
     capacity: float | None = None  # N m, of a clutch
 
     @property
-    def interrupts(self) -> bool:
-        """Nothing linear is left of the coupling."""
-        return bool(self.play) or self.capacity is not None
-
-    @property
     def words(self) -> str:
         """How modes take it; the response takes all but a clutch by harmonic balance."""
         simplifications = {
@@ -231,11 +226,11 @@ PLAIN = Symbol()
 Kind = TypeVar("Kind")
 
 
+@dataclass(frozen=True)
 class Held(Generic[Kind]):
     """A record of a part as an attribute, by the name of its class; None where the part has none."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    name: str
 
     def __get__(self, part: "Part | None", owner: type) -> Kind | None:
         return None if part is None else cast("Kind | None", part.records_by_name.get(self.name))

@@ -234,16 +234,6 @@ class Support(Declared):
             message = "a support of no stiffness holds nothing"
             raise refuse(message, "give a stiffness above 0", "stiffness")
 
-    @property
-    def stiffness_of_planes(self) -> tuple[float, float]:
-        """Stiffness (N/m) in y and in z."""
-        return self.stiffness[0], self.stiffness[-1]
-
-    @property
-    def damping_of_planes(self) -> tuple[float, float]:
-        """Damping (N s/m) in y and in z."""
-        return self.damping[0], self.damping[-1]
-
 
 def refuse_details(shaft: Any) -> None:
     """Refuse notches and hubs that do not go together with the dimensions of a round shaft."""
@@ -272,5 +262,5 @@ def refuse_details(shaft: Any) -> None:
 
 
 def both_ends(values: tuple[float, ...]) -> tuple[float, float]:
-    """Return the values at both ends of a shaft, which may be one value for both."""
+    """Return the values at both ends of a shaft, or in y and z of a support, which may be one value for both."""
     return values[0], values[-1]

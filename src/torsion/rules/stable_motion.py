@@ -55,7 +55,7 @@ class StableMotion(Rule[RuleSettings]):
         stated = mean_speed_words(stability, study)
         remarks = line.note, words(times, GROWS), "; ".join(slopes), stated
         lines = [replace(line, note="; ".join(filter(None, remarks)), times=times)]
-        if laws and not any(law.is_controlled for law in laws):
+        if laws and not any(law.law == "speed" for law in laws):
             lines.append(mean_speed_check(stability, study))
         return distinct(row for check in lines for row in with_reach(check, study))
 
@@ -103,7 +103,7 @@ def mean_speed_words(stability: Stability, study: Study) -> str:
     rpm = [f"{speed * _RPM:.4g}" for speed in (drift.at, drift.first, drift.last)]
     doubles = f"doubles in {np.log(2.0) / drift.growth:.2g} s"
     stated = f"Mean speed drifts: {drift.growth:.3g} 1/s at {rpm[0]} rpm ({doubles})"
-    if any(law.is_controlled for law in laws):
+    if any(law.law == "speed" for law in laws):
         return f"{stated} without its controller; kept by the controller"
     why = f"the slopes of drive and load, together {drift.given:.3g} N m s/rad at '{drift.machine}', are too small"
     if abs(drift.given) <= NO_SLOPE:

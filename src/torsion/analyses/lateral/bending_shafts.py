@@ -12,7 +12,7 @@ from torsion.analyses.lateral.beam_matrices import Beam, LateralSystem, Point, S
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path, SolveError
 from torsion.kernels.tree import connected
-from torsion.model.shaft_details import Support
+from torsion.model.shaft_details import Support, both_ends
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -141,8 +141,8 @@ def _supports(
                     begin + (bar.length - support.at if is_from_behind else support.at),
                     f"support of {name}" + (f" {number + 1}" if len(supports) > 1 else ""),
                     support.mass,
-                    stiffness=support.stiffness_of_planes,
-                    damping=support.damping_of_planes,
+                    stiffness=both_ends(support.stiffness),
+                    damping=both_ends(support.damping),
                 )
             )
         begin += bar.length
@@ -176,7 +176,7 @@ def _lacking(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
         return f"it is not supported: {why}", ()
     if free[0] != free[1]:
         plane = free.index(max(free))
-        path = next(path for support, path in given if not support.stiffness_of_planes[plane] > 0)
+        path = next(path for support, path in given if not both_ends(support.stiffness)[plane] > 0)
         why = "in which its support has no stiffness"
         return f"it is not supported in the plane {'yz'[plane]}, {why}", (*path, "stiffness")
     if any(free) and len({point.at for point in beam.points}) < len(beam.points):
@@ -190,7 +190,7 @@ def _lacking(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
     if given and (hold := min(beam.hold(0), beam.hold(1))) < SOFTEST:
         bent = f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
         why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
-        _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))
+        _, path = min(given, key=lambda pair: min(pair[0].stiffness))
         return f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
     if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
         path = (*train.parts[row[0].part].path, "material")

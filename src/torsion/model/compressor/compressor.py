@@ -130,7 +130,7 @@ class Compressor(Crankshaft, keyword="compressor"):
 
     def refuse_clashes(self) -> None:
         check_rod(self.rod_length, self.stroke)
-        super().refuse_clashes()
+        self.refuse_throws(len(self.throws))
         ends = [key for throw in self.throws for key in throw.keys_given("head_end", "crank_end")]
         if ends and self.absolute is None:
             hint = "absolute: true, or false of pressures above the surroundings"
@@ -140,22 +140,21 @@ class Compressor(Crankshaft, keyword="compressor"):
             raise refuse(message, "give `head_end` and `crank_end`")
 
     @property
-    def throw_names(self) -> tuple[str, ...]:
-        return tuple(f"throw {number}" for number in range(1, len(self.throws) + 1))
-
-    @property
     def slider(self) -> CrankSlider:
         """The crank mechanism of every throw."""
         return CrankSlider.of_stroke(self.stroke, self.rod_length)
 
-    def moving_inertia(self, throw: int) -> float:
-        mass = self.throws[throw].reciprocating
-        return float(self.slider.inertia_harmonics(0, mass)[0].real)
-
     def lower(self, build: Lowering) -> None:
         owner = build.part
-        stations, _ = self.lower_throws(build)
         path, faults = build.parts[owner].path, len(build.faults)
+        over_angle = [
+            self.slider.inertia_harmonics(VARYING, throw.reciprocating) for throw in self.throws
+        ]
+        moving = [
+            (f"throw {number}", float(inertia[0].real))
+            for number, inertia in enumerate(over_angle, 1)
+        ]
+        stations, _ = self.lower_throws(build, moving)
         throws = []
         for number, (throw, station) in enumerate(zip(self.throws, stations, strict=True)):
             ends, at_throw = list[EndRecord](), (*path, "throws", number)
@@ -180,7 +179,7 @@ class Compressor(Crankshaft, keyword="compressor"):
                     tuple(ends),
                     np.asarray(sum((end.torque for end in ends), gas)),
                     self.slider.inertia_torque(self.orders, throw.reciprocating),
-                    self.slider.inertia_harmonics(VARYING, throw.reciprocating),
+                    over_angle[number],
                 )
             )
         record = CompressorRecord(owner, tuple(throws), self.mechanical_efficiency)

@@ -1,7 +1,7 @@
 """A crankshaft as points and links in a row: the keys of its throws and spans, and how they lower."""
 
 import math
-from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Annotated
 
 from torsion import fields
@@ -42,17 +42,8 @@ class Crankshaft(Component, sort="line"):
     )
     loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
 
-    @property
-    @abstractmethod
-    def throw_names(self) -> tuple[str, ...]:
-        """Names of the throws within the component, from the first end."""
-
-    @abstractmethod
-    def moving_inertia(self, throw: int) -> float:
-        """Return the mean inertia (kg m2) of the moving masses on a throw."""
-
-    def refuse_clashes(self) -> None:
-        throws = len(self.throw_names)
+    def refuse_throws(self, throws: int) -> None:
+        """Refuse lists that do not have one value for each of the throws, or of the spans between them."""
         for key in ("inertia", "crank_inertia", "damping", "stiffness"):
             allowed = throws - 1 if key == "stiffness" else throws
             count = len(getattr(self, key))
@@ -66,16 +57,21 @@ class Crankshaft(Component, sort="line"):
         ONE_INERTIA.check(self)
 
     def lower_throws(
-        self, build: Lowering, shaft: ShaftRecord | None = None
+        self,
+        build: Lowering,
+        throws: Sequence[tuple[str, float]],
+        shaft: ShaftRecord | None = None,
     ) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Add throws and spans; return the stations of the throws and the parts of the spans, from the first end.
 
-        shaft: for the rules that judge the stress of the spans.
+        throws: name and mean inertia (kg m2) of the moving masses of each, from the first end. shaft: for the rules
+        that judge the stress of the spans.
         """
-        owner, names = build.parts[-1], self.throw_names
+        owner = build.parts[-1]
         stations, spans = dict[int, int](), dict[int, int]()
-        throws = list(range(len(names)))
-        for throw in reversed(throws) if self.reverse else throws:
+        numbers = range(len(throws))
+        for throw in reversed(numbers) if self.reverse else numbers:
+            name, moving_inertia = throws[throw]
             if stations:
                 span = throw if self.reverse else throw - 1
                 build.member(owner, f"crank {span + 1}-{span + 2}", "crank", is_point=False)
@@ -87,16 +83,16 @@ class Crankshaft(Component, sort="line"):
                 if self.loss_factor:
                     build.place(damping=("loss_factor", self.loss_factor))
                 build.record(shaft)
-            build.member(owner, names[throw], "throw", is_point=True, symbol=Symbol("throw"))
+            build.member(owner, name, "throw", is_point=True, symbol=Symbol("throw"))
             stations[throw] = station = build.point()
             if self.inertia:
                 build.inertia(station, _value(self.inertia, throw))
             else:
                 build.inertia(station, _value(self.crank_inertia, throw), "crank")
-                build.inertia(station, self.moving_inertia(throw), "moving masses, mean")
+                build.inertia(station, moving_inertia, "moving masses, mean")
             if damping := _value(self.damping or (0.0,), throw):
                 build.add(Damper(station, constant=build.to_own_speed(damping)))
-        return tuple(stations[throw] for throw in throws), tuple(
+        return tuple(stations[throw] for throw in numbers), tuple(
             spans[span] for span in sorted(spans)
         )
 

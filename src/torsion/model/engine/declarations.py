@@ -337,10 +337,7 @@ class Gas(Declared):
                 raise refuse(message, "one value, or one a load", key)
         if any(before >= after for before, after in pairwise(self.imep)):
             raise refuse("the loads of `imep` do not rise", "lowest first", "imep")
-        self._check_several()
-
-    def _check_several(self) -> None:
-        """Refuse several tables or diagrams that are not of one kind, in rising order."""
+        # Several tables or diagrams are of one kind, in rising order.
         if self.tables and (len(self.tables) < 2 or len({table.key for table in self.tables}) > 1):
             message = "`tables` are two or more, all by one of `imep`, `torque` and `speed`"
             raise refuse(message, "", "tables")

@@ -132,16 +132,9 @@ class Engine(Crankshaft, keyword="engine"):
         """Numbers of the cylinders on every throw, from the first end."""
         return self.throws or tuple((number,) for number in range(1, self.cylinders + 1))
 
-    @property
-    def throw_names(self) -> tuple[str, ...]:
-        return tuple(
-            f"cylinder {lane[0]}" if len(lane) == 1 else f"throw {throw + 1}"
-            for throw, lane in enumerate(self.lanes)
-        )
-
     def refuse_clashes(self) -> None:
         self._check_firing()
-        super().refuse_clashes()
+        self.refuse_throws(len(self.lanes))
         self._check_states()
         journals, geometry, masses = (self.journal, self.pin), self.geometry, self.masses
         sized = all(journal is not None and journal.length for journal in journals)
@@ -250,8 +243,6 @@ class Engine(Crankshaft, keyword="engine"):
         if journal is not None:
             size = journal.diameter, journal.bore
             shaft = ShaftRecord(self.material, "crank", (), (), journal=size)
-        stations, spans = self.lower_throws(build, shaft)
-
         inertia = np.zeros(self._highest * revolutions + 1, dtype=np.complex128)
         over_angle = np.zeros(1, dtype=np.complex128)
         if slider is not None and self.masses is not None:
@@ -259,6 +250,13 @@ class Engine(Crankshaft, keyword="engine"):
             inertia[::revolutions] = slider.inertia_torque(self._highest, mass, correction)
             over_angle = slider.inertia_harmonics(VARYING, mass, correction)
             over_angle[0] += turning
+        mean = float(over_angle[0].real)
+        names = [
+            f"cylinder {lane[0]}" if len(lane) == 1 else f"throw {number}"
+            for number, lane in enumerate(self.lanes, 1)
+        ]
+        throws = [(name, len(lane) * mean) for name, lane in zip(names, self.lanes, strict=True)]
+        stations, spans = self.lower_throws(build, throws, shaft)
         record = EngineRecord(
             owner,
             revolutions,
@@ -320,13 +318,6 @@ class Engine(Crankshaft, keyword="engine"):
         )
         mass = (masses.piston or 0.0) + reciprocating
         return mass, correction, rotating * slider.radius**2
-
-    def moving_inertia(self, throw: int) -> float:
-        if self.slider is None:
-            return 0.0
-        mass, correction, turning = self._moving
-        mean = self.slider.inertia_harmonics(0, mass, correction)[0].real + turning
-        return len(self.lanes[throw]) * float(mean)
 
     def _sizes(self) -> Iterator[tuple[str, float, tuple[str, ...]]]:
         """Sizes of a throw that the file has here, by the keys of the rule that judges it, and their own keys."""

@@ -58,7 +58,12 @@ def opened(system: System, nonlinear: tuple[Coupling, ...]) -> System:
 
     Raises SolveError where an end of a nonlinear coupling has no inertia.
     """
-    spans = [coupling.span for coupling in nonlinear if coupling.record.interrupts]
+    # Nothing linear is left of a coupling with play, and of a clutch.
+    spans = [
+        coupling.span
+        for coupling in nonlinear
+        if coupling.record.play or coupling.record.capacity is not None
+    ]
     changed = dict[str, Any]()
     for name, value in (("flexibility", math.inf), ("viscous", 0.0), ("loss_factor", 0.0)):
         changed[name] = getattr(system, name).copy()
