@@ -347,7 +347,7 @@ def _planned(study: Study) -> Planned:
     steps, left_out = [], list[tuple[str, str]]()
     for name in ordered(ANALYSES):
         is_named, title = name in study.analyses, ANALYSES[name].title
-        if not (is_named or ANALYSES[name].wanted(study)):
+        if not (is_named or ANALYSES[name].is_wanted(study)):
             continue
         if lacking.get(name):
             left_out.append((title, lacking[name]))

@@ -204,7 +204,7 @@ def _run_analyses(work: Work, study: Study, only: Collection[str], names: Collec
     errors = []
     for name in ordered({key: ANALYSES[key] for key in names}):
         analysis = ANALYSES[name]
-        if not (name in study.analyses or name in only or analysis.wanted(study)):
+        if not (name in study.analyses or name in only or analysis.is_wanted(study)):
             continue
         try:
             analysis.imported(analysis.run)(work)
@@ -259,7 +259,7 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
         analyses = rules.needed(above) | {
             name
             for name in ("engine", "coupling temperatures", "nonlinear peaks")
-            if name in above.analyses or ANALYSES[name].wanted(above)
+            if name in above.analyses or ANALYSES[name].is_wanted(above)
         }
         settings = {name: value for name, value in study.analyses.items() if name in analyses}
         above = replace(above, analyses=settings)

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.model.component import STEEL, Arrival, Component, Lowering, Material, lower_line
+from torsion.model.component import STEEL, Arrival, Component, Lowering, Material
 from torsion.model.machine_torques import Excitation
 from torsion.model.parts import Part, ShaftRecord
 from torsion.primitives import (
@@ -224,7 +224,8 @@ def lowered(
     """
     build = Lowering({"steel": STEEL, **(materials or {})}, folder=folder)
     with collected() as citations:
-        lower_line(build, components, ("train",))
+        for position, component in enumerate(components):
+            component.enter(build, ("train", position))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]

@@ -22,16 +22,6 @@ VARYING = (
 MODELS = ("lumped", "fem", "exact")
 
 
-def always(study: "Study") -> bool:
-    """Want an analysis in every study: it says itself what it leaves out."""
-    return True
-
-
-def named(study: "Study") -> bool:
-    """Want an analysis only where the file names it."""
-    return False
-
-
 @dataclass(frozen=True)
 class Analysis:
     """One entry of the registry."""
@@ -44,7 +34,8 @@ class Analysis:
     results: Mapping[str, str] = field(
         default_factory=dict
     )  # name in every output: class, or module:class
-    wanted: Callable[["Study"], bool] = named  # by a study that does not name it
+    # By a study that does not name it; True of one that says itself what it leaves out.
+    wanted: bool | Callable[["Study"], bool] = False
     chapters: tuple[
         str, ...
     ] = ()  # of the report, in output/chapters; where none, its results as they are declared
@@ -52,6 +43,10 @@ class Analysis:
         str, ...
     ] = ()  # key of the file that is at fault where it has no answer; () for its own
     is_listed: bool = False  # a list of settings may stand in the file, one for each time it is run
+
+    def is_wanted(self, study: "Study") -> bool:
+        """Return whether a study that does not name the analysis wants it."""
+        return self.wanted if isinstance(self.wanted, bool) else self.wanted(study)
 
     def imported(self, word: str) -> Any:
         """Import and return what `run`, `settings` or an entry of `results` names."""
@@ -71,7 +66,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.discretisation",
         "run_assembly",
         needs=("sections",),
-        wanted=always,
+        wanted=True,
     ),
     "modes": Analysis(
         "natural frequencies",
@@ -80,7 +75,7 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.analyses.undamped_modes:ModesSettings",
         needs=("assembly",),
         results={"modes": "torsion.analyses.undamped_modes:Modes"},
-        wanted=always,
+        wanted=True,
         chapters=("natural_frequencies",),
     ),
     "sharp steps": Analysis(
@@ -108,7 +103,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.damped_modes",
         needs=("couplings by table",),
         results={"damped_modes": "DampedModes"},
-        wanted=always,
+        wanted=True,
         chapters=("natural_frequencies",),
         place=("analyses", "modes", "damped"),
     ),
@@ -146,7 +141,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.steady",
         needs=("damped",),
         results={"mean": "Steady", "machines": "PowerBalance", "mean_loads": "MeanLoads"},
-        wanted=always,
+        wanted=True,
         chapters=("mean_torques",),
         place=("operation",),
     ),
@@ -155,7 +150,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.system_data",
         needs=("steady",),
         results={"system_data": "SystemData"},
-        wanted=always,
+        wanted=True,
         chapters=("mass_elastic",),
         place=("train",),
     ),
@@ -177,7 +172,7 @@ ANALYSES: dict[str, Analysis] = {
             "response": "Response",
             "synthesis": "torsion.analyses.response.amplitudes:Synthesis",
         },
-        wanted=always,
+        wanted=True,
         chapters=(
             "forced_response",
             "component_loads:shafts",
@@ -273,7 +268,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.component_loads",
         needs=("response", "nonlinear peaks"),
         results={"component_loads": "ComponentLoads"},
-        wanted=always,
+        wanted=True,
         chapters=("component_loads:gears", "component_loads:couplings"),
         place=("analyses", "response"),
     ),
@@ -291,7 +286,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.critical",
         needs=("modes", "frequencies over speed"),
         results={"critical_speeds": "CriticalSpeeds"},
-        wanted=always,
+        wanted=True,
         chapters=("critical_speeds",),
     ),
     "tolerances": Analysis(

@@ -46,30 +46,24 @@ def mean_speed_slopes(study: Study) -> dict[str, str]:
     return lacking
 
 
-def load_slopes(balance: Balance, ratio: FloatArray, speed: FloatArray) -> FloatArray:
-    """Return the slopes (stations, speeds) N m s/rad of the loads at reference speeds (rad/s).
+def slopes_of_laws(
+    train: Train, operation: Operation, balance: Balance, ratio: FloatArray, speed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the slopes (stations, speeds) N m s/rad of the loads, and of the drives, at reference speeds (rad/s).
 
-    ratio: (stations,) own speed / reference speed.
+    A drive with a lag has none here: it is a damper of the train. ratio: (stations,) own speed / reference speed.
     """
-    slopes = np.zeros((len(ratio), len(speed)))
+    loads, drives = np.zeros((2, len(ratio), len(speed)))
     for load in balance.loads:
         at_reference = load.law.slope(speed, load.speed, load.torque)
         for station, share in load.stations:
-            slopes[station] += float(share * balance.delivered) * at_reference / ratio[station] ** 2
-    return slopes
-
-
-def drive_slopes(
-    train: Train, operation: Operation, balance: Balance, ratio: FloatArray, speed: FloatArray
-) -> FloatArray:
-    """Return the slopes (stations, speeds) N m s/rad of the laws of drive; one with a lag is a damper of the train."""
-    slopes = np.zeros((len(ratio), len(speed)))
+            loads[station] += float(share * balance.delivered) * at_reference / ratio[station] ** 2
     for part, law in driven_by_law(train):
         if law.lag is None:
             station = part.stations[0]
             rated_speed, rated_torque = rated_point(part, operation, balance)
-            slopes[station] += law.slopes(speed * abs(ratio[station]), rated_torque, rated_speed)
-    return slopes
+            drives[station] += law.slopes(speed * abs(ratio[station]), rated_torque, rated_speed)
+    return loads, drives
 
 
 def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[float, float]:
@@ -160,11 +154,10 @@ def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
     balance = power_balance(study.train, operation)
     speed = np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
-    slopes = drive_slopes(study.train, operation, balance, ratio, speed)
-    slopes += load_slopes(balance, ratio, speed)
+    loads, drives = slopes_of_laws(study.train, operation, balance, ratio, speed)
     return [
         (part.name, slope, lacking[part.name])
         for part in study.train.parts
         if part.machine and (part.machine.drive or part.machine.load) and part.name in lacking
-        if (slope := float(slopes[part.stations[0], 0]))
+        if (slope := float((loads + drives)[part.stations[0], 0]))
     ]

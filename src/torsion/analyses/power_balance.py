@@ -150,7 +150,7 @@ def power_balance(train: Train, operation: Operation) -> Balance:
         for drives in (True, False)
     )
     compressors = [part for part in train.parts if part.compressor is not None]
-    stated = list[Load]()
+    stated = []
     for part in filter(_is_stated, absorbers):
         # By its own `power`, `torque` or table, referred to the reference speed.
         ratio = abs(float(part.ratio))

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
+from torsion.analyses.law_slopes import slopes_of_laws, slopes_without_vibration
 from torsion.analyses.power_balance import (
     TABLE,
     Balance,
@@ -162,9 +162,8 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
         np.asarray(sum(map(np.outer, unit, means)))
         for unit in zip(*_unit_loads(train, system, operation), strict=True)
     )
-    slopes = drive_slopes(train, operation, balance, ratio, speed)
-    loaded = load_slopes(balance, ratio, speed)
-    return Steady(speed, torque, applied, twist, balance.sentence, loaded, slopes)
+    slopes = slopes_of_laws(train, operation, balance, ratio, speed)
+    return Steady(speed, torque, applied, twist, balance.sentence, *slopes)
 
 
 @keeping_last
@@ -287,7 +286,7 @@ def power_faults(study: Study) -> list[Fault]:
 def table_faults(study: Study) -> list[Fault]:
     """Return the tables of torques over speed, of those that the response reads, that do not cover its speeds."""
     speeds = study.operation.speeds
-    faults = list[Fault]()
+    faults = []
     orders = getattr(study.analyses.get("response"), "orders", "all")
     for torque in study.train.torques:
         ratio = study.train.stations[torque.station].ratio

@@ -176,7 +176,7 @@ def system_data(evidence: Results) -> SystemData:
     system = evidence.system
     train = evidence.study.train
     rated = evidence.study.operation.rated
-    impellers = list[ImpellerRow]()
+    impellers = []
     for part in train.parts:
         if (impeller := part.impeller) is not None:
             screw = part.propeller
@@ -184,14 +184,14 @@ def system_data(evidence: Results) -> SystemData:
             size = (None, None) if screw is None else (screw.pitch_ratio, screw.area_ratio)
             row = part.name, impeller.blades, impeller.diameter, *size
             impellers.append(ImpellerRow(*row, impeller.inertia, impeller.water, wet))
-    gears = list[GearRow]()
+    gears = []
     for mesh in train.constraints:
         part = train.parts[mesh.part]
         if part.kind == "gear":
             factor = getattr(part.get(GearRating), "application_factor", None)
             driving, driven = mesh.teeth or (None, None)
             gears.append(GearRow(mesh.name, driving, driven, 1 / mesh.ratio, factor))
-    components = list[ComponentRow]()
+    components = []
     for part in train.parts:
         speed = None if rated is None else rated.speed * float(part.ratio)
         origin = speed, part.source, part.note
@@ -214,7 +214,7 @@ def _inertias(evidence: Results) -> Iterator[InertiaRow]:
     """Yield by station what components give it, then what the shafts that end there do; inner segments last."""
     train = evidence.system.train
     lumps = list(train.inertias)
-    inner = list[tuple[str, Inertia]]()
+    inner = []
     for bar in train.bars:
         driving, *between, driven = bar_segments(bar, evidence.system.segments[bar.name])[
             1

@@ -274,8 +274,25 @@ def _table_end(system: System) -> float:
 
 def _refined(system: System, count: int) -> Modes:
     """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
+    from torsion.analyses.modes.mode_nodes import above_mode, reach
+
+    # So that the last of them, which counts find, lies in reach, as far as settings allow.
     highest = system.requested.frequency
-    system = _in_reach(system, highest, count)
+    for _ in range(REACHING):
+        bars = system.condensed_shafts
+        if bars is None or not math.isfinite(bars.limit):
+            break
+        tree = undamped_tree(system)
+        resolved = reach(tree)
+        if resolved.count >= count:
+            last = above_mode(tree, count) / (2.0 * math.pi)
+            system = rediscretised(system, max(highest, last))
+            break
+        finer = rediscretised(system, resolved.frequency / (2.0 * math.pi))
+        if _discretisation(finer) == _discretisation(system):
+            break
+        system = finer
+
     result = _in_more_segments(modes_as_discretised(system, count), count)
     for _ in range(ROUNDS):
         system = result.system
@@ -306,25 +323,6 @@ def _in_more_segments(modes: Modes, count: int) -> Modes:
         elif finer.resolved_to < frequency:
             break
     return modes
-
-
-def _in_reach(system: System, highest: float, count: int) -> System:
-    """Return the train discretised for the last of `count` modes, which counts find, as far as settings allow."""
-    for _ in range(REACHING):
-        bars = system.condensed_shafts
-        if bars is None or not math.isfinite(bars.limit):
-            break
-        from torsion.analyses.modes.mode_nodes import above_mode, reach
-
-        tree = undamped_tree(system)
-        resolved = reach(tree)
-        if resolved.count >= count:
-            return rediscretised(system, max(highest, above_mode(tree, count) / (2.0 * math.pi)))
-        finer = rediscretised(system, resolved.frequency / (2.0 * math.pi))
-        if _discretisation(finer) == _discretisation(system):
-            break
-        system = finer
-    return system
 
 
 def _discretisation(system: System) -> tuple[dict[str, int], int]:

@@ -61,7 +61,7 @@ def left_out(study: Study) -> tuple[str, ...]:
 
 
 def _is_wanted(study: Study, name: str) -> bool:
-    return name in study.analyses or (name in ANALYSES and ANALYSES[name].wanted(study))
+    return name in study.analyses or (name in ANALYSES and ANALYSES[name].is_wanted(study))
 
 
 def drawn(

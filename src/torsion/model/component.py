@@ -276,16 +276,11 @@ Line = Annotated[
 ]  # a train in a component
 
 
-def lower_line(build: Lowering, components: Sequence[Component], path: Path) -> None:
-    """Lower a list of components, each from where the one before it ended."""
-    for position, component in enumerate(components):
-        component.enter(build, (*path, position))
-
-
 def lower_branch(
     build: Lowering, start: Arrival, components: Sequence[Component], path: Path
 ) -> None:
     """Lower a branch from `start`, then return to where the train had arrived."""
     main, build.arrival = build.arrival, replace(start, depth=start.depth + 1)
-    lower_line(build, components, path)
+    for position, component in enumerate(components):
+        component.enter(build, (*path, position))
     build.arrival = main

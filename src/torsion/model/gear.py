@@ -122,7 +122,24 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
             ONE_RATIO.check(self)
         elif self.sense != -1:
             raise refuse("`planetary` and `sense` exclude each other", ITS_OWN_KEYS, "sense")
-        _refuse_sizes_that_clash(self)
+        sizes = self.pitch_diameter
+        for key in ("helix_angle", "pressure_angle"):
+            if getattr(self, key) is not None and sizes is None and self.module is None:
+                hint = "give `module`, or `pitch_diameter`"
+                raise refuse(f"`{key}` says nothing alone", hint, key)
+        if sizes is not None:
+            ratio = self.ratio or Fraction(*reversed(self.teeth or (1, 1)))
+            if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
+                message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
+                hint = "reference diameters d = m_n z/cos(beta), not tip diameters"
+                raise refuse(message, hint, "pitch_diameter")
+        for teeth, size in zip(self.teeth or (), sizes or (), strict=False):
+            diameter = (self.module or 0.0) * teeth / math.cos(self.helix_angle or 0.0)
+            if self.module is not None and abs(diameter - size) > SAME_SIZE * size:
+                message = f"m_n z/cos(beta) is {diameter * 1e3:.6g} mm for {teeth} teeth"
+                message += f", the pitch diameter {size * 1e3:.6g} mm"
+                hint = "mend one of module, teeth, helix angle and diameter"
+                raise refuse(message, hint, "pitch_diameter")
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 message = "a branch with only the teeth of its wheel needs `teeth` of the gear"
@@ -233,26 +250,3 @@ def _with_planets(
     build.arrival = after
     ends = (mesh.driving, centre) if star.is_mesh_driving else (centre, mesh.driven)
     return replace(mesh, driving=ends[0], driven=ends[1], flexibility=star.mesh * before.scale)
-
-
-def _refuse_sizes_that_clash(gear: Gear) -> None:
-    """Refuse a module and diameters that are not those of the teeth, and what says nothing alone."""
-    sizes = gear.pitch_diameter
-    for key in ("helix_angle", "pressure_angle"):
-        if getattr(gear, key) is not None and sizes is None and gear.module is None:
-            raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
-    if sizes is None:
-        return
-    ratio = gear.ratio or Fraction(*reversed(gear.teeth or (1, 1)))
-    if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
-        message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
-        hint = "reference diameters d = m_n z/cos(beta), not tip diameters"
-        raise refuse(message, hint, "pitch_diameter")
-    for teeth, size in zip(gear.teeth or (), sizes, strict=False):
-        if gear.module is None:
-            return
-        diameter = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
-        if abs(diameter - size) > SAME_SIZE * size:
-            message = f"m_n z/cos(beta) is {diameter * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
-            hint = "mend one of module, teeth, helix angle and diameter"
-            raise refuse(message, hint, "pitch_diameter")

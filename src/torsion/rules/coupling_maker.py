@@ -119,7 +119,9 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
             reason = "its temperatures were not solved, which is never a pass"
             for coupling in () if temperatures is None else temperatures.each:
                 if coupling.coupling == part.name:
-                    speed, rise, reason = coupling.speed, coupling.rise, ""
+                    speed, reason = coupling.speed, ""
+                    runs_away = np.isnan(coupling.highest)
+                    rise = np.where(runs_away, np.inf, coupling.highest - coupling.surroundings)
             limit = np.full(speed.shape, part.warming.highest - part.warming.now)
             curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
             use, what = within(self.use, speed), "Temperature rise by its own heat"

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.fillet_stresses import has_judged, stated_fillets, unknown_fillets
+from torsion.analyses.response.fillet_stresses import endurance, has_judged, stated_fillets
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.rules.demands import unjudged
@@ -37,9 +37,14 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
 
     def judge(self, evidence: Results) -> Iterable[Check]:
         """Yield also a row NOT JUDGED of each endurance that is stated where no K_t is known."""
+        from torsion.assembly.junction.stepped_shafts import unrounded
+
         yield from super().judge(evidence)
-        for bar, what in unknown_fillets(evidence.need(Response).system.train):
-            yield unjudged(self.name, "endurance", bar.name, what, UNKNOWN, "setting", "N/mm2")
+        train = evidence.need(Response).system.train
+        for first, second, words in unrounded(train):
+            if endurance(train, first, second) is not None:
+                of_corner = first.name, f"{words} to {second.name}"
+                yield unjudged(self.name, "endurance", *of_corner, UNKNOWN, "setting", "N/mm2")
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield K_t times the half range of the nominal stress, of every fillet with an endurance."""

@@ -173,7 +173,7 @@ def loaded(
     """
     mean = steady_if_known(study, system, speed)
     ground = ground_damping(system, speed, mean)
-    loads = list[Load]()
+    loads = []
     for excitation in excitations(system, orders):
         w = excitation.line.circular_frequency(speed)
         loads.append(Load(excitation.line, w, sources(system, excitation, speed, mean), ground))
@@ -183,7 +183,7 @@ def loaded(
 def response_torques(given: Loaded) -> list[Torques]:
     """Return the torques of every harmonic, and how far they can be trusted."""
     ends = given.ends
-    torques = list[Torques]()
+    torques = []
     for load in given.loads:
         solution = answer(given.system, load.w, load.sources, load.ground)
         half_segment = (load.w**2)[:, None] * ends.lump * solution.angle[:, ends.station]

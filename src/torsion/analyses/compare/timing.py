@@ -178,11 +178,11 @@ def timed(
     Each candidate is run once for its errors, which warms up as well; then all have their turn in every round. A curve
     ends where a run takes longer than `pace.longest` or where two discretisations in a row err by rounding alone.
     """
-    trials = list[_Trial]()
-    remarks = list[str]()
+    trials = []
+    remarks = []
     for number, curve in enumerate(curves):
         progress(f"{what}: errors", 0.3 * number / len(curves))
-        of_curve = list[_Trial]()
+        of_curve = []
         for candidate in curve:
             try:
                 answer, *first = run(candidate, pace.clock)
@@ -220,7 +220,7 @@ def timed(
             for _ in range(max(1, min(pace.runs, fitting))):
                 trial.runs.append(run(trial.candidate, pace.clock)[1:])
         turn += 1
-    rows = list[TimedRow]()
+    rows = []
     for trial in trials:  # of all runs, or of the first alone if there is no other
         assembly, solve = zip(*trial.runs or [trial.first], strict=True)
         of = trial.candidate

@@ -71,17 +71,6 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
     ]
 
 
-def without_answer(response: Response) -> str:
-    """Return why nothing can be superposed; empty where it can."""
-    if response.balanced is not None or response.following is not None:
-        return f"the train is not linear; {STATED}"
-    if response.by_magnitude:
-        return f"phases of engines to each other are any; {STATED}"
-    if response.system.tables_over("mean torque"):
-        return f"a misfire takes mean torque, and with it the stiffness of a coupling changes; {STATED}"
-    return ""
-
-
 def _half_ranges(
     study: Study, response: Response, engine: EngineRecord, speeds: IntArray
 ) -> FloatArray:
@@ -206,7 +195,7 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
             CylinderFound(
                 cylinder.number,
                 work.system.stations[cylinder.station].name,
-                cylinder.firing,
+                2.0 * math.pi * cylinder.revolutions * float(cylinder.cycle) + cylinder.phase,
                 cylinder.state,
                 cylinder.share if cylinder.state == "firing" else 0.0,
             )
@@ -315,8 +304,15 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
             f"the nominal case contains it; {STATED}, in a case `based_on` this one",
         )
         return tuple
-    if why := without_answer(response):
-        work.log.without(f"misfire of each cylinder of {name}", why)
+    why = ""
+    if response.balanced is not None or response.following is not None:
+        why = "the train is not linear"
+    elif response.by_magnitude:
+        why = "phases of engines to each other are any"
+    elif response.system.tables_over("mean torque"):
+        why = "a misfire takes mean torque, and with it the stiffness of a coupling changes"
+    if why:
+        work.log.without(f"misfire of each cylinder of {name}", f"{why}; {STATED}")
         return tuple
     return partial(misfires, work.study, response, engine)
 

@@ -170,12 +170,23 @@ def joints(
         raise InputError(faults)
     turned = np.linspace(0.0, 2.0 * math.pi * wanted.turns, wanted.steps * wanted.turns + 1)
     speed = operation.speed
-    torques, lacking = _torques(train, operation, placed, wanted, steady)
+    # Mean torque in the driving shaft of every joint, N m, where it is known.
+    torques: list[float | None] = [wanted.torque] * len(placed)
+    lacking = []
+    if wanted.torque is None and speed and states_mean_torque(train, operation):
+        if steady is None:
+            steady = mean_torques(train, assemble(train), operation, np.array([speed]))
+        column = int(np.argmin(np.abs(steady.speed - speed)))
+        torques = [float(steady.torque[joint.span, column]) for joint in placed]
+    elif wanted.torque is None:
+        lacking.append("no torque is known: secondary couples are omitted")
     moved = joint_lines.motions(placed, turned)
     moved_joints = [
         _joint(placed, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)
     ]
-    paths = joint_lines.paths(placed)
+    # Every shaft line, from its first joint to one that no other stands behind.
+    followed = {joint.before for joint in placed}
+    paths = [joint_lines.path_to(placed, k) for k in range(len(placed)) if k not in followed]
     lines = tuple(
         joint_lines.line_found(placed, path, wanted.optimise, wanted.joint) for path in paths
     )
@@ -235,25 +246,6 @@ def _joint(
         force=force,
         steepest=joint_lines.steepest(placed, joint_lines.path_to(placed, position)),
     )
-
-
-def _torques(
-    train: Train,
-    operation: Operation,
-    placed: Sequence[Placed],
-    requested: JointsSettings,
-    steady: Steady | None,
-) -> tuple[list[float | None], list[str]]:
-    """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
-    if requested.torque is not None:
-        return [requested.torque] * len(placed), []
-    speed = operation.speed
-    if not speed or not states_mean_torque(train, operation):
-        return [None] * len(placed), ["no torque is known: secondary couples are omitted"]
-    if steady is None:
-        steady = mean_torques(train, assemble(train), operation, np.array([speed]))
-    column = int(np.argmin(np.abs(steady.speed - speed)))
-    return [float(steady.torque[joint.span, column]) for joint in placed], []
 
 
 def settings_faults(train: Train, requested: JointsSettings) -> list[Fault]:

@@ -215,12 +215,6 @@ def placed(train: Train) -> tuple[Placed, ...]:
     return tuple(placed_joints.values())
 
 
-def paths(joints: Sequence[Placed]) -> tuple[tuple[int, ...], ...]:
-    """Return the positions of the joints of every shaft line, from its first joint to one that no other stands behind."""
-    followed = {joint.before for joint in joints}
-    return tuple(path_to(joints, last) for last in range(len(joints)) if last not in followed)
-
-
 def path_to(joints: Sequence[Placed], last: int | None) -> tuple[int, ...]:
     """Return the positions of the joints of a shaft line from its first to one of them."""
     path: list[int] = []

@@ -94,7 +94,7 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     joints_at = tuple(JointAt(part, held.index(position), side) for position, part, side in joints)
 
     before = len(faults)
-    of_material = list[Fault]()
+    of_material = []
     segments = []
     for bar in row:
         material = train.shaft(bar).material

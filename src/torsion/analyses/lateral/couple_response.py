@@ -152,7 +152,16 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
             load = np.concatenate([y[part], 1j * z[part]], axis=1)
             p, amplification[part] = _solved(planes, order, some, load)
             y[part], z[part] = p[:, :n], -1j * p[:, n:]
-    status = _status(planes, order, speeds, amplification)
+    # By the growth of errors, and by the neighbourhood of resonances that nothing damps.
+    loss = EPS * amplification
+    status = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK).astype(np.uint8)
+    highest = float(speeds.max(initial=0.0)) * (1.0 + REACH)
+    for resonance in criticals(planes, order, highest) if order else ():
+        if resonance.damping_ratio < UNDAMPED:
+            away = np.abs(speeds / resonance.speed - 1.0)
+            status[away <= REACH] = Status.NEAR_SINGULAR
+            status[away <= NEAR_SINGULAR_LOSS] = Status.SINGULAR
+    status[~(loss < SINGULAR_LOSS)] = Status.SINGULAR
     y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
     x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
     rows = places(planes.system)
@@ -182,20 +191,6 @@ def _solved(
     terms = solution[:, :, 1:] * (1.0 + w**2 * planes.square)
     grown = np.sqrt(np.max(np.sum(np.abs(terms) ** 2, axis=1), axis=1))
     return np.asarray(solution[:, :, 0]), np.asarray(grown)
-
-
-def _status(planes: Planes, order: int, speeds: FloatArray, amplification: FloatArray) -> Lines:
-    """`Status` by the growth of errors, and by the neighbourhood of resonances that nothing damps."""
-    loss = EPS * amplification
-    lines = np.where(loss > NEAR_SINGULAR_LOSS, Status.NEAR_SINGULAR, Status.OK)
-    if order and len(speeds):
-        for resonance in criticals(planes, order, float(speeds.max()) * (1.0 + REACH)):
-            if resonance.damping_ratio < UNDAMPED:
-                away = np.abs(speeds / resonance.speed - 1.0)
-                lines[away <= REACH] = Status.NEAR_SINGULAR
-                lines[away <= NEAR_SINGULAR_LOSS] = Status.SINGULAR
-    lines[~(loss < SINGULAR_LOSS)] = Status.SINGULAR
-    return lines.astype(np.uint8)
 
 
 def _forces(planes: Planes, order: int, speeds: FloatArray, x: ComplexArray) -> ComplexArray:

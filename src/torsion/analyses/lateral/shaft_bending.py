@@ -248,8 +248,10 @@ def _bend_shaft(
         resonances = tuple(crossing for crossing in critical if crossing.order in excited)
         grid = speeds_for(reference * ratio, resonances)
         couple = couples_at(placed_joints, shaft, torque(grid / ratio), requested.carrier)
-        own = [answer(both, order, grid, couple[order]) for order in couple]
-        answers = tuple(replace(response, speed=response.speed / ratio) for response in own)
+        at_shaft_speed = [answer(both, order, grid, couple[order]) for order in couple]
+        answers = tuple(
+            replace(response, speed=response.speed / ratio) for response in at_shaft_speed
+        )
     system = both.system
     return ShaftFound(
         shaft.name,

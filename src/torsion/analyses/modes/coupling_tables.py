@@ -94,8 +94,8 @@ def run(work: Work) -> None:
     for span in np.flatnonzero(is_lossy & is_elastic).tolist():
         modal += modes.elastic[span] * stiffness_and_loss(span)[1]
 
-    tables = list[Table]()
-    at_modes = list[AtMode]()
+    tables = []
+    at_modes = []
     for span, table in sorted(system.tables.items()):
         if table.over == "speed":
             continue  # of a pendulum, which has results of its own

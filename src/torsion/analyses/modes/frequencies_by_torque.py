@@ -74,7 +74,7 @@ class FrequenciesOverSpeed:
                     lowest, value = find_minimum(partial(distance, sign=sign), left, right)
                     marks.append((float(lowest), sign * float(value)))
             marks.sort()
-            roots = list[float]()
+            roots = []
             for (left, before), (right, after) in pairwise(marks):
                 if before == 0.0:
                     roots.append(left)

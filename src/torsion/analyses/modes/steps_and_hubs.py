@@ -77,7 +77,7 @@ def run_steps(work: Work) -> None:
         train = stepped(plain, "sharp", [], by_table=True)
         added = {spring.part: spring.flexibility for spring in train.springs[len(plain.springs) :]}
         beginning = {bar.driving: bar.name for bar in plain.bars}
-        steps = list[SharpStep]()
+        steps = []
         for bar in sorted(plain.bars, key=lambda bar: bar.part):
             remark = train.parts[bar.part].remark
             if remark != plain.parts[bar.part].remark:
@@ -100,7 +100,7 @@ def run_hubs(work: Work) -> None:
 
     with work.log.step("hubs on shafts", "a shaft has a `hub`") as step:
         train = modes.system.train
-        moves = list[HubMove]()
+        moves = []
         for position, bar in enumerate(train.bars):
             record = train.parts[bar.part].shaft
             for hub in record.hubs if record is not None else ():

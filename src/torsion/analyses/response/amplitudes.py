@@ -97,11 +97,6 @@ class Following:
     rounds: IntArray  # (points,) over the couplings
     settled: BoolArray  # (points,)
 
-    @property
-    def by_span(self) -> dict[int, FloatArray]:
-        """Torque (points,) N m of each span."""
-        return {span: self.torque[:, k] for k, span in enumerate(self.spans)}
-
 
 @dataclass(frozen=True, repr=False)
 class SpanTorque:

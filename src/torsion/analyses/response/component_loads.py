@@ -160,7 +160,9 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     omega = 2.0 * math.pi * response.frequency
     power = np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
-    vibratory = {} if response.following is None else response.following.by_span
+    vibratory = dict[int, FloatArray]()
+    if (following := response.following) is not None:
+        vibratory = dict(zip(following.spans, following.torque.T, strict=True))
     speed = response.speed[:, None]
     for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
         # Its table may be over the vibratory torque, else over the mean torque.
@@ -259,8 +261,8 @@ def component_loads(evidence: Results) -> ComponentLoads:
     spans_of: dict[tuple[int, str], list[int]] = {}
     for position, span in enumerate(system.own_spans):
         spans_of.setdefault((span.part, span.name), []).append(position)
-    meshes = list[MeshLoad]()
-    couplings = list[CouplingLoad]()
+    meshes = []
+    couplings = []
     for (number, name), spans in sorted(spans_of.items(), key=lambda item: item[0][0]):
         part = system.train.parts[number]
         limits = part.ratings
@@ -332,8 +334,8 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
     is_reliable = response.status == Status.OK
     nothing = rounding(evidence)
     names = [line.named(evidence.study.reference) for line in response.lines]
-    loads = list[ElementLoad]()
-    peaks = list[Peak]()
+    loads = []
+    peaks = []
     for element in elements(evidence.system):
         spans = list(element.spans)
         size = np.abs(response.torque[:, :, spans]).max(axis=2)
@@ -341,7 +343,7 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
             continue
         orders = np.where(is_reliable, size, np.nan)
         smallest = SMALLEST * np.nanmax(np.append(orders, 0.0))
-        listed = list[Peak]()
+        listed = []
         for line, values in enumerate(orders.T):
             for speed in local_maxima(values):
                 if (value := float(values[speed])) >= smallest:

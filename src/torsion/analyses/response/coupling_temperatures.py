@@ -55,11 +55,6 @@ class CouplingTemperature:
         "all of them at the worst speed and at those with several"
     )
 
-    @property
-    def rise(self) -> FloatArray:
-        """Temperature rise (speeds,) K up to the highest equilibrium; infinite where it runs away."""
-        return np.where(np.isnan(self.highest), np.inf, self.highest - self.surroundings)
-
 
 @reported
 class CouplingTemperatures:

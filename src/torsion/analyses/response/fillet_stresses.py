@@ -153,15 +153,6 @@ def has_judged(train: Train) -> bool:
     )
 
 
-def unknown_fillets(train: Train) -> Iterator[tuple[Bar, str]]:
-    """Yield the shaft that ends at a corner of no known K_t next to a stated endurance, and what the corner is."""
-    from torsion.assembly.junction.stepped_shafts import unrounded
-
-    for first, second, words in unrounded(train):
-        if endurance(train, first, second) is not None:
-            yield first, f"{words} to {second.name}"
-
-
 def stated_fillets(system: System) -> Iterator[Fillet]:
     """Yield every stated fillet and notch, without its stress; raises SolveError where the elements have no answer."""
     train = system.train

@@ -264,6 +264,7 @@ def solve_components(
     solve = partial(answers, system, damping=ground, mean=components.mean, speed=components.speed)
     balance: Balanced | None = None
     following: Following | None = None
+    vibratory = dict[int, FloatArray]()
     settled = np.ones(ground.shape[1], dtype=bool)
     if system.train.has_nonlinear_couplings:
         from torsion.analyses.response.balanced_couplings import balanced
@@ -281,13 +282,14 @@ def solve_components(
         from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
 
         following = settled_couplings(system, components, rank)
+        vibratory = dict(zip(following.spans, following.torque.T, strict=True))
         settled &= following.settled
 
     separate = solve(
         [w for _, w, _ in components.separate],
         [source for _, _, source in components.separate],
         added=NOTHING if balance is None else balance.added,
-        vibratory=None if following is None else following.by_span,
+        vibratory=vibratory,
     )
 
     totals = (by_magnitude(list(islice(separate, len(apart)))) for apart in components.apart)

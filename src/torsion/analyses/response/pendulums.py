@@ -88,7 +88,7 @@ def run(work: Work) -> None:
     """Put every pendulum, with its deflection where there is a response."""
     response = work.get(Response)
     system = work.system if response is None else response.system
-    pendulums = list[Pendulum]()
+    pendulums = []
     for span, table in sorted(system.tables.items()):
         part = system.train.parts[system.spans[span].part]
         if table.over != "speed" or (record := part.pendulum) is None:

@@ -13,6 +13,7 @@ from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, span_torques
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
+from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.tree_response import Chords, complex_compliance, status, tree_response
 
@@ -23,6 +24,7 @@ TOGETHER = 2048  # frequencies at once: of fewer, calls cost more than sums
 MOST_STATIONS = 3000  # of a train with damping by mode, whose modes are all taken
 DAMPING = ("damping",)
 NOTHING: "Mapping[int, Secant]" = {}
+UNKNOWN: Mapping[int, FloatArray] = {}
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ def answers(
     *,
     mean: FloatArray | None = None,
     speed: FloatArray | None = None,
-    vibratory: Mapping[int, FloatArray] | None = None,
+    vibratory: Mapping[int, FloatArray] = UNKNOWN,
 ) -> Iterator[Answer]:
     """Yield the answers to several components, `w` and `sources` of each at the same speeds.
 
@@ -120,7 +122,7 @@ def answers(
     """
     if added or system.tables:
         for own_w, force in zip(w, sources, strict=True):
-            stiffness = tabled_stiffness(system, own_w, mean, speed, vibratory)
+            stiffness = complex_stiffness(system, own_w, mean, speed, vibratory)
             yield answer(system, own_w, force, damping, added, stiffness=stiffness)
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
@@ -179,7 +181,7 @@ def swept(
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
 
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
-    stiffness = (tabled_stiffness(system, w) if stiffness is None else stiffness) or {}
+    stiffness = complex_stiffness(system, w) if stiffness is None else stiffness
     secants = {span: secant for span, secant in added.items() if not secant.is_linear}
     if stiffness or secants:
         shape = tree.size, len(w)
@@ -222,21 +224,6 @@ def swept(
         )
         angle = result.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, result.residual, status(result.amplification, result.residual))
-
-
-def tabled_stiffness(
-    system: System,
-    w: FloatArray,
-    mean: FloatArray | None = None,
-    speed: FloatArray | None = None,
-    vibratory: Mapping[int, FloatArray] | None = None,
-) -> Mapping[int, ComplexArray] | None:
-    """Return the `complex_stiffness` of spans with a table; None where there is none."""
-    if not system.tables:
-        return None
-    from torsion.assembly.tabled_spans import complex_stiffness
-
-    return complex_stiffness(system, w, mean, speed, vibratory or {})
 
 
 def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> FloatArray:

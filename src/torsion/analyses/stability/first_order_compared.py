@@ -75,7 +75,7 @@ def compare_first_order(evidence: Results) -> FirstOrderCompared:
             bool(periodic.is_unstable[place]),
         )
 
-    rows = list[ComparedTorque]()
+    rows = []
     for element in elements(evidence.system):
         first = response.amplitude(element.spans)
         exact = element.largest(np.abs(periodic.torque))

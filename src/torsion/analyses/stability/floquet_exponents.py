@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.stability.equations_of_motion import entries, mean_angle, state
-from torsion.analyses.stability.mean_speed import SLOW, agrees, drift_slope
+from torsion.analyses.stability.mean_speed import SLOW, drift_slope
 from torsion.analyses.stability.mechanism import gathered
 from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import Orbit, continued
@@ -294,9 +294,7 @@ class Search:
             inertia = float(self.mechanism.layout.inertia.sum())
             correction = -orbit.operation.on_mean_speed / inertia
             growth = float(multipliers.exponent[multipliers.rigid].real) + correction
-            if not growth > SLOW or agrees(
-                growth, drift_slope(self.mechanism, loading.speed, orbit)[0], inertia
-            ):
+            if not growth > SLOW or drift_slope(self.mechanism, loading.speed, orbit)[0] < 0.0:
                 torsional = np.arange(len(multipliers.exponent)) != multipliers.rigid
                 multipliers = replace(
                     multipliers,

@@ -86,11 +86,6 @@ def slip_slope(mechanism: Scene, station: int) -> float:
     return DriveLaw(slip=0.01).slope_at_rated(float(steady.applied[station, 0]), own_speed)
 
 
-def agrees(growth: float, slope: float, inertia: float) -> bool:
-    """Return whether the growth (1/s) of a turning of it all has the sign that D (N m s/rad) gives it, or both are slow."""
-    return growth * slope < 0 or max(abs(growth), abs(slope) / inertia) < SLOW
-
-
 def missing_slope(
     mechanism: Scene, start: Orbit, limits: tuple[float, float], station: int
 ) -> float:

@@ -179,7 +179,7 @@ def _coordinates(
     root = np.flatnonzero(way.parent < 0)
     root = np.concatenate([root[~held[root]], root[held[root]]])
     coordinate = np.zeros(number, dtype=np.int64)
-    steps = list[JointStep]()
+    steps = []
     coordinate[root] = np.arange(len(root))
     for outer in way.order[way.parent[way.order] >= 0].tolist():
         inner = int(way.parent[outer])

@@ -83,7 +83,8 @@ def periodic_over_speed(
     few = max(2, int(EVERYWHERE * number))
     rows = np.linspace(0, len(requested) - 1, min(few, len(requested))).round().astype(int)
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    begun = [requested[rows], first_order.speed[_peak_rows(size)[: int(AT_PEAKS * number)]]]
+    peak_rows = list(dict.fromkeys(row for row, _, _ in _peaks(size)))
+    begun = [requested[rows], first_order.speed[peak_rows[: int(AT_PEAKS * number)]]]
     rated = study.operation.rated
     if rated is not None and requested[0] <= rated.speed <= requested[-1]:
         begun.append(np.array([rated.speed]))
@@ -101,7 +102,8 @@ def periodic_over_speed(
     size = np.abs(response.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
     number_sought = max(1, min(MOST_SOUGHT, number // SPEEDS_PER_SOUGHT))
-    motion_rows = (_peak_rows(size) or [int(largest.argmax())])[:number_sought]
+    peak_rows = list(dict.fromkeys(row for row, _, _ in _peaks(size)))
+    motion_rows = (peak_rows or [int(largest.argmax())])[:number_sought]
     if response.is_unstable.any():
         motion_rows.append(int(np.nanargmax(growth)))
     further = further_motions(mechanism, response, list(dict.fromkeys(motion_rows)))
@@ -149,10 +151,6 @@ def around_peaks(response: PeriodicResponse) -> FloatArray:
                 middle = (speed + next_speed) / 2.0
                 worst[middle] = max(worst.get(middle, 0.0), 1.0 if np.isnan(drop) else drop)
     return np.array(sorted(worst, key=lambda speed: -worst[speed]))
-
-
-def _peak_rows(size: FloatArray) -> list[int]:
-    return list(dict.fromkeys(row for row, _, _ in _peaks(size)))
 
 
 def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:

@@ -256,7 +256,7 @@ def _compare_methods(search: Search, requested: FloatArray) -> float:
     second_method: Method = "monodromy" if search.method == "hill" else "hill"
     pairs = map(search, requested.tolist()), search.known.values()
     solved = next(filter(None, ([*filter(None, some)] for some in pairs)), [])
-    differences = list[float]()
+    differences = []
     for row in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):
         motion, multipliers = solved[row]
         with suppress(SolveError):

@@ -38,11 +38,6 @@ class CylinderRecord:
     state: State
     share: float  # of the heat, imbalance and raised power included
 
-    @property
-    def firing(self) -> float:
-        """Crank angle at which it fires, rad."""
-        return 2.0 * math.pi * self.revolutions * float(self.cycle) + self.phase
-
     def phasor(self, number: int) -> complex:
         """exp(-i n firing angle) of harmonic `number` of the cycle; what cancels in a whole engine cancels exactly."""
         return cmath.exp(

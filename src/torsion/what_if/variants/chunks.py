@@ -141,7 +141,7 @@ def analyses_of_variant(work: Work, *, judged: bool) -> tuple[str, ...]:
         return ("modes",)
     study = work.study
     wanted = (
-        name for name in READ_BY_CHECKS if name in study.analyses or ANALYSES[name].wanted(study)
+        name for name in READ_BY_CHECKS if name in study.analyses or ANALYSES[name].is_wanted(study)
     )
     return ("modes", *work.ruled, *wanted)
 
