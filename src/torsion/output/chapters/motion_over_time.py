@@ -7,6 +7,7 @@ import numpy as np
 
 from torsion.analyses.motion.derived.order_tracking import TURNS, OrderTracking
 from torsion.analyses.motion.events.acting_torques import ActingTorques
+from torsion.analyses.motion.events.event_kind import settings_in_words
 from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.short_circuit import ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
@@ -132,7 +133,10 @@ def _section(
     yield from _steady_begin(findings, motion, settings)
     if motion.status != "ok":
         yield Paragraph(f"Not reliable: {motion.status}.", "fail", brief=True)
-    events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
+    events = [
+        (event.at, event.body.key, event.time, settings_in_words(event.body))
+        for event in settings.events
+    ]
     if events:
         titles = "< Component | < Event | Start [s] | < Settings"
         yield table(titles, events, "Events; torques at the speed of the component")

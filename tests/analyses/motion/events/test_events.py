@@ -7,6 +7,7 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
+from torsion.analyses.motion.events.event_kind import settings_in_words
 from torsion.analyses.motion.events.events import Event, Point
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.over_speed import response
@@ -276,7 +277,7 @@ def test_settings_of_an_event_are_said_with_their_units() -> None:
         "synchronous": "1500 rpm",
         "pulsation": pulsation,
     }
-    words = Event.model_validate({"at": "motor", "start": start}).words
+    words = settings_in_words(Event.model_validate({"at": "motor", "start": start}).body)
     for text in (
         "pull out 3200 N m",
         "slip 0.12",
@@ -284,9 +285,11 @@ def test_settings_of_an_event_are_said_with_their_units() -> None:
         "pulsation (torque 2600 N m, decay 0.15 s)",
     ):
         assert text in words
-    table = Event.model_validate(
-        {"at": "motor", "table": {"rows": [["0 s", "1 N*m"], ["1 s", "2 N*m"]]}}
-    ).words
+    table = settings_in_words(
+        Event.model_validate(
+            {"at": "motor", "table": {"rows": [["0 s", "1 N*m"], ["1 s", "2 N*m"]]}}
+        ).body
+    )
     assert table == "rows 2 pairs"
 
 

@@ -144,7 +144,7 @@ def _exciting_orders(study: Study, system: System, settings: TransientSettings) 
     lines = (excitation.line.order for excitation in excitations(system))
     orders = {float(order) for order in lines if order is not None}
     for event in settings.events:
-        if event.body.by_angle:
+        if event.by_angle:
             part = study.train.part(event.at)
             blades = part.propeller.blades if part.propeller else None
             if order := getattr(event.body, "order", None) or blades:

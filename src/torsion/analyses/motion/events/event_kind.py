@@ -67,11 +67,6 @@ class Kind(Declared):
         """Name of its field in an event."""
         return cls.key.replace("-", "_")
 
-    @property
-    def by_angle(self) -> bool:
-        """It follows the angle of its point, where the speed changes."""
-        return False
-
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
         return iter(())
@@ -79,10 +74,6 @@ class Kind(Declared):
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
         """What of its torque follows the motion, at interface 0."""
         return iter(())
-
-    def corners(self, point: Point) -> tuple[float, ...]:
-        """Times (s) after its begin, which rise, between which its torque has one law."""
-        return ()
 
     def lacks(self, point: Point) -> Lack:
         """What the train lacks for it, and what would be right."""

@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import create_model, model_validator
 
@@ -17,7 +17,6 @@ from torsion.analyses.motion.events.event_kind import (
     Point,
     Time,
     rows_over_time,
-    settings_in_words,
 )
 from torsion.analyses.motion.events.following_events import Load, SpeedProgram, Start
 from torsion.analyses.motion.events.milling_ice import Ice
@@ -52,11 +51,9 @@ class Lasting(Kind):
     )
     until: Length | None = given("the same as `length`: it counts from the begin of the event")
 
-    @model_validator(mode="after")
-    def _given_once(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.length is not None and self.until is not None:
             raise refuse("`until` and `length` have the same meaning", "keep `length`", "until")
-        return self
 
     @property
     def lasts(self) -> float:
@@ -90,7 +87,7 @@ class Table(Kind):
         if (self.rows is None) == (self.file is None):
             raise refuse("a table over time has `rows` or a `file`", "give one of them")
 
-    def _rows(self, point: Point) -> Pairs:
+    def rows_read(self, point: Point) -> Pairs:
         """(s, N m) of every row; raises ValueError as `pairs` does."""
         if self.file is None:
             return self.rows or ()
@@ -98,14 +95,11 @@ class Table(Kind):
         return tuple((time, torque) for time, torque in rows)
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
-        return ramps([(begin + time, torque) for time, torque in self._rows(point)])
-
-    def corners(self, point: Point) -> tuple[float, ...]:
-        return tuple(time for time, _ in self._rows(point))
+        return ramps([(begin + time, torque) for time, torque in self.rows_read(point)])
 
     def lacks(self, point: Point) -> Lack:
         try:
-            self._rows(point)
+            self.rows_read(point)
         except ValueError as error:
             return str(error.args[0]), str(error.args[-1])
         return None
@@ -119,9 +113,6 @@ class Pulse(Kind):
     torque: SignedTorque = required("its greatest torque")
     length: Length = required("how long it lasts")
     shape: Literal["half-sine", "rectangle", "triangle"] = given("its shape", "half-sine")
-
-    def corners(self, point: Point) -> tuple[float, ...]:
-        return (0.0, self.length / 2.0, self.length)
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         end = begin + self.length
@@ -148,23 +139,18 @@ class Sine(Lasting):
     decay: Length | None = given("time in which it falls to 1/e (default: it does not)")
     phase: fields.Angle = given("phase at its begin", 0.0)
 
-    @model_validator(mode="after")
-    def _one_of_two(self) -> Self:
+    def refuse_clashes(self) -> None:
+        super().refuse_clashes()
         if (self.frequency is None) == (self.order is None):
             raise refuse("a sine has a `frequency` or an `order`", "give one of them")
-        return self
-
-    @property
-    def _decay_rate(self) -> float:
-        """Rate at which the amplitude decays, 0 or negative, in 1/s."""
-        return 0.0 if self.decay is None else -1.0 / self.decay
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         w = float(self.order or 0) * point.speed
         if self.frequency is not None:
             w = 2.0 * math.pi * self.frequency
         level = -1j * self.torque * cmath.exp(1j * self.phase)
-        yield Piece(begin, begin + self.lasts, level, rate=complex(self._decay_rate, w))
+        rate = complex(-1.0 / (self.decay or math.inf), w)
+        yield Piece(begin, begin + self.lasts, level, rate=rate)
 
     def lacks(self, point: Point) -> Lack:
         if self.order is None or point.speed or point.turns:
@@ -172,15 +158,11 @@ class Sine(Lasting):
         hint = "give `frequency`, or an `initial` speed"
         return "an order has no frequency in a train that stands still", hint
 
-    @property
-    def by_angle(self) -> bool:
-        return self.order is not None
-
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
         if self.order is not None:
             size, order = torque_laws.constant(self.torque), float(self.order)
             window = torque_laws.Window(begin, begin + self.lasts)
-            phase, rate = self.phase - math.pi / 2.0, self._decay_rate
+            phase, rate = self.phase - math.pi / 2.0, -1.0 / (self.decay or math.inf)
             yield torque_laws.Wave(0, size, order, phase, rate, window, from_begin=True)
 
 
@@ -191,9 +173,6 @@ class Stop(Lasting):
 
     share: Share = given("of the mean torque that ends", 1.0)
     ramp: Time = given("time in which it falls", 0.0)
-
-    def corners(self, point: Point) -> tuple[float, ...]:
-        return (0.0, self.ramp) if self.ramp else ()
 
     def taken(self, late: float) -> float:
         """The share that has ended so late (s) after its begin."""
@@ -248,10 +227,6 @@ class Clutch(Kind):
         first, last = (capacity, 0.0) if self.close is None else (0.0, capacity)
         return ((begin, first), (begin + late, last)) if late else ((begin, last),)
 
-    def corners(self, point: Point) -> tuple[float, ...]:
-        rows = self.rows(0.0, 0.0)
-        return tuple(time for time, _ in rows) if len(rows) > 1 or self.torque else ()
-
 
 def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
     """Straight lines between (s, N m)."""
@@ -304,16 +279,12 @@ class _Event(Declared):
         if len(kinds) != 1:
             message = f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given"
             raise refuse(message, f"one of {', '.join(kind.key for kind in KINDS)}")
-
-    @model_validator(mode="after")
-    def _lasts_from_its_begin(self) -> Self:
         until = getattr(self.body, "until", None)
         if until is not None and until < self.time:
             message = (
                 f"`until` counts from the begin of the event, and {until:g} s is before its `time`"
             )
             raise refuse(message, f"`length: {until:g} s` for so long", self.body.field())
-        return self
 
     @property
     def body(self) -> Kind:
@@ -321,13 +292,13 @@ class _Event(Declared):
         return self._bodies[0]
 
     @property
-    def words(self) -> str:
-        """Its settings, those that are not left at their defaults."""
-        return settings_in_words(self.body)
+    def by_angle(self) -> bool:
+        """It follows the angle of its point, where the speed changes."""
+        return isinstance(self.body, Ice) or getattr(self.body, "order", None) is not None
 
     def pieces(self, point: Point) -> tuple[Piece, ...]:
         """What of its torque is known by time, N m at own speed, positive in the sense of rotation."""
-        if point.turns and self.body.by_angle:
+        if point.turns and self.by_angle:
             return ()
         return tuple(self.body.pieces(self.time, point))
 

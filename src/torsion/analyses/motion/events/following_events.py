@@ -4,9 +4,9 @@ import cmath
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import (
@@ -103,8 +103,7 @@ class Start(Kind):
     line: fields.Frequency = given("line frequency", 50.0)
     off: Length | None = given("time after which it is switched off (default: never)")
 
-    @model_validator(mode="after")
-    def _curve(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.torque is None and None in (self.pull_out, self.slip, self.synchronous):
             hint = "`torque: [[speed, torque], ...]`, or `pull_out`, `slip` and `synchronous`"
             raise refuse("a start needs its torque over speed", hint)
@@ -117,16 +116,16 @@ class Start(Kind):
         if self.slip_pulsation is None and "phase" in self.model_fields_set:
             hint = "`pulsation: {phase: ...}` has its own"
             raise refuse("`phase` is that of `slip_pulsation`", hint, "phase")
-        return self
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
             level = -1j * self.pulsation.torque * cmath.exp(1j * self.pulsation.phase)
-            yield Piece(begin, _window(begin, self.off).end, level, rate=rate)
+            yield Piece(begin, begin + (self.off or math.inf), level, rate=rate)
 
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
-        window, synchronous = _window(begin, self.off), self.synchronous or 1.0
+        window = torque_laws.Window(begin, begin + (self.off or math.inf))
+        synchronous = self.synchronous or 1.0
         if self.torque is not None:
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
         else:
@@ -139,11 +138,6 @@ class Start(Kind):
             phase = 0.0 if self.phase == WORST else self.phase
             order = -twice / synchronous
             yield torque_laws.Wave(0, size, order, phase, 1j * twice, window, from_begin=True)
-
-
-def _window(begin: float, off: float | None) -> torque_laws.Window:
-    """From the begin to the time after which it is off."""
-    return torque_laws.Window(begin, math.inf if off is None else begin + off)
 
 
 class Load(Kind):
@@ -161,12 +155,10 @@ class Load(Kind):
     )
     off: Length | None = given("time after which it ends (default: never)")
 
-    @model_validator(mode="after")
-    def _no_more_than_its_law(self) -> Self:
+    def refuse_clashes(self) -> None:
         if not isinstance(self.law, str) and (self.torque is not None or self.speed is not None):
             hint = "leave `torque` and `speed` out"
             raise refuse("a table contains torque and speed", hint, "law")
-        return self
 
     @property
     def damps(self) -> bool:
@@ -176,7 +168,7 @@ class Load(Kind):
         return len({torque for _, torque in self.law}) > 1
 
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
-        window = _window(begin, self.off)
+        window = torque_laws.Window(begin, begin + (self.off or math.inf))
         torque, speed = self.torque or point.rated, self.speed or point.rated_speed or 1.0
         if self.law == "propeller":
             yield torque_laws.BySpeed(0, torque_laws.quadratic(-torque, speed), window)

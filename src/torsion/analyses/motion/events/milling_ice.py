@@ -9,10 +9,9 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal, Self, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
-from pydantic import model_validator
 
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Lack, Point
@@ -147,8 +146,7 @@ class Ice(Kind):
         "angle over which the torque rises at the begin, and falls at the end", 1.5 * math.pi
     )
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
+    def refuse_clashes(self) -> None:
         if (self.torque is None) == (self.ice_class is None):
             what = "of a `class` has no separate `torque`"
             if self.torque is None:
@@ -167,7 +165,6 @@ class Ice(Kind):
         if self.ramp > math.pi * self.revolutions:
             hint = f"at most {180 * self.revolutions:g} deg for {self.revolutions:g} turns"
             raise refuse("the two ramps are longer than the milling", hint, "ramp")
-        return self
 
     @property
     def revolutions(self) -> float:
@@ -198,11 +195,8 @@ class Ice(Kind):
             greatest_ice_torque(factor, thickness, screw, speed),
         )
 
-    def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
-        return self._milled(begin, point.speed, point)
-
     def laws(self, begin: float, point: Point) -> Iterator[Law]:
-        over_angle = list(self._milled(0.0, 1.0, point))
+        over_angle = list(self.pieces(0.0, point, 1.0))
         yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
 
     def lacks(self, point: Point) -> Lack:
@@ -224,13 +218,9 @@ class Ice(Kind):
             return f"{needs} the speed of '{point.name}'", hint
         return None
 
-    @property
-    def by_angle(self) -> bool:
-        return True
-
-    def _milled(self, begin: float, speed: float, point: Point) -> Iterator[Piece]:
-        """All blades that hit, turning at a speed (rad/s)."""
-        ice = self.of_class(point)
+    def pieces(self, begin: float, point: Point, speed: float | None = None) -> Iterator[Piece]:
+        """All blades that hit, turning at a speed (rad/s; default: that of the point)."""
+        speed, ice = point.speed if speed is None else speed, self.of_class(point)
         torque = (self.torque or 0.0) if ice is None else ice.torque
         factor, angle = self.factor, self.angle or 0.0
         if self.case is not None:

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Lack, Length, Point
@@ -82,8 +82,7 @@ class ShortCircuit(Kind):
         "of the highest natural frequency up to three times the line frequency, finer near the three worst times"
     )
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.reclose is not None and (self.clear is None or self.reclose[0] <= self.clear):
             hint = "give `clear`, and a later `reclose`"
             raise refuse("`reclose` comes after `clear`", hint, "reclose")
@@ -91,7 +90,6 @@ class ShortCircuit(Kind):
             message = f"the coefficients do not belong to a short circuit of {self.phases} phases"
             hint = "`double` is only for a short circuit of 2 phases"
             raise refuse(message, hint, "coefficients")
-        return self
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         w, (first, second) = 2.0 * math.pi * self.line, self.decay

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.analyses.motion.events.event_kind import Length, Point
-from torsion.analyses.motion.events.events import Clutch, Event, Stop, Table
+from torsion.analyses.motion.events.event_kind import Kind, Length, Point
+from torsion.analyses.motion.events.events import Clutch, Event, Pulse, Stop, Table
 from torsion.analyses.motion.events.following_events import SpeedProgram, Start
 from torsion.analyses.motion.events.short_circuit import ELECTRICAL, ShortCircuit
 from torsion.errors import Fault, Path
@@ -181,11 +181,6 @@ class TransientSettings(Declared):
         faults = [isinstance(event.body, ShortCircuit) for event in self.events]
         return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
 
-    def initial_by_name(self, key: str) -> dict[str, float]:
-        """Initial speeds (rad/s) of points, or torques (N m) that twist spans, by their names."""
-        values = self.initial.get(key) if isinstance(self.initial, dict) else None
-        return values if isinstance(values, dict) else {}
-
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
     """Every motion that the file names, and where it stands there."""
@@ -227,9 +222,13 @@ def transient_faults(study: Study) -> list[Fault]:
 
 def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """What is wrong in one motion."""
-    speeds, train = settings.initial_by_name("speed"), study.train
-    twists = settings.initial_by_name("torque").values()
-    if not (settings.events or speeds or any(twists) or _is_shaken(study, settings)):
+    initial, train = settings.initial, study.train
+    given = initial if isinstance(initial, dict) else {}
+    speed = study.operation.speed if initial in (None, "steady") else given.get("speed")
+    speeds = speed if isinstance(speed, dict) else {}
+    is_shaken = train.periodic_torques if settings.torques is None else settings.torques
+    is_twisted = any(given.get("torque", {}).values())
+    if not (settings.events or speeds or is_twisted or is_shaken or (study.has_joints and speed)):
         hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or `excitations`"
         message = "nothing moves the train: no event, no periodic torque, no twist that is released"
         yield Fault(path, message, hint)
@@ -274,7 +273,7 @@ def _event_faults(
     if isinstance(body, Table) and (lack := body.lacks(files)) is not None:
         yield Fault((*path, "table", "file"), *lack)
         return
-    corners = [event.time + late for late in body.corners(files)]
+    corners = [event.time + late for late in _corners(body, files)]
     if any(a >= b for a, b in pairwise(corners)):
         message = (
             f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
@@ -291,15 +290,14 @@ def _event_faults(
         yield Fault((*path, "short-circuit", "reclose"), message, hint)
 
 
-def _is_shaken(study: Study, settings: TransientSettings) -> bool:
-    """Without events: periodic torques act, or joints turn unevenly at a speed."""
-    if study.train.periodic_torques if settings.torques is None else settings.torques:
-        return True
-    initial = settings.initial
-    speed = initial.get("speed") if isinstance(initial, dict) else None
-    if initial in (None, "steady"):
-        speed = study.operation.speed
-    return study.has_joints and bool(speed)
+def _corners(body: Kind, files: Point) -> list[float]:
+    """Times (s) after the begin of an event, which rise, between which its torque has one law."""
+    if isinstance(body, Table | Clutch):
+        rows = body.rows_read(files) if isinstance(body, Table) else body.rows(0.0, 0.0)
+        return [time for time, _ in rows]
+    if isinstance(body, Pulse):
+        return [0.0, body.length / 2.0, body.length]
+    return [0.0, body.ramp] if isinstance(body, Stop) and body.ramp else []
 
 
 def _wrong_names(

@@ -147,7 +147,7 @@ def load_train(
     # Periodic torques by order follow the motion, and events by angle where a program changes the speed.
     has_orders = any(torque.order is not None for torque in study.train.torques)
     programs = [(event, event.body) for event in events if isinstance(event.body, SpeedProgram)]
-    by_angle = bool(programs) and any(event.body.by_angle for event in events)
+    by_angle = bool(programs) and any(event.by_angle for event in events)
     has_laws = not is_settled and (is_driven or has_orders or by_angle)
     points = points_of_events(study, system, events, before, path, turns=has_laws)
     replaced = replaced_dampers(study, system, settings, path)
