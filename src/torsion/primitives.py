@@ -66,8 +66,10 @@ class Spring:
 def tabled_spring(
     name: str, part: int, ends: tuple[int, int], table: "StiffnessTable", at: float | None = None
 ) -> Spring:
-    """The spring of a table with its values at one point (rad/s, or N m), by default its first."""
-    k, eta, c = (float(one) for one in table.values(np.array(table.first if at is None else at)))
+    """The spring of a table with its values at one point (rad/s, or N m), by default its first; of a law the static."""
+    if at is None:
+        at = 0.0 if table.is_complex else table.at[0]
+    k, eta, c = (float(one) for one in table.values(np.array(at)))
     return Spring(name, part, *ends, 1.0 / k, c, eta, table)
 
 

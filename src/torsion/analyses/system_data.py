@@ -260,7 +260,7 @@ def _elastic_row(evidence: Results, element: Element) -> ElasticRow:
     source = ""
     is_linear = table is None and damps(system, element)
     if table is not None:
-        source = table.follows
+        source = "by table" if table.key == "table" else f"by {table.over}"
     elif part.damping is not None:
         key, value = part.damping
         source = f"{GIVEN_AS[key]} = {value:.6g}"

@@ -20,6 +20,7 @@ WORDS = {
     "speed": ("rpm", np.pi / 30.0),
 }
 NOTHING: Mapping[int, FloatArray] = {}
+ROUNDING = 1e-9  # relative, beyond the ends of a table: a value written in another unit
 
 
 def reach(system: System) -> tuple[float, float]:
@@ -73,27 +74,24 @@ def with_springs(
     """
     spans = list(values)
     taken = np.array(list(values.values())).reshape(-1, 3).T
-    stated = [
-        values_of_spans.copy()
-        for values_of_spans in (system.flexibility, system.viscous, system.loss_factor)
-    ]
-    for stated_values, new in zip(stated, taken, strict=True):
-        stated_values[spans] = new
+    stated = np.array([system.flexibility, system.viscous, system.loss_factor])
+    stated[:, spans] = taken
+    flexibility, viscous, loss_factor = stated
     changed = replace(
-        system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables
+        system, flexibility=flexibility, viscous=viscous, loss_factor=loss_factor, tables=tables
     )
-    before = system.condensed
-    node = system.condensed.span[spans]
-    ratio2 = system.span_ratio[spans] ** 2
-    of_tree = (before.tree.flexibility.copy(), before.viscous.copy(), before.loss_factor.copy())
-    referred, inside = (taken[0] / ratio2, taken[1] * ratio2, taken[2]), node >= 0
+    before, ratio2 = system.condensed, system.span_ratio[spans] ** 2
+    node = before.span[spans]
+    inside = node >= 0
     if (taken[0][~inside] == 0.0).any():
         return changed
-    for tree_values, new in zip(of_tree, referred, strict=True):
-        tree_values[node[inside]] = new[inside]
-    tree = replace(before.tree, flexibility=of_tree[0])
+    of_tree = np.array([before.tree.flexibility, before.viscous, before.loss_factor])
+    referred = np.array([taken[0] / ratio2, taken[1] * ratio2, taken[2]])
+    of_tree[:, node[inside]] = referred[:, inside]
+    flexibility, viscous, loss_factor = of_tree
+    tree = replace(before.tree, flexibility=flexibility)
     vars(changed)["condensed"] = replace(
-        before, tree=tree, viscous=of_tree[1], loss_factor=of_tree[2]
+        before, tree=tree, viscous=viscous, loss_factor=loss_factor
     )
     return changed
 
@@ -130,14 +128,15 @@ def complex_stiffness(
 
 def refuse_beyond(system: System, span: int, x: FloatArray) -> None:
     """Raise InputError where the table of a span says nothing of x (rad/s, or N m)."""
-    table = system.tables[span]
-    outside = table.uncovered(np.ravel(x))
-    if not outside.size:
+    table, given = system.tables[span], np.ravel(x)
+    low, high = table.at[0] * (1.0 - ROUNDING), table.at[-1] * (1.0 + ROUNDING)
+    outside = given[(given < low) | (given > high)]
+    if table.holds or not outside.size:
         return
     unit, size = WORDS[table.over]
     worst = outside[np.argmax(np.abs(outside - 0.5 * (table.at[0] + table.at[-1])))]
-    low, high = (f"{end / size:.6g}" for end in (table.at[0], table.at[-1]))
-    covers = f"the table of '{system.spans[span].name}' covers {low} to {high} {unit}"
+    ends = " to ".join(f"{end / size:.6g}" for end in (table.at[0], table.at[-1]))
+    covers = f"the table of '{system.spans[span].name}' covers {ends} {unit}"
     message = f"{covers}; {worst / size:.6g} {unit} is needed"
     hint = "extend the table, narrow the speeds or orders, or `beyond: hold` to keep the values at its ends"
     raise InputError([Fault(table_path(system, span), message, hint)])

@@ -48,20 +48,15 @@ def find_root(
     for _ in range(MOST_STEPS):
         # The root lies between `x`, the better bound, and `opposite`; `before` is the last `x`.
         crossed = (value_before != 0.0) & (value != 0.0) & ((value_before < 0.0) != (value < 0.0))
-        opposite = np.where(crossed, before, opposite)
-        value_opposite = np.where(crossed, value_before, value_opposite)
-        step = np.where(crossed, x - before, step)
-        step_before = np.where(crossed, step, step_before)
-        swapped = np.abs(value_opposite) < np.abs(value)
-        before, x, opposite = (
-            np.where(swapped, x, before),
-            np.where(swapped, opposite, x),
-            np.where(swapped, x, opposite),
+        opposite, value_opposite, step, step_before = np.where(
+            crossed,
+            (before, value_before, x - before, x - before),
+            (opposite, value_opposite, step, step_before),
         )
-        value_before, value, value_opposite = (
-            np.where(swapped, value, value_before),
-            np.where(swapped, value_opposite, value),
-            np.where(swapped, value, value_opposite),
+        swapped = np.abs(value_opposite) < np.abs(value)
+        before, x, opposite = np.where(swapped, (x, opposite, x), (before, x, opposite))
+        value_before, value, value_opposite = np.where(
+            swapped, (value, value_opposite, value), (value_before, value, value_opposite)
         )
 
         room = 0.5 * (tolerance + relative * np.abs(x))
@@ -81,9 +76,9 @@ def find_root(
         trial = np.where(before == opposite, secant, quadratic)
         is_taken = (np.abs(step_before) > room) & (np.abs(value) < np.abs(value_before))
         is_taken &= 2.0 * np.abs(trial) < np.minimum(np.abs(step_before), 3.0 * np.abs(half) - room)
-        step_before, step = np.where(is_taken, step, half), np.where(is_taken, trial, half)
+        step_before, step = np.where(is_taken, (step, trial), half)
 
-        before, value_before = np.where(is_done, before, x), np.where(is_done, value_before, value)
+        before, value_before = np.where(is_done, (before, value_before), (x, value))
         moved = x + np.where(np.abs(step) > room, step, np.where(half > 0.0, room, -room))
         x = np.where(is_done, x, moved)
         value = np.where(is_done, value, function(x[()]))

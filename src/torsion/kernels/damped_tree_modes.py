@@ -105,7 +105,8 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
             c: ComplexArray | float = train.viscous[station]
             if (law := train.laws.get(station)) is not None:
                 k, c = law.at_root(root)
-                total += law.poles(root)
+                if law.exponent is None:  # what p'/p lacks for the poles of k
+                    total += sum(tau / (1.0 + root * tau) for _, tau in law.terms)
             else:
                 k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[
                     station

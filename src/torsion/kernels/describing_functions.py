@@ -135,14 +135,12 @@ class PiecewiseCoupling:
     def first(self, mean: FloatArray) -> FloatArray:
         """Return (columns,) rad, the smallest amplitude at which the coupling ceases to be linear about its mean twist."""
         mean_twist = self.static(mean)
-        near = [
-            np.abs(begin - mean_twist) if begin else np.full(len(mean_twist), np.inf)
-            for begin, _ in self.springs
-        ]
-        slips = [
-            np.full(len(mean_twist), dry.half or dry.torque / dry.stiffness) for dry in self.sliders
-        ]
-        return np.asarray(np.min([*near, *slips], axis=0))
+        slips = [dry.half or dry.torque / dry.stiffness for dry in self.sliders]
+        first = np.full(len(mean_twist), min(slips, default=np.inf))
+        for begin, _ in self.springs:
+            if begin:
+                first = np.minimum(first, np.abs(begin - mean_twist))
+        return first
 
     def bias(self, amplitude: FloatArray, mean: FloatArray) -> FloatArray:
         """Return (columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""

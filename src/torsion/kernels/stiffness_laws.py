@@ -66,21 +66,6 @@ class StiffnessTable:
         return float(rise * x / np.interp(x, self.at, self.stiffness))
 
     @property
-    def points(self) -> tuple[float, ...]:
-        """Those at which it is printed."""
-        return self.printed or self.at
-
-    @property
-    def follows(self) -> str:
-        """What stands in place of one value: by table, or by what a law is over."""
-        return "by table" if self.key == "table" else f"by {self.over}"
-
-    @property
-    def first(self) -> float:
-        """Where its stiffness stands for it where nothing else is said: its first point; of a law its static one."""
-        return 0.0 if self.is_complex else self.at[0]
-
-    @property
     def ends(self) -> tuple[float, float]:
         """Between which it says something by itself."""
         return self.at[0], self.at[-1]
@@ -105,12 +90,6 @@ class StiffnessTable:
     def steepest(self) -> float:
         """The largest d ln k/d ln x anywhere; 0 of a stiffness that nowhere rises."""
         return float(self.slopes.max(initial=0.0))
-
-    def uncovered(self, x: FloatArray) -> FloatArray:
-        """Those of x that the table says nothing of; numbers beyond its ends by rounding alone are covered."""
-        near = 1e-9  # relative: a value written in another unit
-        low, high = self.at[0] * (1.0 - near), self.at[-1] * (1.0 + near)
-        return np.empty(0) if self.holds else np.asarray(x[(x < low) | (x > high)])
 
 
 SAMPLES = 13  # points of the law as a table, for readers
@@ -152,11 +131,6 @@ class SpringLaw(StiffnessTable):
                     self.exponent * power, point, out=np.zeros_like(point), where=point != 0
                 )
         return np.asarray(k), np.asarray(slope)
-
-    def poles(self, s: ComplexArray) -> ComplexArray:
-        """Sum of tau/(1 + s tau), of its shape: what p'/p of a determinant lacks for the poles of K."""
-        terms = self.terms if self.exponent is None else ()
-        return sum((tau / (1.0 + s * tau) for _, tau in terms), np.zeros_like(s))
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor, and no viscous damping, at x (rad/s)."""

@@ -100,7 +100,7 @@ def run(work: Work) -> None:
         if table.over == "speed":
             continue  # of a pendulum, which has results of its own
         name = system.spans[span].name
-        points = np.array(table.points)
+        points = np.array(table.printed or table.at)
         values = points / WORDS[table.over][1], *table.values(points)
         traits = table.holds, table.words or None, table.steepest, table.is_complex
         tables.append(Table(name, table.over, *values, *traits))

@@ -83,7 +83,10 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
     Of an excess length beyond a diameter, in a soft hub, `fine` is a share.
     """
     mesh, levels = meridian(profile).graded(GRADED), list[Bounds]()
-    end, plain = profile.smaller, profile.plain
+    end = profile.smaller
+    # Its lengths each as if it were long; of a hub none.
+    long = profile.lengths if profile.fixed == "end" else profile.lengths[:-1]
+    plain = sum(length.twist for length in long)
     unit = end.twist / end.length * end.outer[0]
     while True:
         bounds, fields = on_mesh(profile, mesh)

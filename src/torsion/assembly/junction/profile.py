@@ -78,13 +78,6 @@ class Profile:
     fixed: Literal["end", "rim", "face"] = "end"
 
     @property
-    def plain(self) -> float:
-        """Twist of its lengths each as if it were long; of a hub none."""
-        return sum(
-            length.twist for length in (self.lengths if self.fixed == "end" else self.lengths[:-1])
-        )
-
-    @property
     def seat(self) -> float:
         """Radius at which a hub of another material than its shaft begins; 0 where there is none."""
         shaft, hub = self.lengths[0], self.lengths[-1]
@@ -97,11 +90,6 @@ class Profile:
         for length in self.lengths:
             ends.append(ends[-1] + length.length)
         return tuple(ends)
-
-    @property
-    def steps(self) -> tuple[tuple[float, float], ...]:
-        """Of each joint of lengths: the outer diameter before and after it."""
-        return tuple((before.outer[1], after.outer[0]) for before, after in pairwise(self.lengths))
 
     @property
     def smaller(self) -> Length:
@@ -123,8 +111,8 @@ def junction(
     The corner is the one at the last face upward, where the larger shaft begins.
 
     >>> profile = junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", 0.1))
-    >>> [one.outer for one in profile.lengths], profile.steps
-    ([(1.0, 1.0), (2.0, 2.0)], ((1.0, 2.0),))
+    >>> [one.outer for one in profile.lengths]
+    [(1.0, 1.0), (2.0, 2.0)]
     """
     height = abs(larger[0] - (between[-1].outer[1] if between else smaller[0])) / 2.0
     legs = (corner.legs(height)[0] if corner is not None else 0.0), 0.0

@@ -172,19 +172,18 @@ class _Points:
 
 def _fills(profile: Profile, core: float) -> list[_Fill]:
     fills = []
-    for joint, (corner, (before, after)) in enumerate(
-        zip(profile.corners, profile.steps, strict=True)
-    ):
+    joints = zip(profile.corners, pairwise(profile.lengths), profile.places[1:-1], strict=True)
+    for corner, (first, second), z in joints:
+        before, after = first.outer[1], second.outer[0]
         if corner is None or before == after:
             continue
         low, high = sorted((before / 2.0, after / 2.0))
         along, up = corner.legs(high - low)
-        smaller, larger = profile.lengths[joint : joint + 2][:: 1 if before < after else -1]
+        smaller, larger = (first, second) if before < after else (second, first)
         if along >= smaller.length:
             raise ValueError("a fillet or chamfer is longer than the shaft that it begins on")
         inner = max(2.0 * core, *smaller.bore, *larger.bore) / 2.0
         depth = min(along, (low - inner) / 2.0, larger.length / 3.0)
-        z = profile.places[joint + 1]
         begin = z - along if before < after else z + along
         behind = z + math.copysign(depth, z - begin)
         span = min(begin, behind), max(begin, behind)

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import get_args
 
@@ -29,13 +29,13 @@ SHORT = 2.0  # diameters; beyond it the stress at one end of a shaft between two
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, order=True)
 class End:
-    """The end of a shaft at a step."""
+    """The end of a shaft at a step; the smaller outer diameter comes first."""
 
-    bar: Bar
     outer: float  # m
-    bore: float  # m
+    bore: float = field(compare=False)  # m
+    bar: Bar = field(compare=False)
 
 
 def with_steps(train: Train) -> Train:
@@ -86,7 +86,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                     result, before.part, f"its step to '{after.name}' is omitted: {why}"
                 )
             continue
-        smaller = min(ends, key=lambda end: end.outer)
+        smaller = min(ends)
         remark = f"its step to '{after.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
         result = with_remark(result, before.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
@@ -122,7 +122,7 @@ def _end(train: Train, bar: Bar, end: int) -> End:
     """One end of a shaft, of its material's modulus: what hubs and fillets take from its twist is not there."""
     if bar.section is None:
         bar = replace(bar, shear_modulus=train.materials[train.shaft(bar).material].shear_modulus)
-    return End(bar, bar.outer[end], bar.bore[end])
+    return End(bar.outer[end], bar.bore[end], bar)
 
 
 def has_unstated(train: Train) -> bool:
@@ -208,7 +208,7 @@ def _fault(
             f"{names} do not touch",
             "the bore of one is not smaller than the diameter of the other",
         )
-    smaller, larger = sorted(ends, key=lambda end: end.outer)
+    smaller, larger = sorted(ends)
     face = larger.outer
     if step.flange is not None:
         face = step.flange.diameter
@@ -259,7 +259,7 @@ def excess_length(
 
     by_table: without words where the table has no such step, in place of finite elements.
     """
-    smaller, larger = sorted((first, second), key=lambda end: end.outer)
+    smaller, larger = sorted((first, second))
     unit = smaller.outer
     if step.form == "handbook":
         return unit * handbook(larger.outer / unit), (
@@ -310,7 +310,7 @@ def _between(step: Step, smaller: End, unit: float = 1.0) -> tuple[Length, ...]:
 
 def profile_of(step: Step, first: End, second: End) -> Profile:
     """The outline of a step, in units of its smaller diameter."""
-    smaller, larger = sorted((first, second), key=lambda end: end.outer)
+    smaller, larger = sorted((first, second))
     unit = smaller.outer
     corner = (
         Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
@@ -367,7 +367,7 @@ def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
             train.parts[bar.part].shaft is not None for bar in (before, after)
         ):
             ends = _end(train, before, 1), _end(train, after, 0)
-            smaller, larger = sorted(ends, key=lambda end: end.outer)
+            smaller, larger = sorted(ends)
             yield train.shaft(before).step, before, after, smaller, larger
 
 
@@ -404,7 +404,7 @@ def handbook(larger: float) -> float:
 
 def _with_inertias(train: Train, step: Step, station: int, ends: tuple[End, End]) -> Train:
     """The train with the inertia of what fills the corner of a step, and of its flange."""
-    smaller, larger = sorted(ends, key=lambda end: end.outer)
+    smaller, larger = sorted(ends)
     density, part, inertias = smaller.bar.density, smaller.bar.part, list[Inertia]()
     if step.size and step.undercut is None:
         kind: CornerKind = "fillet" if step.round else "chamfer"

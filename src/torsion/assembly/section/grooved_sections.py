@@ -105,16 +105,13 @@ def splines(root: float, tooth: float, fillet: float, number: int, bore: float =
         (half + fillet) / (root + fillet)
     )  # of the fillet's centre from the middle of the tooth
     along = (root + fillet) * math.cos(away)
-
-    def turned(radius: float, angle: float) -> tuple[float, float]:
-        return radius * math.sin(angle), radius * math.cos(angle)
-
-    points = [
-        (0.0, root),
-        turned(root, pitch - away),
-        turned(math.hypot(half, along), pitch - math.atan2(half, along)),
-        turned(1.0, pitch - math.asin(half)),
+    polar = [
+        (root, pitch - away),
+        (math.hypot(half, along), pitch - math.atan2(half, along)),
+        (1.0, pitch - math.asin(half)),
     ]
+    turned = [(radius * math.sin(angle), radius * math.cos(angle)) for radius, angle in polar]
+    points = [(0.0, root), *turned]
     return _grooved(points, fillet, number, bore, is_flat=False)
 
 

@@ -114,10 +114,6 @@ class Shafts:
     node: IntArray  # (shafts,) station at the outer end of each, which is the number of its span
     laws: tuple[Law, ...]  # of all shafts in the order of `node`
 
-    @property
-    def size(self) -> int:
-        return len(self.node)
-
     @cached_property
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
@@ -132,8 +128,8 @@ class Shafts:
     def parts(self) -> tuple[slice, ...]:
         """Where the shafts of each law stand among all shafts."""
         edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
-        if edges[-1] != self.size:
-            raise ValueError(f"the laws are for {edges[-1]} shafts; expected {self.size}")
+        if edges[-1] != len(self.node):
+            raise ValueError(f"the laws are for {edges[-1]} shafts; expected {len(self.node)}")
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     def at(self, square: ArrayLike) -> Pi:
@@ -150,7 +146,7 @@ class Shafts:
 
     def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
         """The same of a material with the loss factors `loss` (shafts,), complex, at real s (m,)."""
-        flexibility, inner, outer = np.empty((3, self.size, len(square)), dtype=np.complex128)
+        flexibility, inner, outer = np.empty((3, len(loss), len(square)), dtype=np.complex128)
         for eta in np.unique(loss).tolist():
             rows, turn = loss == eta, 1.0 + 1j * eta
             h, near, far = self.at(square / turn)

@@ -112,16 +112,12 @@ class Diagram:
         """
         period, bottom = cylinder.period, cylinder.crank.bottom
         turned = (self.angle + period / 2.0) % period - period / 2.0
-        back = self.at(-self.angle, period)
+        first = self.angle[0]
+        back = np.interp((-self.angle - first) % period + first, self.angle, self.pressure)
         expands = (turned > 0) & (turned < bottom)
         return Diagram(
             self.angle, np.where(expands, np.minimum(self.pressure, back), self.pressure)
         )
-
-    def at(self, angle: FloatArray, period: float) -> FloatArray:
-        """Return the pressure (Pa) at crank angles (rad) of any shape."""
-        first = self.angle[0]
-        return np.asarray(np.interp((angle - first) % period + first, self.angle, self.pressure))
 
     def torque(self, cylinder: Cylinder, count: int, around: float = 0.0) -> ComplexArray:
         """(count + 1,) N m: harmonics of its gas torque; around: Pa under the piston."""

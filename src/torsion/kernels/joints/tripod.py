@@ -77,8 +77,7 @@ def exact_motion(
     gain, yaw = np.ones_like(turned), np.zeros_like(turned)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         for _ in range(_STEPS):
-            standing = turned, sine, share, gain, yaw
-            steps = _solve(standing, _pivot(*standing)[:2])
+            steps, _ = _pivot(turned, sine, share, gain, yaw)
             gain, yaw = gain - steps[0], yaw - steps[1]
             is_done = not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps)
             if is_done and np.all(np.isfinite(gain)):
@@ -88,11 +87,8 @@ def exact_motion(
                 "a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer"
             )
     bend = np.arcsin(gain * sine)
-    standing = turned, sine, share, gain, yaw
-    _, _, near, far = _pivot(*standing)
     local = 3.0 * (turned - yaw)
-    # Derivatives by the driving angle.
-    gaining, yawing = _solve(standing, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local)))
+    _, (gaining, yawing) = _pivot(turned, sine, share, gain, yaw)
     half, half_nominal = np.tan(bend / 2.0), np.tan(nominal / 2.0)
     above, below = half * half_nominal * np.sin(yaw), 1.0 + half * half_nominal * np.cos(yaw)
     opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
@@ -158,27 +154,23 @@ def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
 
 def _pivot(
     turned: FloatArray, sine: FloatArray, share: FloatArray, gain: FloatArray, yaw: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """What the pivot's two conditions lack, over sin(angle), and the orbit's half axes across and along n, likewise."""
+) -> FloatArray:
+    """Newton's step back of (gain, yaw), and their derivatives by the driving angle; (2, 2, ...).
+
+    Both solve the pivot's conditions, made linear in (gain, yaw).
+    """
+    # The orbit's half axes across and along n, over sin(angle); likewise what the conditions lack.
     cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
     near = share * gain**2 * sine / (1.0 + cosine)
     far = near / cosine
-    return gain - np.cos(yaw) - near * np.sin(local), np.sin(yaw) + far * np.cos(local), near, far
-
-
-def _solve(
-    standing: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Solution of the pivot's conditions, made linear in (gain, yaw), for a right side."""
-    turned, sine, _, gain, yaw = standing
-    _, _, near, far = _pivot(*standing)
-    cosine, local = np.sqrt(1.0 - (gain * sine) ** 2), 3.0 * (turned - yaw)
+    lack = gain - np.cos(yaw) - near * np.sin(local), np.sin(yaw) + far * np.cos(local)
+    right = np.array([lack, (3.0 * near * np.cos(local), 3.0 * far * np.sin(local))])
     bending = gain * sine**2 / cosine  # minus the derivative of cosine by gain
     growth = 2.0 * near / gain + near * bending / (1.0 + cosine)
     spread = growth / cosine + near * bending / cosine**2
     corner = 1.0 - growth * np.sin(local), np.sin(yaw) + 3.0 * near * np.cos(local)
     second_row = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
     determinant = corner[0] * second_row[1] - corner[1] * second_row[0]
-    gaining = right[0] * second_row[1] - right[1] * corner[1]
-    yawing = right[1] * corner[0] - right[0] * second_row[0]
-    return gaining / determinant, yawing / determinant
+    gaining = right[:, 0] * second_row[1] - right[:, 1] * corner[1]
+    yawing = right[:, 1] * corner[0] - right[:, 0] * second_row[0]
+    return np.stack([gaining / determinant, yawing / determinant], axis=1)

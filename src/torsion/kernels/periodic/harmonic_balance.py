@@ -209,13 +209,11 @@ def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: in
     spectrum = np.fft.rfft(linear.residual, axis=1)[:, count + 1 :] / linear.residual.shape[1]
     w = w0 * np.arange(count + 1, count + 1 + spectrum.shape[1])
     is_diagonal = linear.entries.row == linear.entries.column
-    mass, damping, stiffness = (np.zeros(size) for _ in range(3))
-    for total, part in (
-        (mass, linear.entries.mass),
-        (damping, linear.entries.damping),
-        (stiffness, linear.entries.stiffness),
-    ):
-        np.add.at(total, linear.entries.row[is_diagonal], part[is_diagonal].mean(axis=1))
+    entries = linear.entries
+    parts = np.array([entries.mass, entries.damping, entries.stiffness])
+    sums = np.zeros((3, size))
+    np.add.at(sums, np.s_[:, entries.row[is_diagonal]], parts[:, is_diagonal].mean(axis=2))
+    mass, damping, stiffness = sums
     alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
     floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
     noise = np.zeros(size)  # rounding of the forces that each residual is the sum of
