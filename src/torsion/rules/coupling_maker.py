@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.component_loads import raised, raised_heat
+from torsion.analyses.response.component_loads import harmonic_heat, raised
 from torsion.analyses.response.synthesis import half_range as half_range_of
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
@@ -170,7 +170,8 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
             yield compare(*about, value, lowest, words=words, size=share)
         if (heat_limit := _heat_limit(evidence.study, ratings)) is not None:
             name, what, limit_of_heat, words = heat_limit
-            power = raised_heat(evidence, spans)
+            heat = harmonic_heat(response, evidence.system, spans)
+            power = raised(evidence, spans, heat, power=2)
             if not isinstance(limit_of_heat, float):
                 # Every share of a limit over frequency counts as a share of the smallest limit.
                 limit_at = limit_of_heat.at(response.frequency)

@@ -60,7 +60,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
                 response,
                 ("endurance", fillet.shaft, f"Shear stress amplitude in the {fillet.label}"),
                 "setting",
-                factor * fillet.torque(torque) / fillet.modulus * PA,
+                factor * torque[:, list(fillet.spans)].max(axis=1) / fillet.modulus * PA,
                 PA * fillet.endurance,
                 "N/mm2",
                 spans=np.array(fillet.spans),

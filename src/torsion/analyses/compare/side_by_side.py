@@ -54,11 +54,6 @@ class CheckSettings(Declared):
         f"largest relative error of torques; default: {TORQUE_FACTOR:g} times `tolerance`, as the lumped model promises"
     )
 
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Largest errors that pass: of frequencies and shapes, and of torques."""
-        return self.tolerance, self.torque_tolerance or TORQUE_FACTOR * self.tolerance
-
     @model_validator(mode="after")
     def _compares(self) -> Self:
         if self.models is not None and not set(self.models) - {"exact"}:
@@ -182,8 +177,10 @@ def check(
     Raises InputError for closed loops, SolveError where a model cannot take the train.
     """
     settings = requested or CheckSettings()
+    # Of frequencies and shapes, and of torques.
+    limits = settings.tolerance, settings.torque_tolerance or TORQUE_FACTOR * settings.tolerance
     if not study.train.has_shafts:
-        return Compared(*settings.limits, same=SAME_WITHOUT_SHAFTS)
+        return Compared(*limits, same=SAME_WITHOUT_SHAFTS)
     if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
@@ -198,10 +195,8 @@ def check(
         progress(f"check: {name}", position / (len(names) + 1))
         solutions.append(_solved(replace(study, model=name), count, top, speed, excited))
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
-    compared = [
-        _compared(solution, exact, count, highest, settings.limits) for solution in solutions
-    ]
-    return Compared(*settings.limits, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
+    compared = [_compared(solution, exact, count, highest, limits) for solution in solutions]
+    return Compared(*limits, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
 
 
 def operating_speeds(study: Study, system: System) -> tuple[FloatArray | None, float, str]:

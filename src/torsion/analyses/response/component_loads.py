@@ -179,12 +179,6 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     return power
 
 
-def raised_heat(evidence: Results, spans: IntArray) -> FloatArray:
-    """Return the heat (speeds, lines) W of the spans, raised as exact motions raise the torque of harmonic balance."""
-    power = harmonic_heat(evidence.need(Response), evidence.system, spans)
-    return raised(evidence, spans, power, power=2)
-
-
 def raised(evidence: Results, spans: IntArray, values: FloatArray, power: int = 1) -> FloatArray:
     """Return values (speeds, ...) of a torque to that power, as large as exact motions of nonlinear couplings have them.
 
@@ -275,7 +269,8 @@ def component_loads(evidence: Results) -> ComponentLoads:
                 continue
             mean = None if steady is None else float(np.abs(steady.torque[spans]).max())
             with np.errstate(all="ignore"):
-                power = raised_heat(evidence, np.array(spans)).sum(axis=1)
+                heat = harmonic_heat(response, system, np.array(spans))
+                power = raised(evidence, np.array(spans), heat, power=2).sum(axis=1)
             load = CouplingLoad(
                 name,
                 *_largest(response, total.half_range[:, spans].max(axis=1)),

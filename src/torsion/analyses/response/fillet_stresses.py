@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.findings import Work
@@ -75,10 +74,6 @@ class Fillet:
     def label(self) -> str:
         """Label for tables and messages."""
         return self.form if self.following is None else f"fillet to {self.following}"
-
-    def torque(self, half_range: FloatArray) -> FloatArray:
-        """Return the largest torque (speeds,) N m of its spans; half_range: (speeds, spans) N m."""
-        return np.asarray(half_range[:, list(self.spans)].max(axis=1))
 
 
 @reported
@@ -267,7 +262,7 @@ def run(work: Work) -> None:
         details = list(stated_fillets(work.system))
         if response is not None and total is not None and is_known:
             for k, detail in enumerate(details):
-                torque = detail.torque(total.half_range)
+                torque = total.half_range[:, list(detail.spans)].max(axis=1)
                 speed = int(np.argmax(torque))
                 nominal = float(torque[speed]) / detail.modulus
                 details[k] = replace(detail, speed=float(response.speed[speed]), nominal=nominal)

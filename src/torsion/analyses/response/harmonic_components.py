@@ -112,20 +112,6 @@ class Sources:
         )
         return Sources(self.force[:, points], *twists)
 
-    @staticmethod
-    def side_by_side(components: "Sequence[Sources]") -> "Sources":
-        """Return several components in the columns of one."""
-        joined: list[ComplexArray | None] = []
-        for name in ("twist", "loop_twist"):
-            imposed = [getattr(component, name) for component in components]
-            rows = next((len(twist) for twist in imposed if twist is not None), None)
-            filled = [
-                np.zeros((rows or 0, component.force.shape[1])) if twist is None else twist
-                for component, twist in zip(components, imposed, strict=True)
-            ]
-            joined.append(None if rows is None else np.hstack(filled))
-        return Sources(np.hstack([component.force for component in components]), *joined)
-
 
 def _decimal(order: Fraction) -> str:
     """Return 0.5 or 2.625, or the fraction where its decimals do not end soon."""

@@ -127,7 +127,15 @@ def answers(
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
         forces = sources[part]
-        columns = Sources.side_by_side(forces)
+        # Several components in the columns of one; what nothing imposes on is 0 beside what something does.
+        twists: list[ComplexArray | None] = []
+        for name in ("twist", "loop_twist"):
+            imposed = [getattr(force, name) for force in forces]
+            rows = next((len(twist) for twist in imposed if twist is not None), None)
+            none = np.zeros((rows or 0, damping.shape[1]))
+            filled = [none if twist is None else twist for twist in imposed]
+            twists.append(None if rows is None else np.hstack(filled))
+        columns = Sources(np.hstack([force.force for force in forces]), *twists)
         ground = np.tile(damping, len(forces))
         result = answer(system, np.concatenate(w[part]), columns, ground)
         pieces = (np.split(values, len(forces)) for values in vars(result).values())

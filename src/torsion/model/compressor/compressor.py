@@ -19,7 +19,7 @@ from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, Diagram, 
 from torsion.kernels.engine.pressure_cycles import NoLoop, of_loop
 from torsion.model.component import Lowering
 from torsion.model.compressor.record import CompressorRecord, End, EndRecord, ThrowRecord
-from torsion.model.engine.crankshaft import VARYING, Crankshaft, check_rod, piston_area
+from torsion.model.engine.crankshaft import VARYING, Crankshaft, check_rod
 from torsion.model.engine.declarations import Crankcase, Length
 from torsion.model.engine.gas_laws import (
     COLUMNS,
@@ -164,7 +164,8 @@ class Compressor(Crankshaft, keyword="compressor"):
             ):
                 if pressure is None:
                     continue
-                cylinder = Cylinder(self.slider, piston_area(throw.bore, rod), 1)
+                area = math.pi / 4.0 * (throw.bore**2 - rod**2)
+                cylinder = Cylinder(self.slider, area, 1)
                 try:
                     ends.append(self._end(FilePath(build.folder), end, pressure, cylinder))
                 except GasFault as fault:

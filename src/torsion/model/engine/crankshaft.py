@@ -1,6 +1,5 @@
 """A crankshaft as points and links in a row: the keys of its throws and spans, and how they lower."""
 
-import math
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -102,11 +101,6 @@ def check_rod(rod_length: float, stroke: float, offset: float = 0.0) -> None:
     if rod_length <= stroke / 2.0 + abs(offset):
         message = "the rod is not longer than half the stroke and the offset together"
         raise refuse(message, "the piston could not pass its dead centres", "rod_length")
-
-
-def piston_area(bore: float, rod: float = 0.0) -> float:
-    """Return the area (m2) of a piston of a diameter `bore` (m) less that of its rod."""
-    return math.pi / 4.0 * (bore**2 - rod**2)
 
 
 def _value(values: tuple[float, ...], position: int) -> float:

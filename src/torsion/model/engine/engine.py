@@ -22,7 +22,7 @@ from torsion.kernels.engine.crank_slider import (
 )
 from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, State
 from torsion.model.component import STEEL, Lowering
-from torsion.model.engine.crankshaft import VARYING, Crankshaft, piston_area
+from torsion.model.engine.crankshaft import VARYING, Crankshaft
 from torsion.model.engine.declarations import (
     MOST_ORDER,
     Gas,
@@ -151,6 +151,7 @@ class Engine(Crankshaft, keyword="engine"):
 
     def _check_firing(self) -> None:
         order, angles, z = self.firing_order, self.firing_angles, self.cylinders
+        cycle = 2.0 * math.pi * self.revolutions
         if bool(order) == bool(angles) and (z > 1 or order):
             words = "exclude each other" if order else "are both missing"
             message = f"`firing_order` and `firing_angles` {words}"
@@ -161,13 +162,13 @@ class Engine(Crankshaft, keyword="engine"):
         if angles and len(angles) != z:
             words = f"`firing_angles` are {len(angles)}, cylinders {z}"
             raise refuse(words, "one angle a cylinder", "firing_angles")
-        if any(not 0 <= angle < self._cycle - TWICE for angle in angles):
+        if any(not 0 <= angle < cycle - TWICE for angle in angles):
             limit = f"from 0 to below {360 * self.revolutions} deg"
             raise refuse("a firing angle lies outside the cycle", limit, "firing_angles")
         if self.throws and sorted(chain(*self.throws)) != numbers:
             raise refuse(f"`throws` {message}", "throws: [[1, 2], [3, 4]]", "throws")
         for throw in self.lanes:
-            fires = sorted(self._cycle * float(self._cycles[number - 1]) for number in throw)
+            fires = sorted(cycle * float(self._cycles[number - 1]) for number in throw)
             if any(after - before < TWICE for before, after in pairwise(fires)):
                 words = "two cylinders of one throw fire at one angle"
                 key = "firing_angles" if angles else "throws"
@@ -202,14 +203,11 @@ class Engine(Crankshaft, keyword="engine"):
             raise refuse("a misfire needs the motored harmonics", hint, "misfire")
 
     @property
-    def _cycle(self) -> float:
-        return 2.0 * math.pi * self.revolutions
-
-    @property
     def _cycles(self) -> tuple[Fraction, ...]:
         """(cylinders,) of a cycle, at which each fires."""
         if self.firing_angles:
-            return tuple(Fraction(angle / self._cycle) for angle in self.firing_angles)
+            cycle = 2.0 * math.pi * self.revolutions
+            return tuple(Fraction(angle / cycle) for angle in self.firing_angles)
         order = self.firing_order or (1,)
         return tuple(
             Fraction(order.index(number), self.cylinders) for number in range(1, self.cylinders + 1)
@@ -217,11 +215,9 @@ class Engine(Crankshaft, keyword="engine"):
 
     def lower(self, build: Lowering) -> None:
         owner, slider, revolutions = build.part, self.slider, self.revolutions
-        cylinder = (
-            None
-            if slider is None or self.geometry is None
-            else Cylinder(slider, piston_area(self.geometry.bore), revolutions)
-        )
+        cylinder = None
+        if slider is not None and self.geometry is not None:
+            cylinder = Cylinder(slider, math.pi / 4.0 * self.geometry.bore**2, revolutions)
         law = Law(None, "not given")
         if self.gas is not None:
             frame = Frame(
