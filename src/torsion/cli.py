@@ -15,7 +15,6 @@ import typer
 
 import torsion
 from torsion.command_endings import (
-    end,
     print_report,
     refusals,
     refuse_with_json,
@@ -264,7 +263,7 @@ def report(
         requested = commands.outputs(pdf=pdf, figures=csv, tables=csv)
         document, folder = commands.report(results, out, also=requested)
         show(document, folder, is_verbose=verbose or document.name != "solve")
-    end(document.ending.unanswered, document.ending.status)
+    stop(*document.ending.unanswered, status=document.ending.status)
 
 
 app.command()(compare)
@@ -329,13 +328,12 @@ def live(
     from torsion.live.session import Session
 
     if not file.is_file():
-        stop(f"{file}: this is no file", BAD_INPUT)
+        stop(f"{file}: this is no file")
     try:
         server = Server(Session(file, case), port)
     except OSError as error:
         stop(
             f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)",
-            BAD_INPUT,
         )
     try:
         say(f"{file} is shown at {server.address}\nCtrl-C ends it")
@@ -377,7 +375,7 @@ def new(
     try:
         file.with_name(SCHEMA_FILE).write_text(_schema_text(), encoding="utf-8")
     except OSError as error:
-        stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
+        stop(f"{file} cannot be written: {error.strerror}")
     say(f"{file} written; solve it with: torsion solve {file}")
 
 

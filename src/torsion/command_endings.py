@@ -1,7 +1,7 @@
 """How every command ends: a report or results printed, a message and its exit status where there is no answer."""
 
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -21,13 +21,13 @@ def refusals(file: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        stop(str(error), BAD_INPUT)
+        stop(str(error))
     except SolveError as error:
-        stop(error.located or f"{file}: {error}", REFUSED)
+        stop(error.located or f"{file}: {error}", status=REFUSED)
     except MemoryError as error:
         size = f" ({error})" if str(error) else ""
         change = "request fewer speeds, orders, modes or segments"
-        stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
+        stop(f"{file}: this machine has too little memory for it{size}; {change}", status=REFUSED)
 
 
 def print_report(
@@ -64,13 +64,13 @@ def print_report(
             show(document, folder, is_verbose=is_verbose)
         if matrices is not None:
             say(commands.write_matrices(findings, matrices))
-    end(findings.without_answer, findings.exit_status)
+    stop(*findings.without_answer, status=findings.exit_status)
 
 
-def end(unanswered: Iterable[str], status: int) -> NoReturn:
-    """Say on the error stream what has no answer, and end with the exit status."""
-    for words in unanswered:
-        say(words, err=True)
+def stop(*messages: str, status: int = BAD_INPUT) -> NoReturn:
+    """Say on the error stream what is wrong or has no answer, and end with the exit status."""
+    for message in messages:
+        say(message, err=True)
     raise typer.Exit(status)
 
 
@@ -87,12 +87,7 @@ def refuse_with_json(json: bool, writing: dict[str, object]) -> None:
     """Refuse --json beside an option that writes a file."""
     for option, given in writing.items():
         if json and given:
-            stop(f"--json writes no file and {option} writes one; give one of them", BAD_INPUT)
-
-
-def stop(message: str, status: int) -> NoReturn:
-    say(message, err=True)
-    raise typer.Exit(status)
+            stop(f"--json writes no file and {option} writes one; give one of them")
 
 
 def write_new(file: Path, text: str) -> None:
@@ -101,6 +96,6 @@ def write_new(file: Path, text: str) -> None:
         with file.open("x", encoding="utf-8") as target:
             target.write(text)
     except FileExistsError:
-        stop(f"{file} exists already and is not changed (give another name)", BAD_INPUT)
+        stop(f"{file} exists already and is not changed (give another name)")
     except OSError as error:
-        stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
+        stop(f"{file} cannot be written: {error.strerror}")

@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from torsion.command_endings import refusals, stop, write_new
-from torsion.errors import BAD_INPUT
 from torsion.lasting_output import say
 
 
@@ -54,7 +53,7 @@ def import_(
     from torsion.exchange.mass_elastic_table import TEMPLATE, import_table
 
     if template == (file is not None):
-        stop("give a table, or --template for one to fill in", BAD_INPUT)
+        stop("give a table, or --template for one to fill in")
     text = TEMPLATE
     if file is not None:
         with refusals(file):

@@ -409,11 +409,15 @@ def read_rows(value: Any, quantities: tuple[Quantity, Quantity], over: str, hint
     ):
         raise refuse(f"this is not a table over {over}", hint)
 
-    def read_row(row: Any) -> tuple[float, float]:
-        first, second = (read_item(row, k, quantity.read) for k, quantity in enumerate(quantities))
-        return first, second
-
-    rows = tuple(read_item(value, number, read_row) for number in range(len(value)))
+    first, second = quantities
+    rows = tuple(
+        read_item(
+            value,
+            number,
+            lambda row: (read_item(row, 0, first.read), read_item(row, 1, second.read)),
+        )
+        for number in range(len(value))
+    )
     if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
         raise refuse(f"a table over {over} needs two rows or more, rising", hint)
     return rows

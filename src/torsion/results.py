@@ -109,26 +109,6 @@ def derived(
     return declare
 
 
-def single_values(shown: Any) -> str:
-    """Return the class of a result and its single values, by their keys, on one line.
-
-    >>> @reported
-    ... class Mesh:
-    ...     wheel: str = result("name of the wheel")
-    ...     torque: float = result("N*m", "mean torque")
-    >>> Mesh("pinion", 1500.0)
-    Mesh: wheel pinion, torque_Nm 1500
-    """
-    fields = {field.name for field in dataclasses.fields(shown)}
-    words = (
-        f"{quantity.key} {value:.6g}" if isinstance(value, float) else f"{quantity.key} {value}"
-        for quantity in quantities(type(shown))
-        if quantity.name in fields
-        and isinstance(value := getattr(shown, quantity.name), str | int | float)
-    )
-    return one_line(f"{type(shown).__name__}: {', '.join(words)}")
-
-
 def one_line(text: str) -> str:
     """Return the text without line breaks, cut where it is too long."""
     text = " ".join(text.split())
@@ -141,13 +121,18 @@ class Keyed:
 
     >>> @reported
     ... class Point(Keyed):
+    ...     where: str = result("name of the shaft")
     ...     speed: float = result("rad/s", (), "speed of the shaft")
-    >>> Point(math.pi).speed_rad_per_s == math.pi, round(Point(math.pi).speed_rpm, 9)
-    (True, 30.0)
+    >>> point = Point("pinion", math.pi)
+    >>> point.speed_rad_per_s == math.pi, round(point.speed_rpm, 9), point
+    (True, 30.0, Point: where pinion, speed_rad_per_s 3.14159)
     """
 
     def __getattr__(self, key: str) -> Any:
-        names = names_by_key(type(self))
+        declared = quantities(type(self))
+        names = {
+            quantity.key: quantity.name for quantity in declared if quantity.key != quantity.name
+        }
         if key in names:
             return getattr(self, names[key])
         in_radians = f"{key.removesuffix('_rpm')}_rad_per_s"
@@ -158,10 +143,19 @@ class Keyed:
         )
 
     def __dir__(self) -> list[str]:
-        return sorted({*object.__dir__(self), *names_by_key(type(self))})
+        keys = (quantity.key for quantity in quantities(type(self)) if quantity.key)
+        return sorted({*object.__dir__(self), *keys})
 
     def __repr__(self) -> str:
-        return single_values(self)
+        """Return the class and the single values, by their keys, on one line."""
+        fields = getattr(self, "__dataclass_fields__", {})
+        words = (
+            f"{quantity.key} {value:.6g}" if isinstance(value, float) else f"{quantity.key} {value}"
+            for quantity in quantities(type(self))
+            if quantity.name in fields
+            and isinstance(value := getattr(self, quantity.name), str | int | float)
+        )
+        return one_line(f"{type(self).__name__}: {', '.join(words)}")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result by the keys of results.json, with lists in place of arrays."""
@@ -205,15 +199,6 @@ def by_name(name: str, values: Mapping[str, Value], what: str = "component") -> 
     return values[name]
 
 
-def names_by_key(kind: type) -> dict[str, str]:
-    """Return the field or property of every key that is spelled another way."""
-    return {
-        quantity.key: quantity.name
-        for quantity in quantities(kind)
-        if quantity.key not in ("", quantity.name)
-    }
-
-
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:
     """Return an array of codes as the words of their kind: near-singular."""
     table = np.array([code.name.lower().replace("_", "-") for code in kind])
@@ -232,13 +217,9 @@ def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) ->
     return f"{between.join(shown_names[:most])} and {len(shown_names) - most:,} more"
 
 
+@cache  # it is needed for every station and span
 def quantities(kind: type) -> tuple[Quantity, ...]:
     """Return everything that a result declares, fields first, in the order in which it declares them."""
-    return _quantities(kind)
-
-
-@cache  # it is needed for every station and span
-def _quantities(kind: type) -> tuple[Quantity, ...]:
     fields = [
         field.metadata["declared"].named(field.name)
         for field in dataclasses.fields(kind)

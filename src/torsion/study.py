@@ -2,11 +2,11 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -284,37 +284,21 @@ def case_folder(name: str) -> str:
     return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
 
 
-class Variation(Protocol):
-    """Figures of a file that vary, and the studies of other values; made by the reader of files."""
+class Variation:
+    """Figures of a file that vary, and the studies of other values, as the reader of files makes them.
 
-    @property
-    def figures(self) -> Sequence[Any]:
-        """What varies, `torsion.schema.variation.Figure`: name, law, column of the samples, its values."""
+    `torsion.schema.variation.Variation` says what each function answers.
+    """
 
-    def study(self, values: Sequence[float]) -> "Study":
-        """Return the study with every figure at its value."""
-
-    def stated(self, place: int, value: float) -> tuple[str, str]:
-        """Return the value of a figure in words, as the file has it and at a value."""
-
-    def text(self, values: Sequence[float], without: Iterable[str] = ()) -> str:
-        """Return the text of that file, without some analyses (default: those whose settings vary figures)."""
-
-    def in_case(self, case: "Study") -> "Variation":
-        """Return the same figures of a case of the file: they are put in before the case changes the file."""
-
-    def in_columns(self, values: FloatArray) -> Train:
-        """Return the train whose numbers are columns, of variants (variants, figures); raises NotInColumns."""
-
-    def studies(self, train: Train) -> "Callable[[int], Study]":
-        """Return the function from the number of a variant of a train in columns to its study."""
-
-    @property
-    def base(self) -> "Study":
-        """The study whose figures vary."""
-
-    def behind(self, other: Any) -> "Variation":
-        """Return both as one: the figures of the other first, and these about what those put in the file."""
+    figures: Sequence[Any]  # `torsion.schema.varied_figures.Figure`: name, law, column, values
+    base: "Study"  # whose figures vary
+    study: "Callable[[Sequence[float]], Study]"
+    stated: Callable[[int, float], tuple[str, str]]
+    text: Callable[..., str]
+    in_case: "Callable[[Study], Variation]"
+    in_columns: Callable[[FloatArray], Train]
+    studies: "Callable[[Train], Callable[[int], Study]]"
+    behind: "Callable[[Any], Variation]"
 
 
 @dataclass(frozen=True, repr=False)

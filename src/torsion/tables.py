@@ -49,20 +49,21 @@ Mark = tuple[Cell, str]  # a number with a decimal or thousands mark, and its ce
 
 def table_text(file: Path, largest: int = LARGEST_TABLE) -> tuple[str, Fault | None]:
     """The text of a file without a byte order mark, and what is wrong with its encoding; raises OSError."""
-    content = read_file(file, largest)
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return "", _fault("the file is UTF-16 text", "save it as `CSV UTF-8`", "")
+    content, hint, before = read_file(file, largest), "save it as `CSV UTF-8`", ""
     try:
         text = content.decode().removeprefix("\ufeff")
     except UnicodeDecodeError as error:
-        before = content[: error.start].decode()
-        fault = _fault("the file is not UTF-8 text", "save it as `CSV UTF-8`", before)
-        return content.decode(errors="replace"), fault
-    if sign := _NUL.search(text) or REORDERING.search(text):
-        message = f"the character U+{ord(sign[0]):04X} is not allowed"
+        text, before = content.decode(errors="replace"), content[: error.start].decode()
+        message = "the file is not UTF-8 text"
+        if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            text, message = "", "the file is UTF-16 text"
+    else:
+        if not (sign := _NUL.search(text) or REORDERING.search(text)):
+            return text, None
+        message, before = f"the character U+{ord(sign[0]):04X} is not allowed", text[: sign.start()]
         hint = "save the sheet as CSV, not as a workbook"
-        return text, _fault(message, hint, text[: sign.start()])
-    return text, None
+    lines = _BREAK.split(before)
+    return text, Fault((), message, hint, line=len(lines), column=len(lines[-1]) + 1)
 
 
 def first_comment(text: str) -> str:
@@ -222,12 +223,6 @@ class Table:
         return True
 
 
-def _fault(message: str, hint: str, before: str) -> Fault:
-    """The fault of what stands behind a text."""
-    lines = _BREAK.split(before)
-    return Fault((), message, hint, line=len(lines), column=len(lines[-1]) + 1)
-
-
 @dataclass(frozen=True)
 class Columns:
     """What the columns are, and an example of the first line and of a row."""
@@ -288,7 +283,22 @@ def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], 
     table.read_signs(cell for row in table.rows[1:] for cell in row)
     for fault in table.faults:
         raise ValueError(f"'{file}', line {fault.line}: {fault.message}", fault.hint)
-    rows = [_row(file, row, factors, columns, table) for row in table.rows[1:]]
+    rows = list[tuple[float, ...]]()
+    for row in table.rows[1:]:
+        where = f"'{file}', line {row[0].line}"
+        if len(row) != len(factors):
+            decimals = "a point in decimals, or decimal commas and semicolons"
+            hint = decimals if len(row) > len(factors) else " and ".join(columns.names)
+            raise ValueError(f"{where}: {len(row)} columns, not {len(factors)}", hint)
+        numbers = zip((table.plain(cell.text) for cell in row), factors, strict=True)
+        try:
+            rows.append(tuple(float(number) * factor for number, factor in numbers))
+        except ValueError:
+            what = "pair of numbers" if len(factors) > 1 else "number"
+            written = f"{table.separator.strip()} ".join(cell.text for cell in row)
+            raise ValueError(f"{where}: '{written}' is no {what}", columns.row) from None
+        if not (all(map(math.isfinite, rows[-1])) and rows[-1][0] >= columns.least):
+            raise ValueError(f"{where}: {columns.meant} is meant", columns.row)
     for number in range(1, 0 if columns.is_loop else len(rows)):
         if rows[number][0] <= rows[number - 1][0]:
             first, line = columns.names[0], table.rows[number + 1][0].line
@@ -312,23 +322,3 @@ def _factors(file: Path, head: Sequence[Cell], columns: Columns) -> tuple[float,
             message = f"'{file}', line 1: '{cell.text}' has no unit of {unit}: {fault.message}"
             raise ValueError(message, f"the first line names the units: {columns.head}") from None
     return tuple(factors)
-
-
-def _row(
-    file: Path, row: Sequence[Cell], factors: tuple[float, ...], columns: Columns, table: Table
-) -> tuple[float, ...]:
-    where, count = f"'{file}', line {row[0].line}", len(row)
-    if count != len(factors):
-        decimals = "a point in decimals, or decimal commas and semicolons"
-        hint = decimals if count > len(factors) else " and ".join(columns.names)
-        raise ValueError(f"{where}: {count} columns, not {len(factors)}", hint)
-    pairs_of_row = zip(row, factors, strict=True)
-    try:
-        values = tuple(float(table.plain(cell.text)) * factor for cell, factor in pairs_of_row)
-    except ValueError:
-        what = "pair of numbers" if len(factors) > 1 else "number"
-        written = f"{table.separator.strip()} ".join(cell.text for cell in row)
-        raise ValueError(f"{where}: '{written}' is no {what}", columns.row) from None
-    if not (all(map(math.isfinite, values)) and values[0] >= columns.least):
-        raise ValueError(f"{where}: {columns.meant} is meant", columns.row)
-    return values

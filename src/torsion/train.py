@@ -64,18 +64,11 @@ class Train:
 
     def __getitem__(self, name: str) -> Part:
         """The component of that name; raises KeyError with the nearest name."""
-        return by_name(name, {part.name: part for part in reversed(self.parts)})
-
-    def part(self, name: str) -> Part:
-        """The component of that name; raises KeyError."""
-        return self.parts[self.position(name)]
-
-    def position(self, name: str) -> int:
-        """Where it stands in `parts`; raises KeyError."""
-        return self._position[name]
+        return self.parts[by_name(name, self.positions)]
 
     @cached_property
-    def _position(self) -> dict[str, int]:
+    def positions(self) -> dict[str, int]:
+        """Where every component stands in `parts`, by its name."""
         return {part.name: number for number, part in reversed(list(enumerate(self.parts)))}
 
     def of_kind(self, kind: str) -> Iterator[tuple[int, Part]]:
@@ -123,23 +116,6 @@ class Train:
         starts = ((ends.get(bar.driving), (bar.outer[0], bar.bore[0])) for bar in shafts)
         return any(end not in (None, start) for end, start in starts)
 
-    @property
-    def has_fillets(self) -> bool:
-        """A step between shafts is a fillet of a stated radius, or a shaft has notches."""
-        return any(
-            part.shaft.notches or (part.shaft.step is not None and part.shaft.step.round)
-            for part in self.parts
-            if part.shaft is not None
-        )
-
-    @property
-    def damping_of_components(self) -> str:
-        """The name of one that has damping of its own; empty where none has."""
-        named = [spring.name for spring in self.springs if spring.damps]
-        named += [bar.name for bar in self.bars if bar.loss_factor > 0]
-        named += [self.parts[self.stations[damper.station].part].name for damper in self.dampers]
-        return next(iter(named), "")
-
     @cached_property
     def has_referred_figures(self) -> bool:
         """Some figures of the file are for another speed than their component's own."""
@@ -149,11 +125,6 @@ class Train:
     def has_loops(self) -> bool:
         """A component of `links` closes a loop."""
         return any(part.path[:1] == ("links",) for part in self.parts)
-
-    @property
-    def has_tables(self) -> bool:
-        """The stiffness of a coupling follows a table."""
-        return any(spring.table is not None for spring in self.springs)
 
     def has_tables_over(self, over: str) -> bool:
         """The stiffness of a coupling follows a table over that."""

@@ -228,8 +228,19 @@ def _container(written: str) -> "UnitsContainer":
     """The unit as powers of the names of units.txt; raises UnitFault."""
     from pint.errors import PintError
 
+    tokens, end = [], 0
+    while token := _TOKEN.match(written, end):
+        tokens.insert(0, token[1])
+        end = token.end()
+    try:
+        named = _product(tokens)
+        if tokens or end < len(written):
+            raise LookupError
+    except LookupError:
+        hint = "units are written like kN*m/rad, kg*m**2, rpm"
+        raise UnitFault(f"the unit {_quoted(written)} cannot be read", hint) from None
     registry, powers = _registry(), Counter[str]()
-    for name, power in _powers(written).items():
+    for name, power in named.items():
         try:
             powers[registry.get_name("percent" if name == "%" else name)] += (
                 power  # '' for dimensionless
@@ -241,8 +252,9 @@ def _container(written: str) -> "UnitsContainer":
             raise UnitFault(f"'{name}' is not a known unit", hint) from None
     if any(abs(power) > _HIGHEST for power in powers.values()):
         raise UnitFault(f"'{written}' has a power that no quantity has")
-    named = {name: power for name, power in powers.items() if name and power}
-    return registry.UnitsContainer(named)
+    return registry.UnitsContainer(
+        {name: power for name, power in powers.items() if name and power}
+    )
 
 
 def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction:
@@ -283,55 +295,34 @@ def _spelled() -> tuple[str, ...]:
     return (*plain, *_TRADE)
 
 
-def _powers(written: str) -> Counter[str]:
-    """The names in a product of units with their powers: 'kNm/rad' is kN 1, m 1, rad -1; raises UnitFault."""
-    tokens, end = [], 0
-    while token := _TOKEN.match(written, end):
-        tokens.append(token[1])
-        end = token.end()
-    tokens.reverse()  # the next one is the last
-    powers = _product(tokens, written)
-    if tokens or end < len(written):
-        raise _unreadable(written)
-    return powers
+def _product(tokens: list[str]) -> Counter[str]:
+    """The names in a product of units with their powers: 'kNm/rad' is kN 1, m 1, rad -1.
 
-
-def _product(tokens: list[str], written: str) -> Counter[str]:
+    tokens: from the last to the first; what the product does not take stays. Raises LookupError.
+    """
     total, sign = Counter[str](), 1
     while True:
-        for name, power in _factor(tokens, written).items():
+        # One unit, several glued together ('kNm') or a product in brackets, raised to the power that follows.
+        token, raised = tokens.pop(), list[str]()
+        powers = Counter[str]()
+        if token == "(":
+            powers = _product(tokens)
+            raised = list(powers)
+            if tokens.pop() != ")":
+                raise LookupError
+        elif token == "%" or token.isalpha():
+            glued = _GLUED.fullmatch(token)
+            names = [name for name in glued.groups() if name] if glued else [token]
+            powers, raised = Counter(names), names[-1:]
+        elif token != "1":
+            raise LookupError
+        if tokens and tokens[-1].startswith("**"):
+            exponent = int(tokens.pop()[2:])
+            powers.update({name: powers[name] * (exponent - 1) for name in raised})
+        for name, power in powers.items():
             total[name] += sign * power
         if not tokens or tokens[-1] == ")":
             return total
         sign = -1 if tokens[-1] == "/" else 1
         if tokens[-1] in "*/":
             tokens.pop()
-
-
-def _factor(tokens: list[str], written: str) -> Counter[str]:
-    """One unit, several glued together ('kNm') or a product in brackets, raised to the power that follows."""
-    token = tokens.pop() if tokens else ""
-    if token == "(":
-        powers = _product(tokens, written)
-        if not tokens or tokens.pop() != ")":
-            raise _unreadable(written)
-        raised = list(powers)
-    elif token == "1":
-        powers, raised = Counter(), []
-    elif token == "%" or token.isalpha():
-        glued = _GLUED.fullmatch(token)
-        names = [name for name in glued.groups() if name] if glued else [token]
-        powers, raised = Counter(names), names[-1:]
-    else:
-        raise _unreadable(written)
-    if tokens and tokens[-1].startswith("**"):
-        exponent = int(tokens.pop()[2:])
-        powers.update({name: powers[name] * (exponent - 1) for name in raised})
-    return powers
-
-
-def _unreadable(written: str) -> UnitFault:
-    return UnitFault(
-        f"the unit {_quoted(written)} cannot be read",
-        "units are written like kN*m/rad, kg*m**2, rpm",
-    )

@@ -33,12 +33,15 @@ def read_file(file: str | Path, largest: int) -> bytes:
     check_file(file, largest)
     with open(file, "rb") as stream:
         content = stream.read(largest + 1)
-    _refuse_larger(file, len(content), largest)  # it may have grown since, or state no size
+    check_file(file, largest, len(content))  # it may have grown since, or state no size
     return content
 
 
-def check_file(file: str | Path, largest: int) -> None:
-    """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
+def check_file(file: str | Path, largest: int, size: int = 0) -> None:
+    """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself.
+
+    size: as far as more is known of it than the file system says.
+    """
     if (opened := OPENED.get()) is not None:
         opened.setdefault(os.path.abspath(file), stamp(file))
     status = os.stat(file)
@@ -46,11 +49,7 @@ def check_file(file: str | Path, largest: int) -> None:
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))
     if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "it is a device or a pipe, not a file", str(file))
-    _refuse_larger(file, status.st_size, largest)
-
-
-def _refuse_larger(file: str | Path, size: int, largest: int) -> None:
-    if size > largest:
+    if (size := max(size, status.st_size)) > largest:
         unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
         words = f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read"
         raise OSError(errno.EFBIG, words, str(file))

@@ -155,7 +155,7 @@ def ends(
             ]
         else:
             stated += [kept[..., own[0]], kept[..., own[-1]]]
-    points = [system.train.part(name).stations[0] for name in ("pump", "screw")]
+    points = [system.train[name].stations[0] for name in ("pump", "screw")]
     return np.concatenate(
         [np.stack(stated, axis=-1), found.angle[found.requested][..., points]], axis=-1
     )
@@ -320,7 +320,7 @@ def test_the_torques_told_are_those_at_the_driving_and_the_driven_end(model, hel
     system = torsion.assemble(study.train, model, frequency=2000.0)
     found = torsion.modes(system, 3)
     assert np.all(system.condensed.sign == (1.0 if held == "driving" else -1.0))
-    free = study.train.part("free").stations[0]
+    free = study.train["free"].stations[0]
     square = (2.0 * math.pi * found.frequency) ** 2
     near = system.spans.index(
         next(span for span in system.spans if free in (span.driving, span.driven))

@@ -102,7 +102,7 @@ def test_fillet_on_a_flange_has_the_torque_of_its_own_side(sizes: tuple[str, str
     text = text.replace(SMALL, "FIRST").replace(LARGE, sizes[1]).replace("FIRST", sizes[0])
     found = torsion.run(parse(text))
     (one,) = found.need(Fillets).each
-    own = found.system.span_part == found.study.train.position("ab"[sizes.index(SMALL)])
+    own = found.system.span_part == found.study.train.positions["ab"[sizes.index(SMALL)]]
     torque = found.need(Synthesis).half_range[:, own].max(axis=1)
     assert one.nominal is not None
     assert one.nominal * one.modulus == pytest.approx(

@@ -68,7 +68,7 @@ def test_response_is_that_of_hub_and_bob_about_a_constant_speed() -> None:
     names = [station.name for station in found.system.stations]
     shaft = [names.index(name) for name in ("a", "disc-2", "p", "d")]
     span = [one.name for one in found.system.spans].index("p bobs")
-    record = found.system.train.part("p").pendulum
+    record = found.system.train["p"].pendulum
     assert record is not None
     deflection = deflections(found.system, found, span, record)
     torques = {
@@ -96,7 +96,7 @@ def test_heat_is_that_of_the_pivots() -> None:
     given = study()
     found = torsion.response(given, assemble(given.train), speeds=np.array([2345.0 * RPM]))
     span = [one.name for one in found.system.spans].index("p bobs")
-    record = found.system.train.part("p").pendulum
+    record = found.system.train["p"].pendulum
     assert record is not None
     deflection, w = deflections(found.system, found, span, record), 2.0 * math.pi * found.frequency
     expected = (0.5 * NUMBER * PIVOT * (w * deflection) ** 2).sum(axis=1)
@@ -144,7 +144,7 @@ def test_figures_hold_behind_a_gear() -> None:
     geared = TRAIN.replace("  - pendulum:", "  - gear: {ratio: 1/2}\n  - pendulum:")
     given = study(geared)
     system = assemble(given.train)
-    assert given.train.part("p").ratio == 2
+    assert given.train["p"].ratio == 2
     speed, w = 1500.0 * RPM, 2.0 * 1500.0 * RPM
     found = torsion.response(given, system, speeds=np.array([speed]))
     mass, damp, stiff = equations(2.0 * speed)

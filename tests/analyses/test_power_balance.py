@@ -150,7 +150,7 @@ train:
 
 def test_a_coupling_carries_what_the_pumps_behind_it_take() -> None:
     study, row = torsion.parse(PUMPS), MEAN["two_pumps"]
-    ratio = float(study.train.part("pump 2").ratio)
+    ratio = float(study.train["pump 2"].ratio)
     assert ratio == 2.0
     found = mean_torques(study, row["speed"])
     assert found["first"] == pytest.approx(row["motor"], rel=DIGITS)

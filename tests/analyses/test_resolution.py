@@ -140,7 +140,7 @@ def test_a_response_beyond_the_resolution_refines_the_shafts(model):
     at = [int(np.flatnonzero(found.speed == speed)[0]) for speed in speeds]
     matrix = [transfer(20.0 * speed / (2.0 * math.pi)) for speed in speeds]
     last = np.array([100.0 / m[1, 0] for m in matrix])
-    station = scene.train.part("last").stations[0]
+    station = scene.train["last"].stations[0]
     np.testing.assert_allclose(found.angle[at, 0, station], last, rtol=50 * MODELS[model])
     assert found.system.resolved_to >= 20.0 * 150.0 / (2.0 * math.pi)
     assert found.torque.shape[2] == len(found.system.spans)
@@ -165,7 +165,7 @@ def test_a_response_over_frequency_beyond_the_resolution_refines_the_shafts():
     found = frequency_response(scene, coarse, frequencies=hertz)
     at = [int(np.flatnonzero(found.frequency == one)[0]) for one in hertz]
     last = [100.0 / transfer(one)[1, 0] for one in hertz]
-    station = scene.train.part("last").stations[0]
+    station = scene.train["last"].stations[0]
     np.testing.assert_allclose(found.angle[at, station], last, rtol=0.05)
     assert found.system.resolved_to >= 300.0
     with pytest.raises(torsion.SolveError, match="resolved up to"):

@@ -68,7 +68,7 @@ def test_every_model_has_the_same_inertia_and_the_same_static_flexibility(model)
         lumped.inertia @ lumped.speed_ratio**2, rel=1e-14
     )
     for name in ("first", "second"):
-        part = other.train.part(name)
+        part = other.train[name]
         whole = [
             sum(
                 h

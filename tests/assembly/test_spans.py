@@ -51,7 +51,7 @@ def test_segments_lead_from_the_driving_to_the_driven_station_under_their_names(
         "long 3/4",
     ]
     assert [span.driving for span in row[1:]] == [span.driven for span in row[:-1]]
-    ends = geared.train.part("long").stations
+    ends = geared.train["long"].stations
     assert (row[0].driving, row[-1].driven) == (ends[0], ends[-1])
     assert [span.name for span in geared.spans if span.name.startswith("short")] == ["short"]
 

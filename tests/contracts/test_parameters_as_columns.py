@@ -14,7 +14,7 @@ import torsion
 from torsion.analyses import VARYING
 from torsion.columns import Column, NotInColumns
 from torsion.errors import InputError
-from torsion.schema import overlay, scene_reader, varied_figures
+from torsion.schema import overlay, scene_reader
 from torsion.schema.train_in_columns import SECTIONS
 from torsion.schema.variation import Variation
 from torsion.schema.varied_figures import Figure
@@ -74,7 +74,7 @@ def difference(first: Any, second: Any) -> float:
 
 
 def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -> Any:
-    changed = varied_figures.overlay_of(study, source)
+    changed = overlay.Overlay(source, study)
     for name in VARYING:
         changed.removed["analyses", name] = None
     node = source.at(path)

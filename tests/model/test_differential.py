@@ -163,9 +163,9 @@ def test_mean_torque_goes_through_both_halves_and_limits_are_those_of_both() -> 
         motor * float(RATIO), rel=1e-12
     )
     assert mean.torque[span.index("half shaft opposed"), -1] == 0.0
-    ratings = found.study.train.part("half shaft").ratings
+    ratings = found.study.train["half shaft"].ratings
     assert (ratings.rated_torque, ratings.heat_limit) == (1600, 100)
-    assert found.study.train.part("half shaft opposed").ratings is None
+    assert found.study.train["half shaft opposed"].ratings is None
 
 
 def test_half_shafts_by_their_size_are_two_shafts_of_twice_the_stress_modulus() -> None:

@@ -59,7 +59,7 @@ def train() -> Train:
 
 
 def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
-    part = train.part
+    part = train.__getitem__
     motor = part("m")
     assert (motor.kind, motor.is_point, motor.is_named, motor.machine.power) == (
         "motor",
@@ -87,10 +87,8 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:
     """Behind a tripod nothing is added: 0.25 of its own, then 0.5 - 0.125 of the cross."""
-    assert train.part("joint-1").joint == JointRecord("tripod", 0.09, 0.0, 0.25, 0.25, 0, 0.03, 0.6)
-    assert train.part("joint-2").joint == JointRecord(
-        "cross", 0.1, 0.125, 0.5, 0.625, 2, None, None
-    )
+    assert train["joint-1"].joint == JointRecord("tripod", 0.09, 0.0, 0.25, 0.25, 0, 0.03, 0.6)
+    assert train["joint-2"].joint == JointRecord("cross", 0.1, 0.125, 0.5, 0.625, 2, None, None)
 
 
 def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
@@ -98,7 +96,7 @@ def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
     assert (first.material, first.role, first.features) == ("steel", "thrust", ("slot",))
     assert [one.at for one in first.support] == [0.5]
     assert (second.role, second.features, second.support) == (None, (), ())
-    assert (train.part("shaft-1").damping, train.part("shaft-2").damping) == (
+    assert (train["shaft-1"].damping, train["shaft-2"].damping) == (
         ("loss_factor", 0.01),
         None,
     )

@@ -67,7 +67,7 @@ def test_segments_follow_one_another_from_the_driving_to_the_driven_station(long
         span["driven_station"] for span in row[:-1]
     ]
     assert names[row[2]["driven_station"]] == "long 3/5003"
-    ends = long.system.train.part("long").stations
+    ends = long.system.train["long"].stations
     assert (row[0]["driving_station"], row[-1]["driven_station"]) == (ends[0], ends[-1])
 
 

@@ -213,7 +213,7 @@ def test_a_train_that_starts_is_judged_by_the_angle_that_it_turns() -> None:
         body = body.replace("events: [", f"events: [{start}, ")
         found = run(scene(body))
         (one,) = found.need(Transients).each
-        screw = found.study.train.part("screw").stations[0]
+        screw = found.study.train["screw"].stations[0]
         late = one.time >= 0.1
         turned = abs(np.trapezoid(one.speed[screw, late], one.time[late])) / (2.0 * math.pi)
         assert (turned > 2.0) == (verdict == "pass")

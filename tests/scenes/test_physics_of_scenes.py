@@ -25,7 +25,7 @@ SECOND_JOINT = "  - joint: {angle: 5 deg}\n  - shaft: {name: tail shaft"  # of u
 
 
 def station(found: Findings, component: str) -> int:
-    return found.study.train.part(component).stations[0]
+    return found.study.train[component].stations[0]
 
 
 def span(found: Findings, component: str) -> int:
@@ -47,16 +47,14 @@ def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(
     scene: str, propeller: str
 ) -> None:
     found = solved(scene)
-    part = found.study.train.part(propeller)
+    part = found.study.train[propeller]
     lines = {line.order for line in found.need(Response).lines if propeller in line.sources}
     assert lines == {k * part.impeller.blades * part.ratio for k in (1, 2)}
 
 
 def test_ratios_of_the_scenes_are_those_of_their_gears() -> None:
-    assert solved("haixun_06402").study.train.part("propeller-1").ratio == Fraction(
-        8, 21
-    )  # 1/2.625
-    assert solved("pump_1200kw").study.train.part("impeller").ratio == Fraction(42, 125)
+    assert solved("haixun_06402").study.train["propeller-1"].ratio == Fraction(8, 21)  # 1/2.625
+    assert solved("pump_1200kw").study.train["impeller"].ratio == Fraction(42, 125)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +63,7 @@ def test_ratios_of_the_scenes_are_those_of_their_gears() -> None:
 )
 def test_power_that_enters_at_the_motor_leaves_at_the_propeller(scene: str, propeller: str) -> None:
     found = solved(scene)
-    ratio = float(found.study.train.part(propeller).ratio)
+    ratio = float(found.study.train[propeller].ratio)
     motor, load = (
         found.need(Steady).applied[station(found, name)] for name in ("motor-1", propeller)
     )

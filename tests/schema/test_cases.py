@@ -286,7 +286,7 @@ def test_tolerances_make_two_corners_of_all_couplings_together() -> None:
         found = [1.0 / spring.flexibility for spring in cases[name].train.springs]
         wanted = [40e3 + sign * 4e3, 9e3 + sign * 450.0, 80e3 + sign * 16e3]
         np.testing.assert_allclose(found, wanted, rtol=3e-16)
-        assert cases[name].train.part("clutch").nonlinear.stages[0][1] == 8e3 + sign * 400.0
+        assert cases[name].train["clutch"].nonlinear.stages[0][1] == 8e3 + sign * 400.0
         assert cases[name].case.is_corner
     plan = torsion.run(torsion.parse(f"{BASE}cases: {{from: tolerances}}\n", "t.yaml")).plan
     assert not any("tolerance" in what for what, _ in plan.left_out)

@@ -86,7 +86,7 @@ def test_speed_ratios_are_exact_fractions_of_what_is_written(gear, speed):
     train = train_of(
         f"  - disc: {{inertia: 1}}\n  - gear: {{{gear}}}\n  - disc: {{name: last, inertia: 1}}\n"
     )
-    assert train.part("last").ratio == speed
+    assert train["last"].ratio == speed
 
 
 def test_orders_are_exact_fractions_of_what_is_written():
@@ -118,7 +118,7 @@ def test_branches_of_branches_are_read_where_they_stand():
         "      branches: [{teeth: 10, train: [disc: {name: fast, inertia: 4}]}, {ratio: 4}]\n"
         "  - disc: {name: slow, inertia: 5}\n"
     )
-    assert train.part("disc-3").path == (
+    assert train["disc-3"].path == (
         "train",
         1,
         "branch",
@@ -129,7 +129,7 @@ def test_branches_of_branches_are_read_where_they_stand():
         0,
         "disc",
     )
-    assert (train.part("fast").ratio, train.part("slow").ratio) == (2, Fraction(1, 2))
+    assert (train["fast"].ratio, train["slow"].ratio) == (2, Fraction(1, 2))
 
 
 def test_link_closes_a_loop_between_points():
@@ -146,7 +146,7 @@ def test_link_closes_a_loop_between_points():
 def test_speeds_count_from_the_component_of_operation():
     text = "name: a\noperation: {at: disc-2}\ntrain: [disc: {inertia: 1}, gear: {ratio: 3}, disc: {inertia: 2}]\n"
     train = parse(text).train
-    assert (train.part("disc-1").ratio, train.part("disc-2").ratio) == (3, 1)
+    assert (train["disc-1"].ratio, train["disc-2"].ratio) == (3, 1)
 
 
 def test_analysis_without_settings_runs_with_its_defaults_and_rules_keep_their_order():

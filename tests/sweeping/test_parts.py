@@ -298,11 +298,12 @@ def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> No
         np.array([True, False, True]),
     )
     part = np.array([[1.1, 0.0], [0.9, 1.0], [1.0, 1.0]]), answers
-    checksum = sweep_folder.write_part(
-        tmp_path / "part.parquet", *sweep_folder.columns(chunk, variation, part)
-    )
-    found, about = sweep_folder.read_part(tmp_path / "part.parquet", checksum)
-    values, back = sweep_folder.part_of(found, about)
+    folder = SweepFolder(tmp_path)
+    folder.parts.mkdir()
+    folder.write(chunk, variation, part)
+    values, back = folder.read(chunk)
+    ((name, checksum),) = folder.checksums.items()
+    found, _ = sweep_folder.read_part(folder.parts / name, checksum)
     assert list(found["tail.diameter label"]) == ["55 mm", "60 mm", "60 mm"]
     assert np.array_equal(values, part[0])
     assert np.array_equal(back.frequency, answers.frequency, equal_nan=True)

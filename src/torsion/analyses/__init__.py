@@ -185,7 +185,11 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.fillet_stresses",
         needs=("response", "nonlinear peaks"),
         results={"fillets": "Fillets"},
-        wanted=lambda study: study.train.has_fillets,
+        wanted=lambda study: any(  # a step of a stated radius, or notches
+            part.shaft.notches or (part.shaft.step is not None and part.shaft.step.round)
+            for part in study.train.parts
+            if part.shaft is not None
+        ),
         chapters=("natural_frequencies:fillets",),
         place=("train",),
     ),

@@ -312,7 +312,7 @@ def _refuse_unlike(train: Train, operation: Operation, parts: Parts) -> None:
         (
             part.kind,
             abs(part.ratio),
-            inertias.get(train.position(part.name), 0.0),
+            inertias.get(train.positions[part.name], 0.0),
             law_of(part, operation),
         )
         for part in parts

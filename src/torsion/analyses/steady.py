@@ -194,7 +194,7 @@ def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady |
 def reference_station(train: Train, operation: Operation) -> int:
     """Return the station whose speed and angle are meant: that of the component `at`, else the first one."""
     if operation.at is not None:
-        stations = train.part(operation.at).stations
+        stations = train[operation.at].stations
         if stations:
             return stations[0]
     return next((k for k, station in enumerate(train.stations) if station.ratio == 1), 0)

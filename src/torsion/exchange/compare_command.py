@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
             values = _value(before), _value(after)
             about = change.component or NONE, change.what
             changes.append((*about, *values, change.unit, relative))
-        yield _table(titles, changes, "Input that differs")
+        yield table(titles, changes, "Input that differs", short="Input that differs")
     if any(pair.is_changed for pair in case.modes):
         titles = (
             "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
@@ -64,7 +64,7 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
             )
             for pair in case.modes
         )
-        yield _table(titles, rows, "Natural frequencies")
+        yield table(titles, rows, "Natural frequencies", short="Natural frequencies")
     if case.checks:
         titles = (
             "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
@@ -83,11 +83,7 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
             for change in case.checks
             for before, after in [(change.verdict_before, change.verdict_after)]
         )
-        yield _table(titles, differing, "Checks that differ")
-
-
-def _table(titles: str, rows: Iterable[tuple[Any, ...]], caption: str) -> Block:
-    return table(titles, rows, caption, short=caption)
+        yield table(titles, differing, "Checks that differ", short="Checks that differ")
 
 
 def _value(value: Any) -> Any:

@@ -260,7 +260,21 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
     if not before.get("modes") or not after.get("modes"):
         return
     old, new = (data["modes"]["frequency_Hz"] for data in (before, after))
-    criterion = _assurance(before, after)
+
+    # (modes of A, modes of B) modal assurance criterion; None if shapes are in another file or nothing is common.
+    criterion: FloatArray | None = None
+    shapes = [data["modes"].get("shape_rad") for data in (before, after)]
+    names = [[row["name"] for row in data["stations"]] for data in (before, after)]
+    common = [name for name in names[0] if name in set(names[1])]
+    if common and all(isinstance(shape, list) for shape in shapes):
+        inertia = {row["name"]: row.get("inertia_kg_m2") or 0.0 for row in before["stations"]}
+        weight = np.sqrt([inertia[name] for name in common])
+        scaled = []
+        for shape, stations in zip(shapes, names, strict=True):
+            values = np.array(shape, dtype=float)[:, [*map(stations.index, common)]] * weight
+            norm = np.linalg.norm(values, axis=1, keepdims=True)
+            scaled.append(np.divide(values, norm, out=np.zeros_like(values), where=norm > 0))
+        criterion = np.asarray((scaled[0] @ scaled[1].T) ** 2)
     partners = dict[int, int]()
     if criterion is None:
         partners = {mode: mode for mode in range(min(len(old), len(new)))}
@@ -281,24 +295,6 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
         yield ModePair(mode + 1, partner + 1, frequency, new[partner], value)
     for mode in sorted(set(range(len(new))) - set(partners.values())):
         yield ModePair(None, mode + 1, None, new[mode], 0.0)
-
-
-def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArray | None:
-    """(modes of A, modes of B) modal assurance criterion; None if shapes are in another file or nothing is common."""
-    shapes = [data["modes"].get("shape_rad") for data in (before, after)]
-    names = [[row["name"] for row in data["stations"]] for data in (before, after)]
-    common = [name for name in names[0] if name in set(names[1])]
-    if not common or not all(isinstance(shape, list) for shape in shapes):
-        return None
-    inertia = {row["name"]: row.get("inertia_kg_m2") or 0.0 for row in before["stations"]}
-    weight = np.sqrt([inertia[name] for name in common])
-    scaled = []
-    for shape, stations in zip(shapes, names, strict=True):
-        places = [stations.index(name) for name in common]
-        values = np.array(shape, dtype=float)[:, places] * weight
-        norm = np.linalg.norm(values, axis=1, keepdims=True)
-        scaled.append(np.divide(values, norm, out=np.zeros_like(values), where=norm > 0))
-    return np.asarray((scaled[0] @ scaled[1].T) ** 2)
 
 
 def _checks(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[CheckChange]:

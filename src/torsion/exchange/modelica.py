@@ -5,6 +5,7 @@ torque of a span is minus the torque `tau` of its component, whose flange_a is o
 those of the periodic motion, so that no transient precedes it.
 """
 
+import json
 import re
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -46,7 +47,8 @@ class _Text:
             name = f"{word}_{count}"
         self.taken.add(name)
         given = f"({modifiers})" if modifiers else ""
-        self.declared.append(f'  {kind} {name}{given} "{_safe(label)}";')
+        comment = json.dumps(label, ensure_ascii=False)
+        self.declared.append(f"  {kind} {name}{given} {comment};")
         return name
 
     def connect(self, flange: str, other_flange: str) -> None:
@@ -122,16 +124,16 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
             text.connect(f"{sine}.y", f"{source}.tau")
             text.join(torque.station, f"{source}.flange")
 
-    title = _safe(f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm")
+    title = f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm"
     end = 2.0 * np.pi * PERIODS / float(frequencies.min())
     experiment = f'annotation(uses(Modelica(version="4.0.0")), experiment(StopTime={end!r}, Tolerance=1e-9));'
-    lines = [f'model Train "{title}"', *text.declared, "equation", *text.connections]
+    lines = [
+        f"model Train {json.dumps(title, ensure_ascii=False)}",
+        *text.declared,
+        "equation",
+        *text.connections,
+    ]
     return "\n".join([*lines, f"  {experiment}", "end Train;"]) + "\n"
-
-
-def _safe(text: str) -> str:
-    """Return a text as it stands within a Modelica string."""
-    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _declare_stations(

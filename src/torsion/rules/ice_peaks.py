@@ -188,7 +188,7 @@ def _doubt(evidence: Results, in_ice: InIce, motion: TransientMotion | None) -> 
     if motion is None or motion.status != "ok":
         return "no answer" if motion is None else motion.status
     for name, ice, begin in in_ice.milled:
-        station = evidence.study.train.part(name).stations[0]
+        station = evidence.study.train[name].stations[0]
         ratio, late = abs(float(evidence.system.speed_ratio[station])), motion.time >= begin
         turned = motion.speed_before * ratio * (float(motion.time[-1]) - begin)
         if motion.steps:  # by the angle that it turns in truth
@@ -235,7 +235,7 @@ def _resonances(
     low, high = (1.0 - MARGIN) * min(speeds), (1.0 + MARGIN) * max(speeds)
     milling = (name for motion in ice_motions(study) for name, _, _ in motion.milled)
     for name in dict.fromkeys(milling):
-        part = study.train.part(name)
+        part = study.train[name]
         if part.propeller is None or not (blades := part.propeller.blades):
             continue
         ratio = abs(float(evidence.system.speed_ratio[part.stations[0]]))

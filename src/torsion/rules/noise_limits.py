@@ -68,7 +68,7 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
         if (fault := name_fault(component, (*path, "at"), known)) is not None:
             yield fault
             return
-        ratio = study.train.stations[study.train.part(component).stations[0]].ratio
+        ratio = study.train.stations[study.train[component].stations[0]].ratio
         orders = excited_orders(study.train)
         if settings.order is not None and settings.order * ratio not in orders:
             excited = ", ".join(str(order / ratio) for order in orders)
@@ -84,7 +84,7 @@ class NoiseLimits(RuleOverSpeed[NoiseSettings]):
     def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Yield acceleration and fluctuation at the component, as far as they have limits."""
         response, settings, name = evidence.need(Response), self.settings, self.settings.at or ""
-        station = evidence.study.train.part(name).stations[0]
+        station = evidence.study.train[name].stations[0]
         system, circular = response.system, 2.0 * math.pi * response.frequency
         spans = np.flatnonzero((system.driving == station) | (system.driven == station))
         velocity = 1j * circular * response.angle[:, :, station]

@@ -42,13 +42,11 @@ class Entry:
     kind: str
     keys: Mapping[str, Any]
 
-    @property
-    def text(self) -> str:
+    def __repr__(self) -> str:
         """The line of the model file."""
         return f"- {self.kind}: {in_brackets(plain_value(self.keys))}"
 
-    def __repr__(self) -> str:
-        return self.text
+    text = property(__repr__)
 
 
 @dataclass(frozen=True)
@@ -112,9 +110,7 @@ def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
         for key, value in given.items()
         if key not in FIRST
     ]
-    return parse(
-        "\n".join([*begin, "train:", *(entry.text for entry in train), *sections_after]) + "\n"
-    )
+    return parse("\n".join([*begin, "train:", *map(repr, train), *sections_after]) + "\n")
 
 
 def vary(
@@ -133,7 +129,7 @@ def vary(
         raise input_error(faults, case)
 
     source, _ = reread(study)
-    overlay = Overlay(source, study.train.parts, study.reference, permits_no_change=True)
+    overlay = Overlay(source, study, permits_no_change=True)
     change_overlay(stated, (), case.root, overlay)
     if overlay.faults:
         raise input_error(overlay.faults, case)

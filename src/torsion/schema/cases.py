@@ -177,8 +177,7 @@ def _case(
     case: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]
 ) -> Study | None:
     """Return the study of a case; None with its faults noted."""
-    reference = base.reference
-    overlay = Overlay(base.case.source if base.case else source, base.train.parts, reference)
+    overlay = Overlay(base.case.source if base.case else source, base)
     if case.corner:
         _tolerances(case, overlay)
     else:
@@ -248,7 +247,7 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
 def _tolerances(case: _Requested, overlay: Overlay) -> None:
     """Set all couplings with a tolerance together to one end of it."""
     node = overlay.source.at(case.path) or Node(None, 1, 1)
-    varied = [part for part in overlay.parts if part.stiffness_tolerance]
+    varied = [part for part in overlay.study.train.parts if part.stiffness_tolerance]
     if not varied:
         hint = "give a coupling its `tolerance`, or leave `from` out"
         overlay.faults.append(Fault(case.path, "no coupling of the file has a tolerance", hint))

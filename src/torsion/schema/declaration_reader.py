@@ -249,6 +249,7 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
     """What one refusal of pydantic is about, and its fault; paths relative to the body of the file."""
     path, below = _path(detail["loc"], body)
     context: dict[str, Any] = detail.get("ctx", {})
+    hint = ""
     match detail["type"]:
         case "fault":
             key = context["key"]
@@ -262,9 +263,30 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
             model, _ = _declaration(kind, path)
             keys = list(keys_of(model)) if model else []
             return path, unknown_word(path, "key", str(path[-1]), keys)
-        case other:
-            message, hint = _words(other, context, below)
-            return path, Fault(path, message, hint or _meaning(kind, path))
+        case "literal_error":
+            choices = context["expected"].replace(" or ", ", ").split(",")
+            near = nearest(str(below), [choice.strip("' ") for choice in choices])
+            message = f"{shown(below)} is none of {context['expected']}"
+            hint = f"did you mean '{near}'?" if near else ""
+        case "string_type":
+            message = f"{shown(below)} is not text"
+            hint = "put it in quotes" if isinstance(below, int | float) else ""
+        case "string_too_long":
+            message = f"the text is too long: {len(str(below))} characters"
+            hint = f"at most {context['max_length']}"
+        case "missing" | "too_short" | "too_long" as error:
+            size, fits = _size(below), "long" if error == "too_long" else "short"
+            what = "mapping" if below == {} else "list"
+            message = f"the {what} is too {fits}: {size} value{'s' * (size != 1)}"
+        case "greater_than_equal" | "less_than_equal":
+            message = f"{shown(below)} is out of range"
+            limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
+            hint = f"must be {limit}"
+        case error:
+            family = error.partition("_")[0]
+            message = f"{shown(below)} {WRONG.get(family, 'is not possible here')}"
+            hint = "write true or false" if family == "bool" else ""
+    return path, Fault(path, message, hint or _meaning(kind, path))
 
 
 def _path(location: tuple[int | str, ...], body: object) -> tuple[Path, object]:
@@ -275,33 +297,6 @@ def _path(location: tuple[int | str, ...], body: object) -> tuple[Path, object]:
         if step in entries:
             path, body = (*path, step), entries[step]
     return path, body
-
-
-def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str]:
-    """What is wrong and what would be right, for the errors of pydantic's own types."""
-    match error:
-        case "literal_error":
-            choices = context["expected"].replace(" or ", ", ").split(",")
-            near = nearest(str(value), [choice.strip("' ") for choice in choices])
-            hint = f"did you mean '{near}'?" if near else ""
-            return f"{shown(value)} is none of {context['expected']}", hint
-        case "string_type":
-            hint = "put it in quotes" if isinstance(value, int | float) else ""
-            return f"{shown(value)} is not text", hint
-        case "string_too_long":
-            message = f"the text is too long: {len(str(value))} characters"
-            return message, f"at most {context['max_length']}"
-        case "missing" | "too_short" | "too_long":
-            size, fits = _size(value), "long" if error == "too_long" else "short"
-            what = "mapping" if value == {} else "list"
-            return f"the {what} is too {fits}: {size} value{'s' * (size != 1)}", ""
-        case "greater_than_equal" | "less_than_equal":
-            limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
-            return f"{shown(value)} is out of range", f"must be {limit}"
-        case _:
-            family = error.partition("_")[0]
-            hint = "write true or false" if family == "bool" else ""
-            return f"{shown(value)} {WRONG.get(family, 'is not possible here')}", hint
 
 
 def _size(value: object) -> int:

@@ -35,7 +35,7 @@ def edited(
         for path, keys in added.items():
             node = _own_node(source, path)
             entries = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
-            behind, begin = _line_end(text, node.end), "\n" + " " * (node.column - 1)
+            behind, begin = f"{text}\n".index("\n", node.end), "\n" + " " * (node.column - 1)
             written = "".join(begin + entry for entry in entries)
             if node.is_flow:
                 behind, written = node.end - 1, ", " * bool(node.value) + ", ".join(entries)
@@ -83,12 +83,6 @@ def _own_node(source: Source, path: Path) -> Node:
     return node
 
 
-def _line_end(text: str, position: int) -> int:
-    """Return where the line of a position ends."""
-    end = text.find("\n", position)
-    return len(text) if end < 0 else end
-
-
 def _removal(source: Source, path: Path) -> Edit:
     """Return the removal of what stands at a path with its key, and of a mapping that has nothing else."""
     parent, node = _own_node(source, path[:-1]), _own_node(source, path)
@@ -102,4 +96,4 @@ def _removal(source: Source, path: Path) -> Edit:
         if following.startswith(","):
             return begin, len(text) - len(following[1:].lstrip()), ""
         return len(text[:begin].rstrip().removesuffix(",")), end, ""
-    return line_start, min(_line_end(text, end) + 1, len(text)), ""
+    return line_start, min(f"{text}\n".index("\n", end) + 1, len(text)), ""

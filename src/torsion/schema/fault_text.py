@@ -114,11 +114,22 @@ def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
         return order.get(fault.file, 0), fault.line or 0, fault.column or 0, fault.file
 
     given = list(faults)
-    stated = {place(fault) for fault in given if fault.line is not None}
-    pairs = ((fault, _located(fault, source)) for fault in given)
-    located = dict.fromkeys(
-        fault for before, fault in pairs if before.line is not None or place(fault) not in stated
-    )
+    located = dict.fromkeys(fault for fault in given if fault.line is not None)
+    stated = set(map(place, located))
+    for fault in given:
+        if fault.line is not None:
+            continue
+        where, (line, column) = source.find(fault.path, key=fault.at_key)
+        message = fault.message
+        if fault.other:
+            holds, (other_line, _) = source.find(fault.other)
+            quoted = printable(re.sub(r"\s", " ", holds.lines[other_line - 1]).strip(), _WIDTH // 2)
+            message += f" in line {other_line}" + ("" if holds is where else f" of {holds.name}")
+            message += "" if (holds, other_line) == (where, line) else f", `{quoted}`"
+        file = "" if where.name == source.name else where.name
+        placed = replace(fault, message=message, line=line, column=column, file=file)
+        if place(placed) not in stated:
+            located[placed] = None
     return sorted(located, key=place)
 
 
@@ -129,20 +140,6 @@ def input_error(faults: Iterable[Fault], source: Source) -> InputError:
     """
     located = locate(faults, source)
     return InputError(located, "\n\n".join(_text(fault, source) for fault in located))
-
-
-def _located(fault: Fault, source: Source) -> Fault:
-    if fault.line is not None:
-        return fault
-    where, (line, column) = source.find(fault.path, key=fault.at_key)
-    message = fault.message
-    if fault.other:
-        holds, (other_line, _) = source.find(fault.other)
-        quoted = printable(re.sub(r"\s", " ", holds.lines[other_line - 1]).strip(), _WIDTH // 2)
-        message += f" in line {other_line}" + ("" if holds is where else f" of {holds.name}")
-        message += "" if (holds, other_line) == (where, line) else f", `{quoted}`"
-    file = "" if where.name == source.name else where.name
-    return replace(fault, message=message, line=line, column=column, file=file)
 
 
 def _text(fault: Fault, source: Source) -> str:
@@ -213,7 +210,7 @@ def missing_mark(
 
 def _of_a_block(lines: list[str], line: int) -> Fault | None:
     """At a key that stands deeper than the word above it, which is alone in its line."""
-    above = next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), 0)
+    above = next((k for k in range(line - 1, 0, -1) if _indent(lines[k - 1]) >= 0), 0)
     is_deeper = above and _indent(lines[above - 1]) < _indent(lines[line - 1])
     if not is_deeper or not _UNDASHED.match(lines[line - 1]):
         return None
@@ -240,10 +237,9 @@ def _without_dash(
     # Lines of the same block above this one, from the last.
     block = list[int]()
     for k in range(line - 1, 0, -1):
-        if _is_filled(lines[k - 1]):
-            if _indent(lines[k - 1]) < column - 1:
-                break
-            block.append(k)
+        if 0 <= _indent(lines[k - 1]) < column - 1:
+            break
+        block += [k] * (_indent(lines[k - 1]) >= 0)
     siblings = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
     return next((fault for k in siblings if (fault := _dashless(lines, k))), None)
 
@@ -256,9 +252,7 @@ def _dashless(lines: list[str], line: int) -> Fault | None:
     return Fault((), message, hint, line=line, column=match.start(1) + 1)
 
 
-def _is_filled(line: str) -> bool:
-    return bool(line.strip()) and not line.lstrip().startswith("#")
-
-
 def _indent(line: str) -> int:
-    return len(line) - len(line.lstrip())
+    """Return how many blanks a line begins with; -1 where it is empty or a comment."""
+    text = line.lstrip()
+    return len(line) - len(text) if text and text[0] != "#" else -1

@@ -1,6 +1,6 @@
 """JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
@@ -8,14 +8,13 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_jso
 from pydantic_core import core_schema
 
 from torsion.analyses import ANALYSES, MODELS, settings_classes
-from torsion.fields import Declared, OneOrMany
+from torsion.fields import OneOrMany
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.model.component import Component
 from torsion.rules import RULES
 from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
-from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, keys_of, mappings_of
-from torsion.schema.manual import declarations, first_line, setting_examples
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS
+from torsion.schema.manual import declarations, first_line, parts_within, setting_examples
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
@@ -65,7 +64,17 @@ def json_schema() -> Schema:
     )
     refs = {name: dict(references[model, "validation"]) for name, model in models.items()}
     schema = Scene.model_json_schema(schema_generator=_Declarations)
-    for key, body in _sections(refs).items():
+    kinds = dict[str, Schema]()
+    for kind in KINDS:
+        entries = parse_source(component_class(kind).example or "[]", kind).data
+        examples = [entry[kind] for entry in entries if kind in entry]
+        about = {"description": first_line(component_class(kind)), "examples": examples}
+        kinds[kind] = refs[kind] | about
+    kinds |= {
+        word: refs[kind] | {"description": f"another word for `{kind}`"}
+        for word, kind in KINDS_BY_ALIAS.items()
+    }
+    for key, body in _sections(refs, kinds).items():
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {
@@ -78,8 +87,6 @@ def json_schema() -> Schema:
         "description": "a CSV file whose rows are read here, one component each",
         "type": "string",
     }
-    kinds = {kind: _kind(kind, refs[kind]) for kind in KINDS}
-    kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items()}
     train = _or_table(_list_of(_one_of({**kinds, "table": named})))
     # A table wherever the reader takes one; every other word of such a key stays.
     for model in shared["$defs"].values():
@@ -96,7 +103,8 @@ def json_schema() -> Schema:
         **parts,
     }
     # Every other word for a key next to the key.
-    for word in {part.__name__ for kind in KINDS for part in _models_within(component_class(kind))}:
+    parts_of_kinds = (part for kind in KINDS for part in parts_within(component_class(kind)))
+    for word in {part.__name__ for part in parts_of_kinds if isinstance(part, type)}:
         body = schema["$defs"].get(word, {})
         _offer(body, aliases_of(body.get("properties", {})))
     _offer(schema, SECTIONS_BY_ALIAS[""])
@@ -105,28 +113,16 @@ def json_schema() -> Schema:
     return schema
 
 
-def _models_within(model: type[Declared]) -> Iterator[type[Declared]]:
-    """Yield a declaration and the declarations of its mappings; other components are reached by their kind."""
-    yield model
-    for field in keys_of(model).values():
-        for part in mappings_of(field):
-            if not issubclass(part, Component):
-                yield from _models_within(part)
-
-
 def _offer(body: Schema, aliases: Mapping[str, str]) -> None:
     """Add aliases to the properties; a required key may be given by its alias."""
     for alias, key in aliases.items():
-        body["properties"][alias] = body["properties"][key] | _other_word(key)
+        body["properties"][alias] = body["properties"][key] | {
+            "description": f"another word for `{key}`"
+        }
     for key in {*aliases.values()} & {*body.get("required", ())}:
         body["required"].remove(key)
         words = [key, *(alias for alias, meant in aliases.items() if meant == key)]
         body.setdefault("allOf", []).append({"anyOf": [{"required": [word]} for word in words]})
-
-
-def _or_null(body: Schema) -> Schema:
-    """Settings, or a key alone, which stands for those that it has by default."""
-    return {"anyOf": [body, {"type": "null"}]}
 
 
 def _or_table(body: Schema) -> Schema:
@@ -134,42 +130,29 @@ def _or_table(body: Schema) -> Schema:
     return {"anyOf": [body, {"$ref": "#/$defs/table"}]}
 
 
-def _kind(kind: str, body: Schema) -> Schema:
-    """A kind of component with what it is, and examples of it."""
-    declared = component_class(kind)
-    entries = parse_source(declared.example or "[]", kind).data
-    examples = [entry[kind] for entry in entries if kind in entry]
-    return body | {"description": first_line(declared), "examples": examples}
+def _settings(name: str, body: Schema, description: str | None) -> Schema:
+    """Settings of an analysis or a rule, or its key alone, with the example of the manual, where it has one."""
+    settings: Schema = {"anyOf": [body, {"type": "null"}], "description": description}
+    if example := setting_examples().get(name):
+        settings["examples"] = [parse_source(example, name).data[name]]
+    return settings
 
 
-def _examples(name: str) -> Schema:
-    """An example of the settings of an analysis or a rule, where the manual has one."""
-    example = setting_examples().get(name)
-    return {"examples": [parse_source(example, name).data[name]]} if example else {}
-
-
-def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
+def _sections(refs: dict[str, Schema], kinds: Schema) -> dict[str, Schema]:
     # A rule with what it judges, in the words of its module.
     rules = {}
     for name, place in RULES.items():
         words = (import_module(place.partition(":")[0]).__doc__ or "").strip().partition("\n")[0]
-        described = {"description": words.partition(": ")[2]}
-        rules[name] = _or_null(refs[name]) | described | _examples(name)
+        rules[name] = _settings(name, refs[name], words.partition(": ")[2])
     rule = {"anyOf": [{"enum": list(RULES)}, _one_of(rules)]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
-    kinds = {kind: _kind(kind, refs[kind]) for kind in LINKS}
-    kinds |= {
-        word: refs[kind] | _other_word(kind)
-        for word, kind in KINDS_BY_ALIAS.items()
-        if kind in LINKS
-    }
-    link = _one_of(kinds, required={"between": ends})
+    link_kinds = (*LINKS, *(word for word, kind in KINDS_BY_ALIAS.items() if kind in LINKS))
+    link = _one_of({word: kinds[word] for word in link_kinds}, required={"between": ends})
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
-    settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
+    settings: Schema = {"fem": _settings("fem", refs["fem"], fem)}
     for name in settings_classes():
-        described = {"description": ANALYSES[name].title, **_examples(name)}
-        settings[name] = _or_null(refs[name]) | described
+        settings[name] = _settings(name, refs[name], ANALYSES[name].title)
         settings[name]["anyOf"] += [_list_of(refs[name])] if ANALYSES[name].is_listed else []
     # Cases by name, and those of the tolerances.
     meaning = "soft and stiff: all couplings at either end of their tolerance"
@@ -213,7 +196,3 @@ def _one_of(properties: Schema, required: Schema | None = None) -> Schema:
 
 def _list_of(items: Schema) -> Schema:
     return {"type": "array", "items": items}
-
-
-def _other_word(key: str) -> Schema:
-    return {"description": f"another word for `{key}`"}

@@ -16,22 +16,19 @@ FORMS = (  # how each begins and ends, and what may follow
 
 def read_logo(file: Path) -> str:
     """The data URI; raises InputError where the file is missing, too large, damaged, or of another form."""
+    hint = "a PNG or JPEG file"
     try:
         content = read_file(file, MOST)
     except FileNotFoundError:
-        raise _refused(f"{file} is not there", "a PNG or JPEG file") from None
+        message = "is not there"
     except (OSError, ValueError) as error:
-        hint = "a PNG or JPEG file: it stands in every page that is made"
-        raise _refused(
-            f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint
-        ) from None
-    for kind, begins, ends, padding in FORMS:
-        if content.startswith(begins):
-            if content.rstrip(padding).endswith(ends):
-                return f"data:image/{kind};base64,{b64encode(content).decode()}"
-            raise _refused(f"{file} is a damaged {kind.upper()} file", "save it again")
-    raise _refused(f"{file} is not a readable picture", "a PNG or JPEG file, with its marks")
-
-
-def _refused(message: str, hint: str) -> InputError:
-    return InputError([Fault(PLACE, message, hint)])
+        message = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        hint += ": it stands in every page that is made"
+    else:
+        message, hint = "is not a readable picture", f"{hint}, with its marks"
+        for kind, begins, ends, padding in FORMS:
+            if content.startswith(begins):
+                if content.rstrip(padding).endswith(ends):
+                    return f"data:image/{kind};base64,{b64encode(content).decode()}"
+                message, hint = f"is a damaged {kind.upper()} file", "save it again"
+    raise InputError([Fault(PLACE, f"{file} {message}", hint)])

@@ -71,8 +71,8 @@ def pages() -> dict[str, str]:
     texts["rules/index.md"] = _page("rules", toctree=toctree(RULES))
     # Every SI unit of the format with what it measures, and what a number without a unit is.
     quantities = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
-    stated = (item for declared in declarations().values() for item in _quantities_of(declared))
-    for unit in dict.fromkeys(quantity.unit for quantity in stated):
+    parts = (part for declared in declarations().values() for part in parts_within(declared))
+    for unit in dict.fromkeys(part.unit for part in parts if isinstance(part, Quantity)):
         bare = "or a percentage" if unit == "1" else "is in the SI unit"
         bare = "is an error" if units.needs_unit(unit) else bare
         written = "" if unit == "1" else f"`{unit}`"
@@ -127,13 +127,7 @@ def toctree(names: Iterable[str]) -> str:
 
 def _page(name: str, **parts: str) -> str:
     """Return the page of a template in the folder `model_file`; `$docs` leads to the folder docs."""
-    return Template(_template(f"model_file/{name}.md")).substitute(docs="../..", **parts)
-
-
-def _template(name: str) -> str:
-    """Return a template, or an empty text if there is none."""
-    path = files("torsion.schema").joinpath("templates", *name.split("/"))
-    return path.read_text(encoding="utf-8") if path.is_file() else ""
+    return Template(template(f"model_file/{name}.md")).substitute(docs="../..", **parts)
 
 
 def _section(name: str) -> str:
@@ -162,7 +156,8 @@ def _kind(kind: str) -> str:
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
     """Return the page of an analysis or a rule."""
     named = ANALYSES[name].title if name in ANALYSES else name
-    title, sentence = titles().get(name, (named, ""))
+    lines = (line.split(" | ") for line in template("titles.txt").splitlines())
+    title, sentence = next((words for key, *words in lines if key == name), (named, ""))
     parts = [f"# `{name}`: {title}", sentence]
     if setting := setting_examples().get(name):
         item = "- " if section == "rules" else ""
@@ -175,8 +170,8 @@ def _settings(section: str, name: str, declared: type[Declared]) -> str:
 
 def _ending(section: str, name: str, aliases: Mapping[str, str]) -> str:
     """Return the notes of a page and its table of aliases, where it has any."""
-    notes = _template(f"{section}/{name}.md") if section else ""
-    notes = f"\n## Notes\n\n{notes}" if notes else ""
+    file = files("torsion.schema").joinpath("templates", section, f"{name}.md")
+    notes = f"\n## Notes\n\n{file.read_text(encoding='utf-8')}" if file.is_file() else ""
     rows = [f"| `{alias}` | `{key}` |" for alias, key in aliases.items()]
     head = "\n## Aliases\n\nGive only one word for a key.\n\n| alias | key |\n|---|---|\n"
     return notes + (head + "\n".join(rows) + "\n" if rows else "")
@@ -186,21 +181,14 @@ def _words(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
-    """Yield every quantity in a declaration and in its mappings, without components."""
+def parts_within(declared: type[Declared]) -> Iterator[type[Declared] | Quantity]:
+    """Yield a declaration, the quantities in it, and the same of its mappings; without components in it."""
+    yield declared
     for field in declared.model_fields.values():
         yield from (item for item in items_of(field) if isinstance(item, Quantity))
         for part in mappings_of(field):
             if not issubclass(part, Component):
-                yield from _quantities_of(part)
-
-
-@cache
-def titles() -> dict[str, tuple[str, str]]:
-    """Return title and first sentence of the page of every analysis and rule by its name."""
-    lines = template("titles.txt").splitlines()
-    rows = (line.split(" | ") for line in lines if not line.startswith("#"))
-    return {name: (title, sentence) for name, title, sentence in rows}
+                yield from parts_within(part)
 
 
 @cache
@@ -273,13 +261,22 @@ def _row(key: str, field: FieldInfo) -> str:
     annotation = (
         Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
     )
-    limits = ", ".join(dict.fromkeys(_limits(field)))
+    limits: dict[str, None] = {}
+    for item in items_of(field):
+        if isinstance(item, Quantity):
+            limits |= dict.fromkeys(f"{words} {limit:.5g}" for words, limit, _ in item.limits)
+            limits[f"usually {item.usual_words()}"] = None
+        if item is Amount:
+            limits[f"usually {SHARE_OF_MEAN.usual_words()} of the mean"] = None
+        for words, name in (("at least", "ge"), ("at most", "le")):
+            if isinstance(limit := getattr(item, name, None), int):
+                limits[f"{words} {limit}"] = None
     default, words = field.default, "**required**"
     if not field.is_required():
         default = default[0] if isinstance(default, tuple) and len(default) == 1 else default
         words = str(default).lower() if isinstance(default, bool | str | None) else ""
         words = f"`{words or f'{default:g}'}`" if default not in (None, (), "", {}) else ""
-    cells = (f"`{key}`", _value(annotation), limits, words, field.description or "")
+    cells = (f"`{key}`", _value(annotation), ", ".join(limits), words, field.description or "")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
@@ -316,18 +313,6 @@ def _value(annotation: Any) -> str:
     if isinstance(annotation, type) and issubclass(annotation, Declared):
         return COMPONENT if issubclass(annotation, Component) else MAPPING
     return PLAIN.get(annotation, "see meaning")
-
-
-def _limits(field: FieldInfo) -> Iterator[str]:
-    for item in items_of(field):
-        if isinstance(item, Quantity):
-            yield from (f"{words} {limit:.5g}" for words, limit, _ in item.limits)
-            yield f"usually {item.usual_words()}"
-        if item is Amount:
-            yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
-        for words, name in (("at least", "ge"), ("at most", "le")):
-            if isinstance(limit := getattr(item, name, None), int):
-                yield f"{words} {limit}"
 
 
 if __name__ == "__main__":

@@ -10,10 +10,9 @@ from typing import Any
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
-from torsion.model.parts import Part
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.schema.fault_text import Node, Source
-from torsion.study import Change
+from torsion.study import Change, Study
 
 SECTIONS = (
     "materials",
@@ -45,8 +44,7 @@ class Overlay:
     """What one case changes of a file that a study was read from, collected before it is applied."""
 
     source: Source
-    parts: Sequence[Part]  # of the study
-    reference: str  # name of the component whose speed is meant
+    study: Study  # that was read from it
     faults: list[Fault] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
     permits_no_change: bool = False  # a value may be what it is already
@@ -105,14 +103,14 @@ class Overlay:
             return None
         first, is_quoted, steps = parsed
         start: Path = (first,)
-        named = next((part for part in self.parts if part.name == first), None)
+        named = next((part for part in self.study.train.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
             if named is None:
                 if first in NOT_BY_KEY and not is_quoted:
                     hint = f"what changes it: {NOT_BY_KEY[first]}"
                     self.refuse(fault, f"`{first}` is not changed by its key", hint)
                     return None
-                names = [part.name for part in self.parts]
+                names = [part.name for part in self.study.train.parts]
                 possible = [*names, *SECTIONS]
                 near = nearest(first, possible)
                 hint = f"did you mean `{near}`?" if near else f"there is {', '.join(possible)}"
@@ -268,7 +266,7 @@ def _flow(value: Any) -> str:
 
 def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> None:
     """Take components, or keys, away by their names; `fault` is the place of the list of names."""
-    parts = {part.name: part for part in overlay.parts}
+    parts = {part.name: part for part in overlay.study.train.parts}
     entries: dict[Path, None] = {}  # of the lists of components
     ends: dict[Path, Path] = {}  # entry of the main train that a name stands for: where it is named
     stated = overlay.source.at(fault)
@@ -329,11 +327,11 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     """Take entries away, with the excitations and links of what is in them."""
     gone = {
         part.name: part
-        for part in overlay.parts
+        for part in overlay.study.train.parts
         if any(part.path[: len(entry)] == entry for entry in entries)
     }
-    if overlay.reference in gone:
-        message = f"'{overlay.reference}', the reference of all speeds, is removed too"
+    if overlay.study.reference in gone:
+        message = f"'{overlay.study.reference}', the reference of all speeds, is removed too"
         overlay.faults.append(
             Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file")
         )
@@ -351,10 +349,10 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
         if {*map(str, body.get("between") or ())} & gone.keys()
     ]
     entries = [*entries, *links, *acting]
-    gone |= {part.name: part for part in overlay.parts if part.path[:2] in links}
+    gone |= {part.name: part for part in overlay.study.train.parts if part.path[:2] in links}
     # Components without a name keep that which kind and number give them with all components there.
     kinds = {part.kind for part in gone.values()}
-    for part in overlay.parts:
+    for part in overlay.study.train.parts:
         if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
             node = overlay.source.at(part.path) or overlay.source.root
             place = node.line, node.column

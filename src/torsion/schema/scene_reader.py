@@ -40,7 +40,7 @@ from torsion.study import (
     ShaftModel,
     Study,
 )
-from torsion.train import Link, Train, lowered, name_fault, taken
+from torsion.train import Link, lowered, name_fault, taken
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists
@@ -96,16 +96,12 @@ def located(error: InputError, study: Study) -> InputError:
     """The same faults with the places in the study's file and the lines quoted; for what is found after reading."""
     if not study.text or all(fault.line for fault in error.faults):
         return error
-    if study.case is not None:
-        from torsion.schema.cases import in_case
+    source, _ = reread(study)
+    if study.case is None:
+        return input_error(error.faults, source)
+    from torsion.schema.cases import in_case
 
-        source = study.case.source
-        return input_error(
-            in_case(study.case.name, input_error(error.faults, source).faults), source
-        )
-    return input_error(
-        list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables))
-    )
+    return input_error(in_case(study.case.name, input_error(error.faults, source).faults), source)
 
 
 def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
@@ -220,7 +216,13 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         damping = declared(ModalDamping, damping, ("damping",), faults)
     if document is not None:
         document = declared(FrontMatter, document, ("document",), faults)
-    train = _train(data, operation, faults, str(FilePath(source.name).parent))
+    parts, reference = _declarations(data, faults), None if operation is None else operation.at
+    if parts["components"] is None:
+        faults += _name_faults(data, reference, parts["excitations"], parts["links"])
+        return None
+    folder = str(FilePath(source.name).parent)
+    train, train_faults = lowered(**parts, reference=reference, folder=folder)
+    faults += train_faults
     if train is None:
         return None
     states: tuple[CaseStates, ...] = ()
@@ -266,17 +268,6 @@ def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterato
         return
     for step, entry in entries_of(body):
         yield (section, step), entry
-
-
-def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
-    """A link with the component that closes the loop, which is read in the words of its kind."""
-    keys = declared(LinkKeys, _shallow(entry, ("between",)), path, faults)
-    kinds = entry if isinstance(entry, dict) else {}
-    kind = next((kind for kind in LINKS if kinds.get(kind) is not None), None)
-    if kind is None:
-        return None
-    component = one_component(kind, kinds[kind], (*path, kind), faults)
-    return Link(keys.between, component) if keys and component else None
 
 
 def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
@@ -337,11 +328,17 @@ def _declarations(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
     of_train, train = list[Fault](), data.get("train")
     parts = () if train is None else components(train, ("train",), of_train)
     faults += of_train
+    links = list[Link | None]()
+    for path, entry in _entries(data, "links", faults):
+        # The component that closes the loop is read in the words of its kind.
+        keys = declared(LinkKeys, _shallow(entry, ("between",)), path, faults)
+        kinds = entry if isinstance(entry, dict) else {}
+        kind = next((kind for kind in LINKS if kinds.get(kind) is not None), None)
+        link = None if kind is None else one_component(kind, kinds[kind], (*path, kind), faults)
+        links.append(Link(keys.between, link) if keys and link else None)
     return {
         "components": None if of_train or train is None else parts,
-        "links": tuple(
-            _link(entry, path, faults) for path, entry in _entries(data, "links", faults)
-        ),
+        "links": tuple(links),
         "excitations": tuple(
             declared(Excitation, body, path, faults)
             for path, body in _entries(data, "excitations", faults)
@@ -352,20 +349,6 @@ def _declarations(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
             for path, body in _entries(data, "materials", faults)
         },
     }
-
-
-def _train(
-    data: dict[str, Any], operation: Operation | None, faults: list[Fault], folder: str
-) -> Train | None:
-    """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    stated = _declarations(data, faults)
-    reference = None if operation is None else operation.at
-    if stated["components"] is None:
-        faults += _name_faults(data, reference, stated["excitations"], stated["links"])
-        return None
-    train, train_faults = lowered(**stated, reference=reference, folder=folder)
-    faults += train_faults
-    return train
 
 
 def _name_faults(
@@ -381,9 +364,17 @@ def _name_faults(
             if value in paths:
                 yield taken(value, path[:-1], paths[value])
             paths.setdefault(value, path[:-1])
-    possible = _possible_names(data.get("train"))
-    if possible is None:
-        return
+    # The names that components may go by, given or by kind and number; where a kind is unknown, so are the numbers.
+    count, possible = Counter[str](), set(paths)
+    for _, train in [((), data.get("train")), *_values(data.get("train"), (), "train")]:
+        for entry in train if isinstance(train, list) else [None]:
+            if not isinstance(entry, dict) or len(entry) != 1 or not entry.keys() <= KINDS.keys():
+                return
+            ((kind, body),) = entry.items()
+            if not isinstance(body, dict | None):
+                return
+            count[kind] += 1
+            possible.add(f"{kind}-{count[kind]}")
     named: list[tuple[str, Path]] = [
         (end, ("links", number, "between", side))
         for number, link in enumerate(links)
@@ -403,24 +394,6 @@ def _name_faults(
             fault = name_fault(name, path, components_by_name)
             if fault is not None:
                 yield fault
-
-
-def _possible_names(entries: object) -> set[str] | None:
-    """Return the names that components may go by, given or by kind and number.
-
-    None where they are not known: a kind is unknown, and so what the others are numbered.
-    """
-    count, names = Counter[str](), set[str]()
-    for _, train in [((), entries), *_values(entries, (), "train")]:
-        for entry in train if isinstance(train, list) else [None]:
-            if not isinstance(entry, dict) or len(entry) != 1 or not entry.keys() <= KINDS.keys():
-                return None
-            ((kind, body),) = entry.items()
-            if not isinstance(body, dict | None):
-                return None
-            count[kind] += 1
-            names.add(f"{kind}-{count[kind]}")
-    return names | {name for _, name in _values(entries, (), "name") if isinstance(name, str)}
 
 
 def _values(body: object, path: Path, key: str) -> Iterator[tuple[Path, Any]]:

@@ -23,13 +23,8 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
     for reads, applies, check in _CHECKS:
         is_named = applies in ("", *study.analyses) if isinstance(applies, str) else applies(study)
         if is_named and not set(reads.split()) & set(faulty):
-            faults += (_analysis(check) if isinstance(check, str) else check)(study)
+            faults += (resolve_name(check) if isinstance(check, str) else check)(study)
     return faults
-
-
-def _analysis(function: str) -> Any:
-    """Import a check of an analysis, module:name, where it applies."""
-    return resolve_name(f"torsion.{function}")
 
 
 def _damping_faults(study: Study) -> Iterator[Fault]:
@@ -41,7 +36,10 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     def refuse(message: str, hint: str = "give the components their damping") -> Fault:
         return Fault(("damping",), message, hint)
 
-    if name := train.damping_of_components:
+    damping = [spring.name for spring in train.springs if spring.damps]
+    damping += [bar.name for bar in train.bars if bar.loss_factor > 0]
+    damping += [train.parts[train.stations[damper.station].part].name for damper in train.dampers]
+    for name in damping[:1]:
         message = (
             f"damping by mode replaces the damping of the components, and '{name}' has damping"
         )
@@ -108,7 +106,8 @@ def _response_faults(study: Study) -> Iterator[Fault]:
 
 
 Check = Callable[[Study], Iterable[Fault]]
-# Sections that a check reads; an analysis that the file names for it (empty: any), or what holds; and the check.
+# Sections that a check reads; an analysis that the file names for it (empty: any), or what holds; and the check,
+# by its name where it is imported only as it applies.
 _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     ("train links", "", lambda study: fixed_point_faults(study.train)),
     (  # the models of shafts with distributed inertia take no closed loops
@@ -126,22 +125,26 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     (
         "train links analyses",
         "check",
-        lambda study: _analysis("analyses.compare.model_errors:loop_faults")(
+        lambda study: resolve_name("torsion.analyses.compare.model_errors:loop_faults")(
             study, ("analyses", "check")
         ),
     ),
     ("train operation analyses rules", "", _response_faults),
-    ("train excitations analyses", "response", "analyses.response.over_speed:order_faults"),
-    ("train operation", lambda study: study.has_mean_torque, "analyses.steady:power_faults"),
+    ("train excitations analyses", "response", "torsion.analyses.response.over_speed:order_faults"),
+    (
+        "train operation",
+        lambda study: study.has_mean_torque,
+        "torsion.analyses.steady:power_faults",
+    ),
     (
         "train operation analyses",
         lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
-        "analyses.law_slopes:drive_faults",
+        "torsion.analyses.law_slopes:drive_faults",
     ),
     (
         "train analyses",
         "joints",
-        lambda study: _analysis("analyses.joints.joint_analysis:settings_faults")(
+        lambda study: resolve_name("torsion.analyses.joints.joint_analysis:settings_faults")(
             study.train, study.analyses["joints"]
         ),
     ),
@@ -151,12 +154,12 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
             "stability" in study.analyses
             or study.setting("analyses", "response", "method") == "harmonic-balance"
         ),
-        "analyses.stability.requested_motion:requested_motion_faults",
+        "torsion.analyses.stability.requested_motion:requested_motion_faults",
     ),
     (
         "train links operation analyses damping",
-        lambda study: study.train.has_tables,
-        "analyses.modes.coupling_tables:table_faults",
+        lambda study: any(spring.table is not None for spring in study.train.springs),
+        "torsion.analyses.modes.coupling_tables:table_faults",
     ),
     (
         "train links operation analyses",
@@ -176,18 +179,18 @@ _CHECKS: tuple[tuple[str, str | Callable[[Study], Any], str | Check], ...] = (
     (
         "train operation",
         lambda study: any(part.engine for part in study.train.parts),
-        "analyses.engine.engine_analysis:engine_faults",
+        "torsion.analyses.engine.engine_analysis:engine_faults",
     ),
     (
         "train operation analyses",
         "transient",
-        "analyses.motion.events.transient_settings:transient_faults",
+        "torsion.analyses.motion.events.transient_settings:transient_faults",
     ),
-    ("train operation analyses excitations", "fit", "what_if.fit.measurements:fit_faults"),
+    ("train operation analyses excitations", "fit", "torsion.what_if.fit.measurements:fit_faults"),
     (
         "train materials operation analyses",
         lambda study: "lateral" in study.analyses or study.has_supports,
-        lambda study: _analysis("analyses.lateral.shaft_bending:lateral_faults")(
+        lambda study: resolve_name("torsion.analyses.lateral.shaft_bending:lateral_faults")(
             study.train, study.analyses.get("lateral")
         ),
     ),

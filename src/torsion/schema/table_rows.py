@@ -165,19 +165,18 @@ class Reading:
         self.is_ended = True
 
 
-class Rows:
+class Rows(Table):
     """The rows of one table as nodes of the list at `key`; all that is wrong with its cells is noted."""
 
     def __init__(self, source: Source, key: str) -> None:
+        super().__init__(source.text)
         self.source, self.key, self.kind = source, key, LISTS[key]
-        self.table = Table(source.text)
-        self.fault = self.table.fault
         self.columns: list[Column | None] = []
         self.lines: dict[str, int] = {}  # of the rows so far, by their labels
 
     def nodes(self, reading: Reading) -> list[Node]:
         """Every row below the first; none where the first is at fault, which ends the reading."""
-        rows, nodes = self.table.rows, list[Node]()
+        rows, nodes = self.rows, list[Node]()
         if len(rows) < 2:
             what = "no rows below its names of columns" if rows else "nothing"
             hint = f"first a row of {self.kind.example}, then the figures"
@@ -186,20 +185,33 @@ class Rows:
         else:
             self.columns = [self._column(cell) for cell in rows[0]]
             texts = {k for k, column in enumerate(self.columns) if column and column.is_text}
-            self.table.read_signs(
+            self.read_signs(
                 cell for row in rows[1:] for k, cell in enumerate(row) if k not in texts
             )
-            before = len(self.table.faults)
+            before = len(self.faults)
             self._check_head(rows[0])
             nameless = zip(rows[0], self.columns, strict=True)
-            is_ended = len(self.table.faults) > before or any(
+            is_ended = len(self.faults) > before or any(
                 column is None and cell.text for cell, column in nameless
             )
         if not is_ended:
             nodes = [node for row in rows[1:] if (node := self._row(row)) is not None]
         if nodes and self.key == BY_LOAD:
-            nodes = self._by_load(nodes)
-        faults = self.table.faults
+            # Rows of the same load, or speed, are one table.
+            tables: dict[str, tuple[Node, list[Node]]] = {}
+            key = next(column.key for column in self.columns if column and column.key in LOADS)
+            for row in nodes:
+                if (load := row.parts.pop(key, None)) is None:
+                    position = Cell("", row.line, row.column)
+                    self.fault(position, f"the row has no `{key}`", "every order stands at one")
+                else:
+                    table = tables.setdefault(str(row.value.pop(key)), (load, []))
+                    table[1].append(self._harmonic(row))
+            nodes = [
+                load.as_mapping({key: load, "rows": load.as_list(harmonics)})
+                for load, harmonics in tables.values()
+            ]
+        faults = self.faults
         reading.faults += [replace(fault, file=self.source.name) for fault in faults]
         # A measured row has a meaning only beside all others: a fault in one ends the reading.
         is_measured = self.key in (HARMONICS, BY_LOAD, TORSIOGRAM)
@@ -254,8 +266,8 @@ class Rows:
                     message = f"the unit of the column `{column.key}`: {fault.message}"
                     self.fault(cell, message, fault.hint)
             elif expected - {"1"} and any(
-                number < len(row) and is_number(self.table.plain(row[number].text))
-                for row in self.table.rows[1:]
+                number < len(row) and is_number(self.plain(row[number].text))
+                for row in self.rows[1:]
             ):
                 unit = units.example(min(expected - {"1"})).partition(" ")[2]
                 hint = f"write `{column.key} [{unit}]`"
@@ -273,7 +285,7 @@ class Rows:
         """One entry; None where the cells cannot be assigned to the columns."""
         begin, count = next(cell for cell in row if cell.text), len(self.columns)
         if len(row) != count:
-            separator = self.table.separator
+            separator = self.separator
             is_open = (cell.text[:1] in ("[", "{") and cell.text[-1] not in "]}" for cell in row)
             hint = (
                 f'put a list that holds the separator in quotes: "[0.9{separator} 0.6]"'
@@ -344,10 +356,10 @@ class Rows:
         if FORMULA_ERROR.fullmatch(cell.text):
             message = f"`{cell.text}` is an error of the spreadsheet, no figure"
             self.fault(cell, message, "mend the formula, save again")
-        value, text = cell.text, cell.text if column.is_text else self.table.plain(cell.text)
+        value, text = cell.text, cell.text if column.is_text else self.plain(cell.text)
         if not column.is_text and text[0] not in "[{":
             value = _in_unit(resolved(text), text, column.unit)
-        elif not column.is_text and not self.table.refuse_joined(cell):
+        elif not column.is_text and not self.refuse_joined(cell):
             if text[-1] not in "]}":
                 hint = 'put the whole cell in quotes: "[0.9, 0.6]"'
                 self.fault(cell, f"{shown(cell.text)} has no closing bracket", hint)
@@ -373,23 +385,6 @@ class Rows:
             self.fault(cell, f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
         parts = [body.parts[key] for key in keys if key in body.parts]
         return body if has_parts else body.as_list(parts)
-
-    def _by_load(self, rows: list[Node]) -> list[Node]:
-        """Rows of the same load, or speed, as one table."""
-        tables: dict[str, tuple[Node, list[Node]]] = {}
-        key = next(column.key for column in self.columns if column and column.key in LOADS)
-        for row in rows:
-            load = row.parts.pop(key, None)
-            if load is None:
-                position = Cell("", row.line, row.column)
-                self.fault(position, f"the row has no `{key}`", "every order stands at one")
-            else:
-                table = tables.setdefault(str(row.value.pop(key)), (load, []))
-                table[1].append(self._harmonic(row))
-        return [
-            load.as_mapping({key: load, "rows": load.as_list(harmonics)})
-            for load, harmonics in tables.values()
-        ]
 
 
 def _in_unit(value: Any, text: str, unit: str) -> Any:

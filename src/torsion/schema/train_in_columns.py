@@ -18,7 +18,8 @@ from torsion.model.component import Material
 from torsion.model.machine_torques import Excitation
 from torsion.schema.declaration_reader import declared, one_component
 from torsion.schema.fault_text import Source
-from torsion.schema.varied_figures import Figure, overlay_of
+from torsion.schema.overlay import Overlay
+from torsion.schema.varied_figures import Figure
 from torsion.study import Study
 from torsion.train import Link, Train, lowered
 
@@ -134,16 +135,28 @@ def _changes(
 def _read_alternatives(figure: Figure, study: Study, source: Source) -> Pieces:
     """Read the declaration that a parameter is in, as it stands, with each row of a list, or both ends of a range."""
     path: Path = ()
-    alternatives = list[Declared]()
+    sources = [source]
     for value in range(len(figure.rows)) if figure.rows else figure.law.ends:
-        overlay = overlay_of(study, source)
+        overlay = Overlay(source, study)
         for put_path, node in figure.puts(float(value), source):
             if path not in ((), piece_path(put_path)):
                 raise NotInColumns("one parameter varies several components")
             path = piece_path(put_path)
             overlay.put(put_path, node, (node.line, node.column))
-        alternatives.append(_declared_at(path, overlay.applied()))
-    return path, _declared_at(path, source), alternatives
+        sources.append(overlay.applied())
+    pieces = list[Declared]()
+    for changed in sources:
+        stated, faults = changed.at(path), list[Fault]()
+        body = None if stated is None else stated.value
+        if path[0] in ("materials", "excitations"):
+            kind: type[Declared] = Material if path[0] == "materials" else Excitation
+            piece: Declared | None = declared(kind, body, path, faults)
+        else:
+            piece = one_component(str(path[-1]), body, path, faults)
+        if piece is None or faults:
+            raise NotInColumns("an alternative is at fault")
+        pieces.append(piece)
+    return path, pieces[0], pieces[1:]
 
 
 def piece_path(path: Path) -> Path:
@@ -158,19 +171,6 @@ def piece_path(path: Path) -> Path:
         k for k in range(len(path) - 1, 0, -1) if path[k] in KINDS and isinstance(path[k - 1], int)
     )
     return path[: next(kinds, 0) + 1]
-
-
-def _declared_at(path: Path, source: Source) -> Declared:
-    node, faults = source.at(path), list[Fault]()
-    body = None if node is None else node.value
-    if path[0] in ("materials", "excitations"):
-        kind: type[Declared] = Material if path[0] == "materials" else Excitation
-        piece: Declared | None = declared(kind, body, path, faults)
-    else:
-        piece = one_component(str(path[-1]), body, path, faults)
-    if piece is None or faults:
-        raise NotInColumns("an alternative is at fault")
-    return piece
 
 
 def multiplied(item: Any, factor: Column) -> Any:

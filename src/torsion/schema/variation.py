@@ -14,11 +14,12 @@ from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
 from torsion.schema.declaration_reader import one_component
 from torsion.schema.fault_text import Node, Source
-from torsion.schema.overlay import in_words
+from torsion.schema.overlay import Overlay, in_words
 from torsion.schema.study_faults import study_faults
 from torsion.schema.train_in_columns import Pieces, train_in_columns
-from torsion.schema.varied_figures import Figure, named, overlay_of, with_tolerance
+from torsion.schema.varied_figures import Figure, named, with_tolerance
 from torsion.study import Study
+from torsion.study import Variation as VariationOfStudy
 from torsion.train import Train
 
 FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
@@ -26,7 +27,7 @@ MOST_TRIALS = 500  # readings of the file for one figure
 
 
 @dataclass(frozen=True)
-class Variation:
+class Variation(VariationOfStudy):
     """The figures that vary, and how a study of other values is read."""
 
     figures: tuple[Figure, ...]
@@ -62,7 +63,7 @@ class Variation:
         pairs = list(zip(self.figures, values, strict=True))
         source, changes = self.source, dict[Path, Node]()
         for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
-            overlay = overlay_of(self.base, source)
+            overlay = Overlay(source, self.base)
             for name in VARYING:
                 overlay.removed["analyses", name] = None
             for figure, value in pairs:
@@ -83,11 +84,18 @@ class Variation:
         name, changed = case.case.name, case.case.source
         read = lambda source: with_cases(source, self.read, name).cases[name]  # noqa: E731
         # Columns can only be put in behind what the case changes, which is the same where it changes none of them.
-        is_same = all(
-            changed.at(path) == self.source.at(path)
-            and len({_component_at(path, study) for study in (self.base, case)}) == 1
-            for figure in self.figures
-            for path in figure.all_paths
+        paths = [path for figure in self.figures for path in figure.all_paths]
+        before, after = (
+            [
+                part.name
+                for path in paths
+                for part in study.train.parts
+                if path[: len(part.path)] == part.path
+            ]
+            for study in (self.base, case)
+        )
+        is_same = before == after and all(
+            changed.at(path) == self.source.at(path) for path in paths
         )
         return replace(self, read=read, base=case, declare=self.declare if is_same else None)
 
@@ -128,13 +136,6 @@ class Variation:
         return replace(other, figures=(*other.figures, *figures))
 
 
-def _component_at(path: Path, study: Study) -> str:
-    """Return the name of the component in which a path lies; empty for another place of the file."""
-    return next(
-        (part.name for part in study.train.parts if path[: len(part.path)] == part.path), ""
-    )
-
-
 def with_variations(
     study: Study,
     source: Source,
@@ -148,7 +149,7 @@ def with_variations(
         settings: Any = study.analyses.get(name)
         if not hasattr(settings, "varied"):
             continue
-        overlay, before, path = overlay_of(study, source), len(faults), ("analyses", name)
+        overlay, before, path = Overlay(source, study), len(faults), ("analyses", name)
         key, laws = settings.varied
         varied = list(
             named(laws, overlay, (*path, key)) if laws else with_tolerance(study, overlay)
@@ -178,7 +179,7 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
         for name, variation in study.variations.items()
         for figure in variation.figures
     ]
-    tolerances = with_tolerance(study, overlay_of(study, source))
+    tolerances = with_tolerance(study, Overlay(source, study))
     for column, figure in [*varied, *((figure.name, figure) for figure in tolerances)]:
         if figure.name not in figures:
             number = columns.setdefault(column, len(columns))
@@ -218,11 +219,28 @@ def _with_columns(
 
 
 def _faults_at_ends(variation: Variation, path: Path) -> Iterator[Fault]:
-    """Yield the fault of every figure with a value, an end of its range or a row, that the file may not state."""
+    """Yield the fault of every figure with a value, an end of its range or a row, that the file may not state.
+
+    The whole file is read as a trial with every row of a few. Of many with `FEW` spread over all, the least and the
+    greatest number, and those whose component alone is at fault; others are read as variants, and are variants without
+    an answer if they are at fault.
+    """
     for figure in variation.figures:
-        single = replace(variation, figures=(figure,))
-        rows = _rows_to_read(figure, variation.source) if figure.rows else []
-        for value in rows or figure.ends.tolist():
+        single, count = replace(variation, figures=(figure,)), len(figure.rows)
+        numbers = {*range(count)}
+        if count > FEW:
+            stated, _ = figure.numbers
+            spread = np.linspace(0, count - 1, FEW).astype(int)
+            numbers = {*spread.tolist(), int(stated.argmin()), int(stated.argmax())}
+        for number, row in enumerate(figure.rows if count > FEW else ()):
+            component, faults = row.puts[0][0][:-1], list[Fault]()
+            if component[-1] in KINDS:
+                node = variation.source.at(component)
+                body = {} if node is None else dict(node.value or {})
+                body |= {str(key[-1]): node.value for key, node in row.puts}
+                one_component(str(component[-1]), body, component, faults)
+            numbers |= {number} if faults else set()
+        for value in [float(row) for row in sorted(numbers)[:MOST_TRIALS]] or figure.ends.tolist():
             try:
                 single.study([value])
             except InputError as error:
@@ -234,26 +252,3 @@ def _faults_at_ends(variation: Variation, path: Path) -> Iterator[Fault]:
                     fault_path = (*path, figure.key) if figure.key else path
                     yield Fault(fault_path, message, fault.hint or "a narrower law", at_key=True)
                 break
-
-
-def _rows_to_read(figure: Figure, source: Source) -> list[float]:
-    """Return the rows with which the whole file is read as a trial: all of a few.
-
-    Of many `FEW` spread over all, the least and the greatest number, and those whose component alone is at fault.
-    Others are read as variants, and are variants without an answer if they are at fault.
-    """
-    count = len(figure.rows)
-    if count <= FEW:
-        return [float(row) for row in range(count)]
-    numbers, _ = figure.numbers
-    chosen = {*np.linspace(0, count - 1, FEW).astype(int), numbers.argmin(), numbers.argmax()}
-    for number, row in enumerate(figure.rows):
-        path, faults = row.puts[0][0][:-1], list[Fault]()
-        if path[-1] in KINDS:
-            node = source.at(path)
-            body = {} if node is None else dict(node.value or {})
-            body |= {str(key[-1]): node.value for key, node in row.puts}
-            one_component(str(path[-1]), body, path, faults)
-        if faults:
-            chosen.add(number)
-    return [float(row) for row in sorted(chosen)[:MOST_TRIALS]]

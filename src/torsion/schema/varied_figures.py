@@ -154,17 +154,14 @@ def amount_of(value: object) -> tuple[float, str] | None:
 EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
 
 
-def overlay_of(study: Study, source: Source) -> Overlay:
-    """What a case of a study may change in a source of it."""
-    return Overlay(source, study.train.parts, study.reference)
-
-
 def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterator[Figure]:
     """The figures that the file names; `*` stands for every component that has the key and no line of its own."""
     taken: dict[Path, str] = {}
     for words, law in sorted(vary.items(), key=lambda item: item[0].startswith("*.")):
         fault = (*section, words)
-        part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
+        part = next(
+            (part for part in overlay.study.train.parts if part.name == words.strip("\"'")), None
+        )
         if law.catalogue is not None and part is not None:
             before = len(overlay.faults)
             rows = tuple(alternatives(law.catalogue, part, overlay.source, overlay.faults))
@@ -206,7 +203,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
 def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
     """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
     key, has = words.removeprefix("*."), False
-    for part in overlay.parts:
+    for part in overlay.study.train.parts:
         given = overlay.source.at((*part.path, key))
         if given is None:
             continue

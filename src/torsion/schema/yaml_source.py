@@ -146,20 +146,18 @@ def parse_source(text: str, name: str) -> Source:
     return replace(source, faults=tuple(replace_aliases(source.root)))
 
 
-def yaml_text(value: object) -> str:
-    """A mapping as YAML, in the order of its keys."""
+def yaml_text(value: object, *, is_flow: bool = False) -> str:
+    """A mapping as YAML, in the order of its keys; `is_flow`: all in brackets on one line."""
+    style, width = (True, math.inf) if is_flow else (None, 110)
     made: str = yaml.safe_dump(
-        value, default_flow_style=None, sort_keys=False, allow_unicode=True, width=110
+        value, default_flow_style=style, sort_keys=False, allow_unicode=True, width=width
     )
     return made
 
 
 def in_brackets(value: object) -> str:
     """A value as it may stand on one line, in brackets with others."""
-    made: str = yaml.safe_dump(
-        [value], default_flow_style=True, sort_keys=False, allow_unicode=True, width=math.inf
-    )
-    return made.strip()[1:-1]
+    return yaml_text([value], is_flow=True).strip()[1:-1]
 
 
 class _EndError(Exception):
@@ -182,6 +180,7 @@ class _Builder:
         self._last = 0  # position behind the last value that was read
 
     def take(self, event: Any) -> None:
+        """Take the next event: the key of the value that follows, a value, or the end of a list or mapping."""
         end: Any = event.end_mark
         if isinstance(event, yaml.DocumentStartEvent):
             self._documents += 1
@@ -191,13 +190,29 @@ class _Builder:
                 raise _EndError
         elif isinstance(event, yaml.NodeEvent):
             awaits_key = self._keys[-1:] == [None]
-            if awaits_key and isinstance(event, yaml.ScalarEvent):
-                self._take_key(event)
+            if not awaits_key:
+                self._take_value(event)
                 return
-            if awaits_key:
+            if not isinstance(event, yaml.ScalarEvent):
                 self._note("a key must be text", "put it in quotes", event)
                 raise _EndError
-            self._take_value(event)
+            (line, column), keys = _position(event.start_mark), self._open[-1].keys
+            key: str = event.value
+            self._check(event)
+            if event.implicit[0] and not isinstance(resolved(key), str):
+                # The key may be the second half of a number like 1,5.
+                before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
+                if before and key.isdecimal():
+                    hint = f"a decimal comma? write {before[1]}.{key}"
+                self._note(f"the key {key or 'before this colon'} is not text", hint, event)
+            elif event.implicit[0] and key == "<<":
+                self._note("merge keys (<<) are not read", "write the keys out", event)
+            # After a repeated key nothing but faults is kept.
+            self._keys[-1] = key
+            if key in keys:
+                message = f"the key '{key}' is already in line {keys[key][0]}"
+                self._note(message, "remove one", event)
+            keys.setdefault(key, (line, column))
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
             node = self._open.pop()
@@ -205,25 +220,6 @@ class _Builder:
                 self._last = end.index
             node.end = self._last
             self._attach(node)
-
-    def _take_key(self, event: Any) -> None:
-        """The key of the value that follows; after a repeated one nothing but faults is kept."""
-        (line, column), keys, key = _position(event.start_mark), self._open[-1].keys, event.value
-        self._check(event)
-        if event.implicit[0] and not isinstance(resolved(key), str):
-            # The key may be the second half of a number like 1,5.
-            before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
-            if before and key.isdecimal():
-                hint = f"a decimal comma? write {before[1]}.{key}"
-            self._note(f"the key {key or 'before this colon'} is not text", hint, event)
-        elif event.implicit[0] and key == "<<":
-            self._note("merge keys (<<) are not read", "write the keys out", event)
-        self._keys[-1] = key
-        if key in keys:
-            message = f"the key '{key}' is already in line {keys[key][0]}"
-            self._note(message, "remove one", event)
-        else:
-            keys[key] = line, column
 
     def _note(self, message: str, hint: str, event: Any) -> None:
         """Note a fault at an event."""

@@ -53,48 +53,13 @@ def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, di
     return table, about
 
 
-def part_of(columns_of_part: Columns, about: Mapping[str, Any]) -> Part:
-    """What the columns of a part hold, to the last bit as they were written."""
-    values = np.stack([columns_of_part[name] for name in about["figures"]], axis=1)
-    checks = {
-        (rule, clause, where, what): (
-            columns_of_part[f"{name}: utilisation"],
-            columns_of_part[f"{name}: fails"],
-        )
-        for rule, clause, where, what, name in about["checks"]
-    }
-    why = enumerate(columns_of_part["fault"].tolist())
-    faults = {variant: str(words) for variant, words in why if words}
-    hertz = np.array([columns_of_part[name] for name in about["modes"]], dtype=float)
-    return values, Answers(hertz.reshape(-1, len(values)), checks, faults, about["method"])
-
-
-def write_part(path: Path, columns_of_part: Columns, about: Mapping[str, Any]) -> str:
-    """Write the columns so that the file is there whole or not at all; return its SHA-256."""
-    import pyarrow
-    from pyarrow import parquet
-
-    table = pyarrow.table({name: pyarrow.array(column) for name, column in columns_of_part.items()})
-    content = io.BytesIO()
-    parquet.write_table(
-        table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True
-    )
-    under_way = path.with_name(f"{path.name}.part")
-    with under_way.open("wb") as file:
-        file.write(content.getbuffer())
-        file.flush()
-        os.fsync(file.fileno())
-    under_way.replace(path)
-    return digest(content.getbuffer())
-
-
 def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
     """Return the columns of a file and what they hold; raises InputError if a bit differs from what was written."""
     from pyarrow import ArrowException, parquet
 
     try:
         content = path.read_bytes()
-        if digest(content) != checksum:
+        if sha256(content).hexdigest() != checksum:
             differs = "its SHA-256 differs from the SHA-256 of the file that was written"
             raise ValueError(f"it is damaged: {differs}")
         table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
@@ -133,10 +98,11 @@ class SweepFolder:
         identity_file = self.folder / OF
         if fresh:
             identity_file.unlink(missing_ok=True)
-            self._remove(OWN)
             (self.parts / SUMS).unlink(missing_ok=True)
         self.parts.mkdir(parents=True, exist_ok=True)
-        self._remove(UNFINISHED)
+        for path in self.parts.glob("part-*"):
+            if UNFINISHED.fullmatch(path.name) or (fresh and OWN.fullmatch(path.name)):
+                path.unlink()
 
         # A line of checksums that was never finished is ended.
         sums = self.parts / SUMS
@@ -156,12 +122,6 @@ class SweepFolder:
         under_way.write_text(json.dumps(identity, indent=1), encoding="utf-8")
         under_way.replace(identity_file)
 
-    def _remove(self, names: re.Pattern[str]) -> None:
-        """Remove files of such names from the folder of the parts, and no others."""
-        for path in self.parts.glob("part-*"):
-            if names.fullmatch(path.name):
-                path.unlink()
-
     def part_path(self, chunk: Chunk) -> Path | None:
         """Return the part of a chunk; None if it is missing or its checksum was never written."""
         path = self._path(chunk)
@@ -171,9 +131,23 @@ class SweepFolder:
         return self.parts / f"part-{chunk.number:06d}{SUFFIX}"
 
     def write(self, chunk: Chunk, variation: Variation, part: Part) -> None:
-        """Write the part of a chunk, and its checksum behind those of the others."""
+        """Write the part of a chunk whole or not at all, and its checksum behind those of the others."""
+        import pyarrow
+        from pyarrow import parquet
+
+        values, about = columns(chunk, variation, part)
+        table = pyarrow.table({name: pyarrow.array(column) for name, column in values.items()})
+        table = table.replace_schema_metadata({ABOUT: json.dumps(about)})
+        content = io.BytesIO()
+        parquet.write_table(table, content, write_page_checksum=True)
         path = self._path(chunk)
-        checksum = write_part(path, *columns(chunk, variation, part))
+        under_way = path.with_name(f"{path.name}.part")
+        with under_way.open("wb") as file:
+            file.write(content.getbuffer())
+            file.flush()
+            os.fsync(file.fileno())
+        under_way.replace(path)
+        checksum = sha256(content.getbuffer()).hexdigest()
         with (self.parts / SUMS).open("a", encoding="utf-8") as sums:
             sums.write(f"{checksum}  {path.name}\n")
             sums.flush()
@@ -181,7 +155,7 @@ class SweepFolder:
         self.checksums[path.name] = checksum
 
     def read(self, chunk: Chunk) -> Part:
-        """What a chunk answers; raises InputError where its part is missing or another's."""
+        """What a chunk answers, to the last bit; raises InputError where its part is missing or another's."""
         path = self.part_path(chunk)
         if path is None:
             message = f"the part {chunk.number} has disappeared from {self.parts}"
@@ -190,7 +164,18 @@ class SweepFolder:
         if not np.array_equal(columns_read["variant"], np.arange(chunk.begin, chunk.end)):
             message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
             raise refusal(message, "remove it; it is then solved again")
-        return part_of(columns_read, about)
+        values = np.stack([columns_read[name] for name in about["figures"]], axis=1)
+        checks = {
+            (rule, clause, where, what): (
+                columns_read[f"{name}: utilisation"],
+                columns_read[f"{name}: fails"],
+            )
+            for rule, clause, where, what, name in about["checks"]
+        }
+        why = enumerate(columns_read["fault"].tolist())
+        faults = {variant: str(words) for variant, words in why if words}
+        hertz = np.array([columns_read[name] for name in about["modes"]], dtype=float)
+        return values, Answers(hertz.reshape(-1, len(values)), checks, faults, about["method"])
 
     def write_csv(self, chunks: Sequence[Chunk]) -> Path:
         """Write all variants into one table, a part at a time; its path."""
@@ -248,13 +233,8 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
         content = texts[path].encode() if path in texts else read_file(path, LARGEST_SIGNAL)
         is_near = shipped and path.is_relative_to(folder)
         name = path.relative_to(folder).as_posix() if is_near else str(path)
-        sums[name] = digest(content)
+        sums[name] = sha256(content).hexdigest()
     return sums
-
-
-def digest(content: bytes | memoryview) -> str:
-    """Return the SHA-256 of a content in hexadecimal digits."""
-    return sha256(content).hexdigest()
 
 
 def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:

@@ -20,11 +20,7 @@ from torsion.what_if.variants.chunks import Chunk, Pace, Part
 
 
 class Stopped(Exception):
-    """The sweep cannot go on; it ends the command, and is no analysis without an answer."""
-
-    def __init__(self, error: InputError | SolveError) -> None:
-        super().__init__(str(error))
-        self.error = error
+    """The sweep cannot go on, because of an error; it ends the command, and is no analysis without an answer."""
 
 
 @dataclass
@@ -54,29 +50,28 @@ class Sweeper:
                 # The chunks that are not there are solved, each written as soon as it is answered.
                 count = chunks[-1].end
                 pace = Pace(count, work.progress, count - sum(chunk.size for chunk in left))
-                for chunk, part in self._answers(work, variation, left, pace):
+                if self.workplace.is_elsewhere and left:
+                    pairs = answers_of_workers(
+                        self.workplace,
+                        errand(work, variation),
+                        left,
+                        lambda words: work.progress(words, pace.kept / count),
+                    )
+                else:
+                    answer_of = partial(answered, replace(work, progress=silent), variation)
+                    processes = self.workplace.processes
+                    answers = shared_out(answer_of, left, fewest=2, most=processes)
+                    pairs = zip(left, answers, strict=True)
+                for chunk, part in pairs:
                     sweep_folder.write(chunk, variation, part)
                     self.solved += 1
-                    pace.finish(chunk)
+                    pace.solved += chunk.size
+                    pace.show()
                 if self.csv and is_new:
                     sweep_folder.write_csv(chunks)
                 yield from map(sweep_folder.read, chunks)
         except (InputError, SolveError) as error:
             raise Stopped(error) from None
-
-    def _answers(
-        self, work: Work, variation: Variation, left: Sequence[Chunk], pace: Pace
-    ) -> Iterator[tuple[Chunk, Part]]:
-        if self.workplace.is_elsewhere and left:
-            share, sent = pace.kept / pace.count, errand(work, variation)
-            yield from answers_of_workers(
-                self.workplace, sent, left, lambda words: work.progress(words, share)
-            )
-            return
-
-        answer_of = partial(answered, replace(work, progress=silent), variation)
-        processes = self.workplace.processes
-        yield from zip(left, shared_out(answer_of, left, fewest=2, most=processes), strict=True)
 
 
 def swept(
@@ -109,7 +104,7 @@ def swept(
     try:
         findings = run(study, progress=progress, answered=sweeper)
     except Stopped as stopped:
-        raise stopped.error from None
+        raise stopped.args[0] from None
     except OSError as error:
         message = f"the parts cannot be written to {folder}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + OTHER_FOLDER) from None

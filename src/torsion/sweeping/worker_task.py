@@ -1,9 +1,9 @@
 """What a worker does: one chunk of a sweep, of the same scene by the same programs as where it was sent from."""
 
 import pickle
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 
@@ -12,7 +12,7 @@ from torsion.findings import Work, version
 from torsion.rules import rule_over_speed
 from torsion.runner import run
 from torsion.study import Variation
-from torsion.sweeping.sweep_folder import LIBRARIES, digest, digests
+from torsion.sweeping.sweep_folder import LIBRARIES, digests
 from torsion.what_if.sweep import sweep_run
 from torsion.what_if.variants.chunks import Chunk, Part
 
@@ -45,11 +45,15 @@ def answered(given: Errand, chunk: Chunk) -> Part:
 
 @lru_cache(maxsize=4)
 def _opened(given: Errand) -> tuple[Work, Variation]:
-    fault = differing_versions(given.versions, {name: version(name) for name, _ in given.versions})
+    fault = ", ".join(
+        f"{name} {needed} is needed and {version(name)} is there"
+        for name, needed in given.versions
+        if version(name) != needed
+    )
     missing = [
         name
         for name, checksum in given.files
-        if not Path(name).is_file() or digest(Path(name).read_bytes()) != checksum
+        if not Path(name).is_file() or sha256(Path(name).read_bytes()).hexdigest() != checksum
     ]
     if missing and not fault:
         fault = f"not there as where the sweep was begun: {', '.join(missing)}"
@@ -57,14 +61,3 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
         raise InputError([Fault((), fault)], fault)
     work, variation = pickle.loads(given.scene)
     return replace(work, solve=run, rules=rule_over_speed), variation
-
-
-def differing_versions(
-    versions: Iterable[tuple[str, str]], installed: Mapping[str, str | None]
-) -> str:
-    """Which of the versions found on a worker are others, in words; empty where none is."""
-    differ = ((name, needed) for name, needed in versions if installed.get(name) != needed)
-    return ", ".join(
-        f"{name} {needed} is needed and {installed.get(name) or 'none'} is there"
-        for name, needed in differ
-    )

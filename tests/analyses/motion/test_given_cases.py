@@ -265,7 +265,7 @@ def test_a_branched_train_with_a_reversing_gear_moves_as_an_independent_solver_s
     )
     found, view = transient(study, system, settings), matrices(system)
     pieces = [event.pieces(Point()) for event in settings.events]
-    rows = view.basis[[study.train.part(event.at).stations[0] for event in settings.events]]
+    rows = view.basis[[study.train[event.at].stations[0] for event in settings.events]]
     n = len(view.inertia)
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:

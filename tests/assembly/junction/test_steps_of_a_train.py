@@ -65,7 +65,7 @@ def test_the_change_by_sharp_steps_is_that_of_the_file_with_them() -> None:
 
 def test_a_step_in_the_bore_alone_is_named_where_steps_are_sharp() -> None:
     text = scene("steps: sharp", bore=", bore: 50 mm").replace("200 mm", "100 mm")
-    assert "omitted" in parse(text).train.part("a").remark
+    assert "omitted" in parse(text).train["a"].remark
     found = torsion.run(parse(text.replace("steps: sharp", ""))).need(SharpSteps)
     assert [one.flexibility for one in found.steps] == [None]
     assert not np.any(found.change)
@@ -75,7 +75,7 @@ def test_peak_stress_is_the_factor_times_the_nominal_one_at_the_worst_speed() ->
     found = solved("stepped_line")
     for one in found.need(Fillets).each:
         torque = found.need(Synthesis).half_range[
-            :, found.system.span_part == found.study.train.position(one.shaft)
+            :, found.system.span_part == found.study.train.positions[one.shaft]
         ]
         at = (
             torque if one.following is None else torque[:, -1]

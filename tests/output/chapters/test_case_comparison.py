@@ -114,7 +114,7 @@ def test_curves_are_those_of_each_case(ferry: Findings, blocks: list[Any]) -> No
     )
     for name, line in stress.items():
         found = ferry.each[name]
-        part = found.study.train.part(shaft)
+        part = found.study.train[shaft]
         spans = [
             k
             for k, span in enumerate(found.system.spans)

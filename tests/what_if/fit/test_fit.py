@@ -304,7 +304,7 @@ def torsiogram(true: str, at: str, quantity: str, order: int, *, phase: bool = F
     speed = np.linspace(400.0, 1700.0, 27) * np.pi / 30.0
     one = response_of_orders(study, system, [order], speed)
     if quantity == "torque":
-        part = study.train.position(at)
+        part = study.train.positions[at]
         values = one.torque[
             :, 0, next(k for k, span in enumerate(system.spans) if span.part == part)
         ]

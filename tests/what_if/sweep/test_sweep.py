@@ -280,7 +280,7 @@ def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
         "has_limit": True,
         "utilisation": 0.5,
     }
-    answers = chunks.Answers.empty(0, 2)
+    answers = chunks.Answers(np.empty((0, 2)))
     for place, word in enumerate(("pass", "not judged")):
         lines = (SimpleNamespace(verdict=word, **words),)
         answers.take(place, chunks.Answers.of_findings(findings(lines), 0))

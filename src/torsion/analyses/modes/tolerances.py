@@ -232,7 +232,7 @@ def tolerances(
         for number, span in enumerate(system.own_spans)
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }
-    width = {name: train.part(name).stiffness_tolerance for name in spans}
+    width = {name: train[name].stiffness_tolerance for name in spans}
     computed = modes.frequency.size
     if faults := [
         without_mode(study, aim.mode, computed, ("analyses", WHAT, "aim", k, "mode"))

@@ -336,7 +336,7 @@ def _slowed(
     if moved.steps or any(isinstance(body, SpeedProgram) for body in bodies):
         return None
     for name in dict.fromkeys(event.at for event in settings.events if isinstance(event.body, Ice)):
-        station = study.train.part(name).stations[0]
+        station = study.train[name].stations[0]
         speed = moved.speed[station]
         before = moved.speed_before * abs(float(system.speed_ratio[station])) or float(speed[0])
         angle = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])

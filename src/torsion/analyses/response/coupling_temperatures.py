@@ -72,7 +72,7 @@ def coupling_temperature(
     """
     system = response.system
     speed = response.speed
-    number = study.train.position(part.name)
+    number = study.train.positions[part.name]
     span = next(k for k, link in enumerate(system.own_spans) if link.part == number)
     _refuse(study, system, span, part)
     steady = steady_if_known(study, system, speed)

@@ -122,7 +122,7 @@ def _stress_figure(findings: Findings, name: str, curve: Curves) -> Figure:
             Panel(x, both, (total, *limits), levels, behind, height=75.0),
             Panel(x, y, stresses, levels, behind, height=105.0),
         ]
-    figure_name = f"stress-{findings.study.train.position(name)}"
+    figure_name = f"stress-{findings.study.train.positions[name]}"
     figure = Figure(figure_name, f"Vibratory shear stress of {name}", tuple(panels))
     return of_torsion(findings, figure)
 

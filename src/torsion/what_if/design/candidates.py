@@ -112,7 +112,7 @@ class Candidates:
         """Return the scores (variants,) of candidates (variants, figures), each tried once: the greater, the better."""
         figures = self.variation.figures
         digits = [
-            None if figure.places else DIGITS - int(np.floor(np.log10(figure.law.width)))
+            None if figure.places else DIGITS - int(np.floor(np.log10(np.ptp(figure.law.ends))))
             for figure in figures
         ]
         keys = [
@@ -283,14 +283,14 @@ def shaft_mass(train: Train) -> float:
     """
     if any(bar.section is not None for bar in train.bars):
         return float("nan")
-    return sum(
-        bar.density * bar.length * (_mean_area(bar.outer) - _mean_area(bar.bore))
-        for bar in train.bars
-    )
-
-
-def _mean_area(ends: tuple[float, float]) -> float:
-    return float(np.pi / 12.0) * (ends[0] ** 2 + ends[0] * ends[1] + ends[1] ** 2)
+    mass = 0.0
+    for bar in train.bars:
+        area, hole = (
+            float(np.pi / 12.0) * (first**2 + first * last + last**2)
+            for first, last in (bar.outer, bar.bore)
+        )
+        mass += bar.density * bar.length * (area - hole)
+    return mass
 
 
 def _excess(condition: Kept, frequency: FloatArray, amounts: FloatArray) -> FloatArray:

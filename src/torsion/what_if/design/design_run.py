@@ -130,7 +130,7 @@ def _best(candidates: Candidates) -> list[Tried]:
         [
             0.5 * float(np.diff(figure.all_values()).min(initial=1.0 if figure.rows else np.inf))
             if figure.places
-            else APART * figure.law.width
+            else APART * np.ptp(figure.law.ends)
             for figure in candidates.variation.figures
         ]
     )

@@ -119,11 +119,38 @@ class DesignSettings(Declared):
     @property
     def kept(self) -> tuple[Kept, ...]:
         """Every condition that a candidate has to meet, with its ends in SI."""
-        return tuple(
-            _kept(words, condition, ("keep", position, words))
+        kept = list[Kept]()
+        listed = (
+            (("keep", position, words), words, condition)
             for position, conditions in enumerate(self.keep)
             for words, condition in conditions.items()
         )
+        for path, words, condition in listed:
+            subject = _subject(words, path)
+            low, high, pair, limits = 0.0, math.inf, condition.outside, list[str]()
+            if pair is not None:
+                ends = (*path, "outside")
+                if condition.below is not None or condition.above is not None:
+                    raise refuse("`outside` excludes `below` and `above`", "leave one out", ends)
+                if not isinstance(pair, list | tuple) or len(pair) != 2:
+                    raise refuse(f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", ends)
+                low, high = (_read(value, subject, (*ends, k)) for k, value in enumerate(pair))
+                limits = [f"outside {pair[0]} to {pair[1]}"]
+            if condition.above is not None:
+                low = _read(condition.above, subject, (*path, "above"))
+                limits.append(f"above {condition.above}")
+            if condition.below is not None:
+                high = _read(condition.below, subject, (*path, "below"))
+                limits.append(f"below {condition.below}")
+            if not limits:
+                message = f"nothing says what `{words}` keeps"
+                raise refuse(message, "`outside`, `below` or `above`", path)
+            if low >= high:
+                message = f"the lower end of `{words}` is not below the upper one"
+                raise refuse(message, "exchange them", path)
+            limit = f"{words} {' and '.join(limits)}"
+            kept.append(Kept(subject, low, high, pair is not None, limit))
+        return tuple(kept)
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
         """What the file lacks for them."""
@@ -197,28 +224,3 @@ def _read(value: object, subject: Subject, path: tuple[str | int, ...]) -> float
         raise refuse(
             str(context.get("message", error)), str(context.get("hint", "")), path
         ) from None
-
-
-def _kept(words: str, condition: Condition, path: tuple[str | int, ...]) -> Kept:
-    subject = _subject(words, path)
-    low, high, pair, limits = 0.0, math.inf, condition.outside, list[str]()
-    if pair is not None:
-        pair_path = (*path, "outside")
-        if condition.below is not None or condition.above is not None:
-            raise refuse("`outside` excludes `below` and `above`", "leave one out", pair_path)
-        if not isinstance(pair, list | tuple) or len(pair) != 2:
-            raise refuse(f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", pair_path)
-        low, high = (_read(value, subject, (*pair_path, k)) for k, value in enumerate(pair))
-        limits = [f"outside {pair[0]} to {pair[1]}"]
-    if condition.above is not None:
-        low = _read(condition.above, subject, (*path, "above"))
-        limits.append(f"above {condition.above}")
-    if condition.below is not None:
-        high = _read(condition.below, subject, (*path, "below"))
-        limits.append(f"below {condition.below}")
-    if not limits:
-        raise refuse(f"nothing says what `{words}` keeps", "`outside`, `below` or `above`", path)
-    if low >= high:
-        message = f"the lower end of `{words}` is not below the upper one"
-        raise refuse(message, "exchange them", path)
-    return Kept(subject, low, high, pair is not None, f"{words} {' and '.join(limits)}")

@@ -147,7 +147,7 @@ def _evolve(candidates: Candidates) -> str:
         if len(tops) < VALLEYS:
             tops.setdefault(chosen, candidate.values)
     left = (limit - len(candidates.tried)) // len(tops)
-    steps = [0.0 if figure.places else NEAR * figure.law.width for figure in figures]
+    steps = [0.0 if figure.places else NEAR * np.ptp(figure.law.ends) for figure in figures]
     for top in tops.values():
         _refine(candidates, top, steps, left)
     seed = candidates.settings.seed

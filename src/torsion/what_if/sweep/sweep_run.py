@@ -70,22 +70,20 @@ def grid_of(
     greatest = np.fmax.reduce(used, axis=0)
     decisive = np.argmax(np.nan_to_num(used, nan=-np.inf), axis=0)
     decisive[np.isnan(greatest)] = -1
-    turns = tuple(_turns(axes[0].number, checks)) if len(axes) == 1 and axes[0].is_numeric else ()
-    why = tuple(sorted(faults.items()))
-    return Grid(tuple(axes), frequency, used[:-1], greatest, decisive, fails, turns, why)
 
-
-def _turns(numbers: FloatArray, checks: Sequence[SweptCheck]) -> Iterator[Turn]:
-    """Between neighbours of which one keeps the limit and the other does not."""
-    for position, check in enumerate(checks):
+    # Of a curve, neighbours of which one keeps the limit and the other does not.
+    turns = list[Turn]()
+    for position, check in enumerate(checks if len(axes) == 1 and axes[0].is_numeric else ()):
         for k in np.flatnonzero(np.diff(check.fails)).tolist():
             pair = [k, k + 1] if check.fails[k + 1] else [k + 1, k]
-            kept, failing = numbers[pair].tolist()
+            kept, failing = axes[0].number[pair].tolist()
             low, high = check.utilisation[pair].tolist()
             between = None
             if low <= 1.0 < high < np.inf:
                 between = kept + (1.0 - low) / (high - low) * (failing - kept)
-            yield Turn(position, kept, failing, between)
+            turns.append(Turn(position, kept, failing, between))
+    why = tuple(sorted(faults.items()))
+    return Grid(tuple(axes), frequency, used[:-1], greatest, decisive, fails, tuple(turns), why)
 
 
 LEAST_SPREAD = 1e-9  # relative: below it an answer does not vary, and nothing decides
@@ -309,5 +307,8 @@ def in_turn(work: Work, variation: Variation, parts: Sequence[Chunk]) -> Iterato
     """The answers of chunks, one after another in this process."""
     pace = Pace(parts[-1].end, work.progress)
     for chunk in parts:
-        yield answered(replace(work, progress=pace.within(chunk)), variation, chunk)
-        pace.finish(chunk)
+        # The progress of one chunk as that of all.
+        part_of_all = lambda _, share, size=chunk.size: pace.show(share * size)  # noqa: E731
+        yield answered(replace(work, progress=part_of_all), variation, chunk)
+        pace.solved += chunk.size
+        pace.show()

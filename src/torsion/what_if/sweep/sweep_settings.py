@@ -78,20 +78,9 @@ class SweepSettings(Declared):
             message = f"indices are of sobol's samples, and the method is {self.method}"
             raise refuse(message, "`method: sobol`", "indices")
 
-    def drawn(self, figures: Sequence[Any]) -> Method:
-        """How the variants of these figures are made."""
-        by_default = (
-            self.samples is None and not self.indices and all(figure.places for figure in figures)
-        )
-        return self.method or ("grid" if by_default else "sobol")
-
     def judges(self, study: Study) -> bool:
         """Every variant is judged by the rules of the file."""
         return "checks" in self.results or (not self.results and bool(study.rules))
-
-    def samples_of(self, study: Study) -> int:
-        """Return the number of samples, or the default of the study."""
-        return self.samples or (CHECKED if self.judges(study) else UNJUDGED)
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
         """A grid of what has no steps or too many, checks without rules, and more variants than there can be."""
@@ -101,12 +90,11 @@ class SweepSettings(Declared):
         if "checks" in self.results and not study.rules:
             message = "no variant can be checked, because the file has no rules"
             yield Fault(("results",), message, "name `rules`")
-        shape = {figure.column: figure.places for figure in figures}
-        if self.drawn(figures) != "grid":
-            sets = len(shape) + 2
-            if self.indices and self.samples_of(study) * sets > MOST:
-                hint = f"`samples` of at most {1 << (MOST // sets).bit_length() - 1}"
-                message = f"the indices of {len(shape)} figures take too many variants"
+        points = Points.from_settings(study, self, figures)
+        if points.method != "grid":
+            if self.indices and points.count > MOST:
+                hint = f"`samples` of at most {1 << (MOST // points.sets).bit_length() - 1}"
+                message = f"the indices of {len(points.shape)} figures take too many variants"
                 yield Fault(("indices",), message, hint)
             return
         for figure in figures:
@@ -114,10 +102,10 @@ class SweepSettings(Declared):
                 words = f"{figure.name} varies as {figure.law.words}"
                 hint = "give it `values` or `steps`, or leave `method` out: all are drawn"
                 yield Fault(("method",), f"{words}, and a grid takes lists and steps", hint)
-        if (count := math.prod(shape.values())) > MOST_COMBINATIONS:
+        if points.samples > MOST_COMBINATIONS:
             largest = f"the {MOST_COMBINATIONS:,} of the largest grid"
             hint = "fewer steps, or `method: sobol`, which draws from them"
-            message = f"{count:,} combinations are more than {largest}"
+            message = f"{points.samples:,} combinations are more than {largest}"
             yield Fault(("vary",), message, hint, at_key=True)
 
     @property
@@ -141,10 +129,15 @@ class Points:
         cls, study: Study, settings: SweepSettings, figures: Sequence[Any]
     ) -> "Points":
         """Return the variants that the settings of a file state."""
-        method, columns = settings.drawn(figures), 1 + max(figure.column for figure in figures)
         shape = {figure.column: figure.places for figure in figures}
-        count = math.prod(shape.values()) if method == "grid" else settings.samples_of(study)
-        return cls(figures, method, settings.seed, count, columns + 2 if settings.indices else 1)
+        count, by_default = settings.samples, settings.samples is None and not settings.indices
+        is_grid = by_default and all(figure.places for figure in figures)
+        method: Method = settings.method or ("grid" if is_grid else "sobol")
+        if method == "grid":
+            count = math.prod(shape.values())
+        elif count is None:
+            count = CHECKED if settings.judges(study) else UNJUDGED
+        return cls(figures, method, settings.seed, count, len(shape) + 2 if settings.indices else 1)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -40,14 +40,9 @@ class Answers:
     partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
 
     @classmethod
-    def empty(cls, modes: int, count: int) -> "Answers":
-        """Of so many variants, as yet without any."""
-        return cls(np.full((modes, count), np.nan))
-
-    @classmethod
     def of_findings(cls, findings: Findings, modes: int) -> "Answers":
         """Of one variant; of checks with the same key the worst counts. A fault where an analysis is left unanswered."""
-        answers, unanswered = cls.empty(modes, 1), findings.plan.unanswered
+        answers, unanswered = cls(np.full((modes, 1), np.nan)), findings.plan.unanswered
         if unanswered:
             answers.faults[0] = "; ".join(f"{answer.what}: {answer.why}" for answer in unanswered)
             return answers
@@ -104,7 +99,7 @@ def solved(
 
     partial: answers to which those at the `places` alone are added.
     """
-    answers = Answers.empty(modes, len(values)) if partial is None else partial
+    answers = Answers(np.full((modes, len(values)), np.nan)) if partial is None else partial
     columns = range(len(values)) if places is None else places
     solve = work.solve
     if solve is None or not columns:
@@ -122,7 +117,7 @@ def solved(
             findings = solve(study if judged else replace(study, rules=()), only=only)
             return Answers.of_findings(findings, modes)
         except (InputError, SolveError) as error:
-            answer = Answers.empty(modes, 1)
+            answer = Answers(np.full((modes, 1), np.nan))
             answer.faults[0] = error.message
             return answer
 
@@ -175,7 +170,7 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
     """All variants as one, of parts in the order of their chunks; each part is let go before the next is taken."""
-    total, values, begin = Answers.empty(modes, count), np.empty((0, 0)), 0
+    total, values, begin = Answers(np.full((modes, count), np.nan)), np.empty((0, 0)), 0
     for chunk_values, answers in parts:
         if not values.size:
             values = np.empty((count, chunk_values.shape[1]))
@@ -194,15 +189,6 @@ class Pace:
     kept: int = 0  # variants that were solved before
     solved: int = 0
     start: float = field(default_factory=time.perf_counter)
-
-    def within(self, chunk: Chunk) -> Progress:
-        """The progress of one chunk as that of all."""
-        return lambda what, share: self.show(share * chunk.size)
-
-    def finish(self, chunk: Chunk) -> None:
-        """Note that a chunk is solved, and show the progress."""
-        self.solved += chunk.size
-        self.show()
 
     def show(self, under_way: float = 0.0) -> None:
         """Variants, rate and time left, `more` being those of chunks under way."""

@@ -63,7 +63,7 @@ def frequencies(
 
     Variants of another layout, and all if there are fewer than `least`, are solved separately.
     """
-    answers = Answers.empty(count, len(values))
+    answers = Answers(np.full((count, len(values)), np.nan))
     if len(values) >= least and count and "system" in work.results:
         try:
             train = variation.in_columns(values)

@@ -126,12 +126,6 @@ class Choice(Declared):
         return float(_amount(self.first, "from")[0]), float(_amount(self.last, "to")[0])
 
     @property
-    def width(self) -> float:
-        """From one end to the other."""
-        low, high = self.ends
-        return high - low
-
-    @property
     def places(self) -> int | None:
         """How many values a range has; None where every value within it is meant."""
         if self.step is not None:

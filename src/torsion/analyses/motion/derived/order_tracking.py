@@ -109,7 +109,7 @@ def orders_requested(
         reference_station(train, study.operation),
     )
     if given and given.reference:
-        name, station = given.reference, train.part(given.reference).stations[0]
+        name, station = given.reference, train[given.reference].stations[0]
     orders = np.array(given.track if given else (), dtype=float)
     if not orders.size:
         orders = _exciting_orders(study, system, settings)
@@ -127,7 +127,7 @@ def orders_requested(
         raise InputError([Fault((*path, "orders", "reference"), message, hint)])
     names = [train.parts[part].name for part in system.span_part.tolist()]
     spans = dict[str, int]()
-    for part in map(train.part, (given.at if given else ()) or settings.plot):
+    for part in map(train.__getitem__, (given.at if given else ()) or settings.plot):
         of_part = [k for k, name in enumerate(names) if name == part.name]
         if of_part and not part.is_point:
             spans[part.name] = max(of_part, key=peak.__getitem__)
@@ -145,7 +145,7 @@ def _exciting_orders(study: Study, system: System, settings: TransientSettings) 
     orders = {float(order) for order in lines if order is not None}
     for event in settings.events:
         if event.by_angle:
-            part = study.train.part(event.at)
+            part = study.train[event.at]
             blades = part.propeller.blades if part.propeller else None
             if order := getattr(event.body, "order", None) or blades:
                 orders.add(float(order * abs(system.speed_ratio[part.stations[0]])))

@@ -262,7 +262,7 @@ def _event_faults(
     is_clutch = isinstance(body, Clutch)
     if (fault := name_fault(event.at, (*path, "at"), kinds, point=not is_clutch)) is not None:
         yield fault
-    elif is_clutch and not study.train.part(event.at).is_clutch:
+    elif is_clutch and not study.train[event.at].is_clutch:
         yield Fault((*path, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
     elif isinstance(body, ShortCircuit) and kinds[event.at][0] not in ELECTRICAL:
         hint = f"make '{event.at}' a `generator`; its load then leaves there"

@@ -278,7 +278,7 @@ def _speeds_of_parts(study: Study, loaded: LoadedTrain) -> FloatArray:
     finite = np.isfinite(bare.flexibility)
     part = connected(len(turning), bare.driving[finite], bare.driven[finite])
     for name, speed in loaded.before.speeds.items():
-        station = study.train.part(name).stations[0]
+        station = study.train[name].stations[0]
         members = part == part[station]
         turning[members] = speed * bare.speed_ratio[members] / bare.speed_ratio[station]
     inertia = np.where(bare.held, 0.0, bare.lumped_inertia)

@@ -130,7 +130,7 @@ def following(
 
 
 def _station(study: Study, event: Event) -> int:
-    return study.train.part(event.at).stations[0]
+    return study.train[event.at].stations[0]
 
 
 def _as_one(row: FloatArray, reference: FloatArray) -> bool:

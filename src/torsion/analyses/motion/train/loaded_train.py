@@ -167,7 +167,7 @@ def load_train(
         follows = following(study, system, events, points, before, cuts, train.shape, speed)
     rates = list[tuple[float, float, float]]()
     for event, program in programs:
-        own_ratio = abs(float(system.speed_ratio[study.train.part(event.at).stations[0]]))
+        own_ratio = abs(float(system.speed_ratio[study.train[event.at].stations[0]]))
         rates += [(begin, end, rate / own_ratio) for begin, end, rate in program.rates(event.time)]
     loads = _loads(study, system, settings, points)
     if rates:  # the inertia of a train whose speed is prescribed
@@ -203,7 +203,7 @@ def _loads(
     events, unit, loads = settings.events, np.eye(len(system.stations)), list[Load]()
     replaced = dict[str, tuple[float, float]]()
     for event, point in zip(events, points, strict=True):
-        column = unit[study.train.part(event.at).stations[0]]
+        column = unit[study.train[event.at].stations[0]]
         loads.append(Load(event.pieces(point), column))
         if event.body.drives and point.mean:
             begin, _ = replaced.get(event.at, (math.inf, 0.0))
@@ -213,5 +213,5 @@ def _loads(
         stops = (event.body for event in events if event.at == name)
         stopped = sum(stop.share for stop in stops if isinstance(stop, Stop))
         pieces = (Piece(begin, math.inf, -mean_torque * (1.0 - stopped)),)
-        loads.append(Load(pieces, unit[study.train.part(name).stations[0]]))
+        loads.append(Load(pieces, unit[study.train[name].stations[0]]))
     return loads

@@ -160,7 +160,7 @@ def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
 
 def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
     """A program of speed where nothing is fixed or more is, a torque at a fixed point, a start that cannot turn."""
-    is_fixed = bool(system.held[study.train.part(event.at).stations[0]])
+    is_fixed = bool(system.held[study.train[event.at].stations[0]])
     fixed = np.flatnonzero(system.held)
     if isinstance(event.body, SpeedProgram):
         if is_fixed and len(fixed) == 1:
@@ -180,7 +180,7 @@ def point(
     study: Study, system: System, speed: float, name: str, mean: Steady | None = None
 ) -> Point:
     """The train where an event acts, at a reference speed (rad/s) and with the mean torques before it."""
-    part, rated = study.train.part(name), study.operation.rated
+    part, rated = study.train[name], study.operation.rated
     station = part.stations[0]
     ratio = abs(float(system.speed_ratio[station]))
     rated_speed = 0.0 if rated is None else rated.speed * ratio
