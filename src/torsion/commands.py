@@ -42,7 +42,7 @@ REST_OF_CHECK = (
 )
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
 NO_POWER = "neither the power of the loads nor a rated power is given"
-OTHER_FOLDER = " (choose another folder with -o)"
+OTHER_FOLDER = "choose another folder with -o"
 ELSEWHERE = (
     "natural frequencies",
     "damped modes",
@@ -175,7 +175,7 @@ def _writing(study: Study | None, what: str, target: Path, remedy: str = "") -> 
         yield
     except OSError as error:
         message = f"{what} cannot be written to {target}: {error.strerror or error}"
-        raise InputError([Fault((), message)], message + remedy) from None
+        raise refusal(message, remedy) from None
     except InputError as error:
         raise error if study is None else located(error, study) from None
 
@@ -198,8 +198,7 @@ def joint(
     study = one_case(scene, case)
     if not study.has_joints:
         hint = "`torsion joint` reports joints; use `torsion solve`"
-        fault = Fault(("train",), "the train has no joint", hint)
-        raise located(InputError([fault]), study)
+        raise located(InputError([Fault(("train",), "the train has no joint", hint)]), study)
     settings = study.analyses.get("joints") or JointsSettings()
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})

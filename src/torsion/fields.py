@@ -317,18 +317,6 @@ _EXACT = re.compile(
 _DECIMAL = r"[0-9]{1,20}(?:\.[0-9]{1,20})?"
 
 
-def _quotient(value: object) -> str:
-    """What to write for a quotient with decimals or a colon: 100/577 for '1/5.77', 5.77 for '5.77:1'; else empty."""
-    quotient = re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", str(value))
-    if quotient is None or not Fraction(quotient[1]) or not Fraction(quotient[3]):
-        return ""
-    above, sign, below = quotient.groups()
-    if sign == ":" and Fraction(below) == 1:
-        return f"write {above}"
-    rule = "a quotient has whole numbers: " if sign == "/" else ""
-    return f"{rule}write {Fraction(above) / Fraction(below)}"
-
-
 def read_exact(value: object) -> Fraction:
     """An exact positive ratio or order: 2, 0.5, '21/8' (decimal digits are taken as they are written)."""
     if isinstance(value, Fraction):
@@ -339,7 +327,15 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        hint = _quotient(value) or "write 2, 0.5 or 21/8"
+        hint = "write 2, 0.5 or 21/8"
+        # What to write for a quotient with decimals or a colon: 100/577 for '1/5.77', 5.77 for '5.77:1'.
+        quotient = re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", str(value))
+        if quotient is not None and Fraction(quotient[1]) and Fraction(quotient[3]):
+            above, sign, below = quotient.groups()
+            rule = "a quotient has whole numbers: " if sign == "/" else ""
+            hint = f"{rule}write {Fraction(above) / Fraction(below)}"
+            if sign == ":" and Fraction(below) == 1:
+                hint = f"write {above}"
         raise refuse(f"{shown(value)} is not a number", hint) from None
     if not 1e-9 < exact < 1e9:
         raise refuse(f"{shown(value)} is out of range", "must be a positive number")

@@ -144,8 +144,7 @@ class Table:
                 else:
                     if following:
                         hint = "quotes within a cell are doubled"
-                        cell = Cell("", line, column)
-                        self.fault(cell, "text follows the closing quote", hint)
+                        self.fault(Cell("", line, column), "text follows the closing quote", hint)
                     inner = _BREAK.sub(" ", quoted.replace('""', '"'))
                     row.append(Cell(inner.strip(), line, column))
                     for ending in _BREAK.finditer(text, position, written.end(1)):

@@ -261,8 +261,7 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
         return
     if excitation.transmission_error is not None or excitation.harmonic != 1:
         message = f"'{name}' has no teeth, and so no transmission error"
-        hint = "the name of a gear, or `torque` with `order`"
-        build.faults.append(Fault(at_path, message, hint))
+        build.faults.append(Fault(at_path, message, "the name of a gear, or `torque` with `order`"))
         return
     build.add(excitation.primitive(name, point.stations[0], path, excitation.source))
 
@@ -350,14 +349,12 @@ def taken(name: str, path: Path, taken_by: Path, *, given: bool = True) -> Fault
 def fixed_point_faults(train: Train) -> list[Fault]:
     """A fault for every fixed point that rigid spans alone join to an earlier one."""
     held = {lump.station for lump in train.inertias if math.isinf(lump.inertia)}
-    if len(held) < 2:
-        return []
     spans: list[Spring | Constraint] = [*train.springs, *train.constraints]
     near: dict[int, list[tuple[int, Spring | Constraint]]] = {}
-    for span in spans:
-        if span.flexibility == 0:
-            near.setdefault(span.driving, []).append((span.driven, span))
-            near.setdefault(span.driven, []).append((span.driving, span))
+    for span in spans if len(held) > 1 else ():
+        for station, neighbour in ((span.driving, span.driven), (span.driven, span.driving)):
+            if span.flexibility == 0:
+                near.setdefault(station, []).append((neighbour, span))
     faults = []
     for station in sorted(held):
         # The shortest rigid way to a fixed point before it.
@@ -367,17 +364,16 @@ def fixed_point_faults(train: Train) -> list[Fault]:
                 if neighbour not in way:
                     way[neighbour] = [*way[reached], span]
                     met.append(neighbour)
-        before = [neighbour for neighbour in met if neighbour in held and neighbour < station]
-        if not before:
+        before = next((point for point in met if point in held and point < station), None)
+        if before is None:
             continue
-        part, earlier = (train.parts[train.stations[fixed].part] for fixed in (station, before[0]))
-        uneven = [span for span in way[before[0]] if isinstance(span, Constraint) and span.error]
+        part, earlier = (train.parts[train.stations[fixed].part] for fixed in (station, before))
+        uneven = [span for span in way[before] if isinstance(span, Constraint) and span.error]
         path: Path = (*part.path, "held")
         message = f"'{part.name}' is fixed, and rigid parts alone join it to '{earlier.name}', which is fixed too"
         if uneven:
             joint = train.parts[uneven[-1].part]
             path, ends = joint.path, f"'{earlier.name}' and '{part.name}'"
             message = f"'{joint.name}' cannot turn: {ends} are fixed, with nothing elastic between"
-        hint = "put a stiffness between them, or fix one of them only"
-        faults.append(Fault(path, message, hint))
+        faults.append(Fault(path, message, "put a stiffness between them, or fix one of them only"))
     return faults

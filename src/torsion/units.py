@@ -74,17 +74,17 @@ _COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size
     "s": {"ms": Fraction(1, 1000), "min": 60},
     "N*m/rad": {
         "Nm/rad": 1,
-        "kN*m/rad": 10**3,
-        "kNm/rad": 10**3,
-        "MN*m/rad": 10**6,
-        "MNm/rad": 10**6,
+        "kN*m/rad": 1_000,
+        "kNm/rad": 1_000,
+        "MN*m/rad": 1_000_000,
+        "MNm/rad": 1_000_000,
     },
-    "N*m*s/rad": {"Nms/rad": 1, "kN*m*s/rad": 10**3, "kNms/rad": 10**3},
+    "N*m*s/rad": {"Nms/rad": 1, "kN*m*s/rad": 1_000, "kNms/rad": 1_000},
     "kg*m**2": {"kgm**2": 1},
-    "N*m": {"Nm": 1, "kN*m": 10**3, "kNm": 10**3, "MN*m": 10**6, "MNm": 10**6},
-    "W": {"kW": 10**3, "MW": 10**6},
+    "N*m": {"Nm": 1, "kN*m": 1_000, "kNm": 1_000, "MN*m": 1_000_000, "MNm": 1_000_000},
+    "W": {"kW": 1_000, "MW": 1_000_000},
     "m": {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)},
-    "Pa": {"MPa": 10**6, "GPa": 10**9, "N/mm**2": 10**6, "bar": 10**5},
+    "Pa": {"MPa": 1_000_000, "GPa": 1_000_000_000, "N/mm**2": 1_000_000, "bar": 100_000},
 }
 
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"

@@ -56,8 +56,7 @@ def export(
                 raise InputError(
                     [Fault(("operation",), "the speed of the vibration is not known", "--rpm 1500")]
                 )
-            text = modelica(study, system, speed, exact)
-            out.write_text(text, encoding="utf-8")
+            out.write_text(modelica(study, system, speed, exact), encoding="utf-8")
         else:
             loss_at = None if at is None else 2.0 * math.pi * at
             stations = [

@@ -100,25 +100,18 @@ def _table_masses(source: Source) -> list[Mass]:
 
     # Masses that nothing connects to the next, a stiffness after the last, and inertias stated twice.
     for mass, following, row in zip(masses, [*masses[1:], None], rows[1:], strict=True):
-        elastic = {"stiffness", "flexibility"} & mass.values.keys()
-        faults = {
-            ("has a stiffness and a flexibility", "leave one of them empty"): len(elastic) > 1,
-            (
-                "is the last mass and has a shaft to the next",
-                "leave its cells empty",
-            ): following is None and not mass.values.keys().isdisjoint(LINK),
-            (
-                "has no stiffness to the next mass",
-                "write it, or 0 in a column `flexibility` for a rigid connection",
-            ): following is not None and not elastic and following.ratio == mass.ratio,
-            ("states its inertia twice", "leave one of the cells empty"): len(
-                {"inertia", "gd2", "wr2"} & mass.values.keys()
-            )
-            > 1,
-        }
-        for (words, hint), is_so in faults.items():
-            if is_so:
-                table.fault(row[0], f"'{mass.name}' {words}", hint)
+        elastic, name = {"stiffness", "flexibility"} & mass.values.keys(), f"'{mass.name}'"
+        if len(elastic) > 1:
+            message = f"{name} has a stiffness and a flexibility"
+            table.fault(row[0], message, "leave one of them empty")
+        if following is None and not mass.values.keys().isdisjoint(LINK):
+            message = f"{name} is the last mass and has a shaft to the next"
+            table.fault(row[0], message, "leave its cells empty")
+        if following is not None and not elastic and following.ratio == mass.ratio:
+            hint = "write it, or 0 in a column `flexibility` for a rigid connection"
+            table.fault(row[0], f"{name} has no stiffness to the next mass", hint)
+        if len({"inertia", "gd2", "wr2"} & mass.values.keys()) > 1:
+            table.fault(row[0], f"{name} states its inertia twice", "leave one of the cells empty")
     if table.faults:
         raise input_error(table.faults, source)
     return masses

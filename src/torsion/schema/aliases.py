@@ -19,12 +19,12 @@ def aliases_of(keys: Iterable[str]) -> dict[str, str]:
 
 def replace_aliases(root: Node) -> Iterator[Fault]:
     """Replace every alias of a file by its key, at the place of the alias; yield the fault of both given."""
-    yield from _rename(root, SECTIONS_BY_ALIAS[""])
-    if (operation := root.parts.get("operation")) is not None:
-        yield from _rename(operation, SECTIONS_BY_ALIAS["operation"])
     analyses = root.parts.get("analyses")
-    if analyses is not None and (design := analyses.parts.get("design")) is not None:
-        yield from _rename(design, SECTIONS_BY_ALIAS["design"])
+    design = None if analyses is None else analyses.parts.get("design")
+    nodes = {"": root, "operation": root.parts.get("operation"), "design": design}
+    for section, node in nodes.items():
+        if node is not None:
+            yield from _rename(node, SECTIONS_BY_ALIAS[section])
     for section in ("train", "links"):
         if (entries := root.parts.get(section)) is not None:
             yield from _train_faults(entries)

@@ -181,8 +181,7 @@ def _case(
     if case.corner:
         _tolerances(case, overlay)
     else:
-        node = source.at(case.path) or Node({}, 1, 1)
-        change_overlay(case.keys, case.path, node, overlay)
+        change_overlay(case.keys, case.path, source.at(case.path) or Node({}, 1, 1), overlay)
     overlay.removed["analyses", "fit"] = None  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
@@ -196,8 +195,7 @@ def _case(
                 is_corner = bool(case.corner or (base.case and base.case.is_corner))
                 merged, is_judged = merge_changes(changes), case.keys.judged
                 record = Case(case.name, merged, is_judged, is_corner, changed)
-                name = f"{study.name}, case {case.name}"
-                return replace(changed_study, name=name, case=record)
+                return replace(changed_study, name=f"{study.name}, case {case.name}", case=record)
             message = "it changes no result that is requested"
             hint = "names, notes, sources and figures that nothing reads have no effect"
             overlay.refuse(case.path, message, hint)

@@ -76,8 +76,8 @@ def json_schema() -> Schema:
     }
     for key, body in _sections(refs, kinds).items():
         schema["properties"][key] |= body
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema |= {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Shaft train",
         "description": "A train of shafts and what is computed of it.",
     }
@@ -148,7 +148,7 @@ def _sections(refs: dict[str, Schema], kinds: Schema) -> dict[str, Schema]:
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
     link_kinds = (*LINKS, *(word for word, kind in KINDS_BY_ALIAS.items() if kind in LINKS))
-    link = _one_of({word: kinds[word] for word in link_kinds}, required={"between": ends})
+    link = _one_of({word: kinds[word] for word in link_kinds}, between=ends)
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _settings("fem", refs["fem"], fem)}
     for name in settings_classes():
@@ -180,18 +180,16 @@ def _sections(refs: dict[str, Schema], kinds: Schema) -> dict[str, Schema]:
     }
 
 
-def _one_of(properties: Schema, required: Schema | None = None) -> Schema:
-    """A mapping with exactly one of the properties, and all of the others."""
-    required_keys = required or {}
-    size = 1 + len(required_keys)
+def _one_of(properties: Schema, **needed: Schema) -> Schema:
+    """A mapping with exactly one of the properties, and all that are needed."""
     body = {
         "type": "object",
-        "properties": {**required_keys, **properties},
+        "properties": {**needed, **properties},
         "additionalProperties": False,
-        "minProperties": size,
-        "maxProperties": size,
+        "minProperties": 1 + len(needed),
+        "maxProperties": 1 + len(needed),
     }
-    return body | {"required": list(required_keys)} if required_keys else body
+    return body | {"required": list(needed)} if needed else body
 
 
 def _list_of(items: Schema) -> Schema:

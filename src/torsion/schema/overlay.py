@@ -150,8 +150,7 @@ class Overlay:
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
         aliases = SECTIONS_BY_ALIAS.get(plain[0], KEYS_BY_ALIAS)
-        steps = [aliases.get(word, word) for word in plain[1:]]
-        return plain[0], words_found[0] != plain[0], steps
+        return plain[0], words_found[0] != plain[0], [aliases.get(word, word) for word in plain[1:]]
 
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""

@@ -334,8 +334,7 @@ class Rows(Table):
             return self._harmonic(body)
         if kind is None:
             return body
-        keys = {word: (kind.line, kind.column)}
-        return self._node({}, begin).as_mapping({word: body}, keys=keys)
+        return self._node({}, begin).as_mapping({word: body}, keys={word: (kind.line, kind.column)})
 
     def _node(self, value: Any, cell: Cell) -> Node:
         """A value with all that is in it, at the place of its cell."""
@@ -358,7 +357,8 @@ class Rows(Table):
             self.fault(cell, message, "mend the formula, save again")
         value, text = cell.text, cell.text if column.is_text else self.plain(cell.text)
         if not column.is_text and text[0] not in "[{":
-            value = _in_unit(resolved(text), text, column.unit)
+            has_unit = column.unit and is_number(text)
+            value = f"{text} {column.unit}" if has_unit else resolved(text)
         elif not column.is_text and not self.refuse_joined(cell):
             if text[-1] not in "]}":
                 hint = 'put the whole cell in quotes: "[0.9, 0.6]"'
@@ -370,8 +370,10 @@ class Rows(Table):
                     hint = error.faults[0].hint or "for example [0.9, 0.6]"
                     message = f"this list or mapping cannot be read: {error.faults[0].message}"
                     self.fault(cell, message, hint)
-                if isinstance(value, list):
-                    value = [_in_unit(item, str(item), column.unit) for item in value]
+                if isinstance(value, list) and column.unit:
+                    value = [
+                        f"{item} {column.unit}" if is_number(str(item)) else item for item in value
+                    ]
         body.parts[column.key] = self._node(value, cell)
         body.keys[column.key] = (cell.line, cell.column)
         body.value[column.key] = value
@@ -385,8 +387,3 @@ class Rows(Table):
             self.fault(cell, f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
         parts = [body.parts[key] for key in keys if key in body.parts]
         return body if has_parts else body.as_list(parts)
-
-
-def _in_unit(value: Any, text: str, unit: str) -> Any:
-    """A number with its unit; all else as it stands."""
-    return f"{text} {unit}" if unit and is_number(text) else value

@@ -182,8 +182,7 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
     tolerances = with_tolerance(study, Overlay(source, study))
     for column, figure in [*varied, *((figure.name, figure) for figure in tolerances)]:
         if figure.name not in figures:
-            number = columns.setdefault(column, len(columns))
-            figures[figure.name] = replace(figure, column=number)
+            figures[figure.name] = replace(figure, column=columns.setdefault(column, len(columns)))
     return Variation(tuple(figures.values()), source, read, study)
 
 

@@ -175,8 +175,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
                 )
             )
             if len(overlay.faults) == before:
-                nominal = float(next(matching, np.nan))
-                yield Figure(part.name, law, (), 0, nominal, rows, words)
+                yield Figure(part.name, law, (), 0, float(next(matching, np.nan)), rows, words)
             continue
         pairs = list[tuple[str, Path]]()
         if words.startswith("*."):

@@ -73,7 +73,7 @@ def answers_of_workers(
 
     waiting: is given words for what is waited for.
     """
-    from distributed import as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
 
     left, sent = list(reversed(chunks)), dict[str, Chunk]()
     waiting("sweep, waiting for the workers")
@@ -91,7 +91,21 @@ def answers_of_workers(
         under_way = as_completed(send())
         for future in under_way:
             chunk = sent.pop(future.key)
-            yield chunk, _result(future, chunk)
+            try:
+                values, answers = future.result()
+            except KilledWorker as error:
+                variants = f"the variants {chunk.begin} to {chunk.end - 1}"
+                message = f"{variants} ended every worker that took them: {error}"
+                hint = "more memory for each worker, or fewer workers on a machine"
+                raise SolveError(message, hint) from None
+            except (CancelledError, OSError, TimeoutError) as error:
+                hint = "the parts stay; start it again and give the same command"
+                raise SolveError(f"the scheduler is gone: {error}", hint) from None
+            except InputError as error:
+                hint = "the same files and programs on every machine"
+                message = f"a worker cannot join: {error} ({hint})"
+                raise InputError([Fault((), str(error), hint)], message) from None
+            yield chunk, (values, answers)
             for future_chunk in send():
                 under_way.add(future_chunk)
 
@@ -120,23 +134,3 @@ def _client_of(workplace: Workplace) -> Iterator[Any]:
             )
             raise refusal(f"no worker has joined the scheduler {scheduler}", hint) from None
         yield client
-
-
-def _result(future: Any, chunk: Chunk) -> Part:
-    """Return the answers of a chunk; raises InputError or SolveError."""
-    from distributed import CancelledError, KilledWorker
-
-    try:
-        values, answers = future.result()
-        return values, answers
-    except KilledWorker as error:
-        message = f"the variants {chunk.begin} to {chunk.end - 1} ended every worker that took them: {error}"
-        hint = "more memory for each worker, or fewer workers on a machine"
-        raise SolveError(message, hint) from None
-    except (CancelledError, OSError, TimeoutError) as error:
-        hint = "the parts stay; start it again and give the same command"
-        raise SolveError(f"the scheduler is gone: {error}", hint) from None
-    except InputError as error:
-        hint = "the same files and programs on every machine"
-        message = f"a worker cannot join: {error} ({hint})"
-        raise InputError([Fault((), str(error), hint)], message) from None

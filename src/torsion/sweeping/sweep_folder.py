@@ -74,6 +74,7 @@ OF = "sweep.json"  # what the parts are of
 SUMS = "SHA256SUMS"  # of the parts, beside them; `sha256sum -c` reads it
 UNFINISHED = re.compile(r"part-\d{6}\.\w+\.part")
 OWN = re.compile(r"part-\d{6}\.parquet")
+ANEW = "--fresh to begin anew, or another folder with -o"
 MOST_SAID = 4  # differences from another sweep
 LIBRARIES = ("torsion", "numpy", "scipy")  # which may change the last bits of the answers
 
@@ -113,11 +114,20 @@ class SweepFolder:
         lines = (line.partition("  ") for line in text.splitlines())
         self.checksums.update((name, checksum) for checksum, _, name in lines)
         if identity_file.exists():
-            _refuse_another(identity_file, identity)
-            return
+            try:
+                stored = json.loads(identity_file.read_text(encoding="utf-8"))
+                differences = list(_differences(stored, json.loads(json.dumps(identity))))
+                if not differences:
+                    return
+                further = len(differences) - MOST_SAID
+                words = "; ".join(differences[:MOST_SAID])
+                words += f"; and {further} more" if further > 0 else ""
+            except (OSError, ValueError, KeyError, AttributeError, TypeError):
+                words = "it cannot be read"
+            raise refusal(f"{identity_file} is of another sweep: {words}", ANEW)
         if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
             message = f"{self.parts} holds parts of a sweep, and {OF}, which identifies the sweep, is missing"
-            raise refusal(message, "--fresh to begin anew, or another folder with -o")
+            raise refusal(message, ANEW)
         under_way = identity_file.with_name(f"{OF}.part")
         under_way.write_text(json.dumps(identity, indent=1), encoding="utf-8")
         under_way.replace(identity_file)
@@ -235,22 +245,6 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
         name = path.relative_to(folder).as_posix() if is_near else str(path)
         sums[name] = sha256(content).hexdigest()
     return sums
-
-
-def _refuse_another(path: Path, identity: Mapping[str, Any]) -> None:
-    """Raise InputError where a file says that its parts are of another sweep, with what differs."""
-    try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
-        differences = list(_differences(stored, json.loads(json.dumps(identity))))
-        if not differences:
-            return
-        further = len(differences) - MOST_SAID
-        words = "; ".join(differences[:MOST_SAID])
-        words += f"; and {further} more" if further > 0 else ""
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        words = "it cannot be read"
-    hint = "--fresh to begin anew, or another folder with -o"
-    raise refusal(f"{path} is of another sweep: {words}", hint)
 
 
 def _differences(

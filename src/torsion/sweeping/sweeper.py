@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from torsion.commands import OTHER_FOLDER, folder_of, one_case
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Fault, InputError, SolveError, refusal
 from torsion.findings import Findings, Progress, Work, silent
 from torsion.processes import shared_out
 from torsion.runner import run
@@ -59,8 +59,7 @@ class Sweeper:
                     )
                 else:
                     answer_of = partial(answered, replace(work, progress=silent), variation)
-                    processes = self.workplace.processes
-                    answers = shared_out(answer_of, left, fewest=2, most=processes)
+                    answers = shared_out(answer_of, left, fewest=2, most=self.workplace.processes)
                     pairs = zip(left, answers, strict=True)
                 for chunk, part in pairs:
                     sweep_folder.write(chunk, variation, part)
@@ -107,7 +106,7 @@ def swept(
         raise stopped.args[0] from None
     except OSError as error:
         message = f"the parts cannot be written to {folder}: {error.strerror or error}"
-        raise InputError([Fault((), message)], message + OTHER_FOLDER) from None
+        raise refusal(message, OTHER_FOLDER) from None
     if sweeper.kept:
         notice(f"{sweeper.kept} of {sweeper.kept + sweeper.solved} parts were there already")
     return findings

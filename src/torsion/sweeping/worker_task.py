@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 
-from torsion.errors import Fault, InputError
+from torsion.errors import refusal
 from torsion.findings import Work, version
 from torsion.rules import rule_over_speed
 from torsion.runner import run
@@ -58,6 +58,6 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
     if missing and not fault:
         fault = f"not there as where the sweep was begun: {', '.join(missing)}"
     if fault:
-        raise InputError([Fault((), fault)], fault)
+        raise refusal(fault)
     work, variation = pickle.loads(given.scene)
     return replace(work, solve=run, rules=rule_over_speed), variation

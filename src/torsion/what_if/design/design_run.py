@@ -88,8 +88,7 @@ def _cases(work: Work, variation: Variation, sweep: Variation | None) -> Iterato
             ruled = work.rules.analyses_read(study)
             case_work = replace(work, study=bare(study), results={}, ruled=ruled)
             chosen = variation.in_case(study)
-        sampled = chosen if sweep is None else sweep.behind(chosen)
-        yield name, Case(case_work, chosen, sampled)
+        yield name, Case(case_work, chosen, chosen if sweep is None else sweep.behind(chosen))
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:

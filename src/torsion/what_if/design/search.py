@@ -80,8 +80,7 @@ def _refine(
     lowest, highest = np.maximum(middle - around, 0.0), np.minimum(middle + around, 1.0)
     if len(ranges) == 1:
         options: Any = {"xatol": REFINED, "maxiter": max(min(STEPS, evaluations), FEW)}
-        ends = (lowest[0], highest[0])
-        minimize_scalar(cost, bounds=ends, method="bounded", options=options)
+        minimize_scalar(cost, bounds=(lowest[0], highest[0]), method="bounded", options=options)
         return
     # Each corner of the simplex moves one range to its farther end.
     farther = np.where(highest - middle >= middle - lowest, highest, lowest)
@@ -92,8 +91,7 @@ def _refine(
         "fatol": 1e-9,
         "maxfev": max(min(SIMPLEX * len(ranges), evaluations), FEW),
     }
-    bounds = [(0.0, 1.0)] * len(ranges)
-    minimize(cost, middle, method="Nelder-Mead", bounds=bounds, options=options)
+    minimize(cost, middle, method="Nelder-Mead", bounds=[(0.0, 1.0)] * len(ranges), options=options)
 
 
 @source("StornPrice1997")

@@ -139,8 +139,7 @@ class Train:
         """Return study and system with these factors; raises SolveError if the file is at fault."""
         try:
             try:
-                train = self.variation.in_columns(np.array([factors]))
-                study = self.variation.studies(train)(0)
+                study = self.variation.studies(self.variation.in_columns(np.array([factors])))(0)
             except NotInColumns:
                 study = self.variation.study(factors)
         except InputError as error:

@@ -89,10 +89,6 @@ def grid_of(
 LEAST_SPREAD = 1e-9  # relative: below it an answer does not vary, and nothing decides
 
 
-def _is_constant(values: FloatArray) -> bool:
-    return bool(np.ptp(values) <= LEAST_SPREAD * np.abs(values).max())
-
-
 @source("Saltelli2010")
 @source("Jansen1999")
 def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
@@ -107,7 +103,7 @@ def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     }
     indices = []
     for words, values in quantities.items():
-        if not np.isfinite(values).all() or _is_constant(values):
+        if not np.isfinite(values).all() or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
             continue
         value, error = estimated(values.reshape(points.sets, points.samples))
         indices += [
@@ -243,7 +239,7 @@ def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
     """The figure whose ranks go most with those of the share of a limit, and how much (Spearman 1904)."""
     is_finite = np.isfinite(used)
     values = used[is_finite]
-    if values.size < 3 or _is_constant(values):
+    if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
         return 0, None
     share = _ranks(values)
     ranks = np.column_stack([_ranks(column) for column in factor[is_finite].T])
