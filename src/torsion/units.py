@@ -228,7 +228,8 @@ def _container(written: str) -> "UnitsContainer":
     """The unit as powers of the names of units.txt; raises UnitFault."""
     from pint.errors import PintError
 
-    tokens, end = [], 0
+    usual = "units are written like kN*m/rad, kg*m**2, rpm"
+    tokens, end = list[str](), 0
     while token := _TOKEN.match(written, end):
         tokens.insert(0, token[1])
         end = token.end()
@@ -237,8 +238,7 @@ def _container(written: str) -> "UnitsContainer":
         if tokens or end < len(written):
             raise LookupError
     except LookupError:
-        hint = "units are written like kN*m/rad, kg*m**2, rpm"
-        raise UnitFault(f"the unit {_quoted(written)} cannot be read", hint) from None
+        raise UnitFault(f"the unit {_quoted(written)} cannot be read", usual) from None
     registry, powers = _registry(), Counter[str]()
     for name, power in named.items():
         try:
@@ -247,7 +247,6 @@ def _container(written: str) -> "UnitsContainer":
             )
         except PintError:
             near = nearest(name, _spelled())
-            usual = "units are written like kN*m/rad, kg*m**2, rpm"
             hint = f"did you mean '{near}'?" if near else usual
             raise UnitFault(f"'{name}' is not a known unit", hint) from None
     if any(abs(power) > _HIGHEST for power in powers.values()):

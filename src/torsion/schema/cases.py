@@ -266,8 +266,7 @@ def _tolerances(case: _Requested, overlay: Overlay) -> None:
                 keys = (str(step + 1) if isinstance(step, int) else step for step in steps)
                 words = ".".join((part.name, *keys))
                 overlay.changes.append(Change(words, in_words(stated.value), in_words(value)))
-                position = node.line, node.column
-                overlay.put(path, Node(value, *position), position)
+                overlay.put(path, Node(value, node.line, node.column))
 
 
 def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:

@@ -55,10 +55,11 @@ class Overlay:
         """Note what is said wrongly at a key of the case."""
         self.faults.append(Fault(fault, message, hint, at_key=True))
 
-    def put(self, path: Path, value: Node, key_place: Place) -> None:
-        """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
+    def put(self, path: Path, value: Node, key_place: Place | None = None) -> None:
+        """A value in place of what stands at a path, or beside it; `key_place`: where its key stands, or itself."""
         # Of what a table states, the case states this.
         file = Source(self.source.name, self.source.text)
+        key_place = key_place or (value.line, value.column)
         self.puts.append((path, replace(value, source=value.source or file), key_place))
 
     def change(
@@ -76,25 +77,26 @@ class Overlay:
         if (path := self.path(words, fault)) is None:
             return
         given, made = self.source.at(path), value.value
-        if factor is not None:
-            made = None if given is None else multiplied(given.value, factor)
-            value = Node(made, value.line, value.column)
+        if factor is None and given is not None and given.value == made:
+            if not self.permits_no_change:
+                message = f"`{printable(words)}` is {in_words(made)} already: nothing changes"
+                self.refuse(fault, message, "give another value, or leave it out")
+            return
         if factor is not None and given is None:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             )
             self.refuse(fault, message, "give its value with `set`")
-        elif factor is not None and given is not None and made is None:
-            message = f"{shown(given.value)} is not a number that can be multiplied"
-            self.refuse(fault, message, "give the new value with `set`")
-        elif factor is None and given is not None and given.value == made:
-            if not self.permits_no_change:
-                message = f"`{printable(words)}` is {in_words(made)} already: nothing changes"
-                self.refuse(fault, message, "give another value, or leave it out")
-        else:
-            before = "not given" if given is None else in_words(given.value)
-            self.changes.append(Change(words, before, in_words(made)))
-            self.put(path, value, key_place)
+            return
+        if factor is not None and given is not None:
+            if (made := multiplied(given.value, factor)) is None:
+                message = f"{shown(given.value)} is not a number that can be multiplied"
+                self.refuse(fault, message, "give the new value with `set`")
+                return
+            value = Node(made, value.line, value.column)
+        before = "not given" if given is None else in_words(given.value)
+        self.changes.append(Change(words, before, in_words(made)))
+        self.put(path, value, key_place)
 
     def path(self, words: str, fault: Path) -> Path | None:
         """The path in the file that the words of a key stand for; None with its fault noted."""
@@ -354,8 +356,8 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     for part in overlay.study.train.parts:
         if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
             node = overlay.source.at(part.path) or overlay.source.root
-            place = node.line, node.column
-            overlay.put((*part.path, "name"), Node(part.name, *place, source=node.source), place)
+            named = Node(part.name, node.line, node.column, source=node.source)
+            overlay.put((*part.path, "name"), named)
     overlay.removed |= dict.fromkeys(entries)
     with_it = [f"{len(acting)} excitation{'s' * (len(acting) > 1)}"] if acting else []
     words = ", ".join([*gone, *with_it])

@@ -211,11 +211,10 @@ class Rows(Table):
                 load.as_mapping({key: load, "rows": load.as_list(harmonics)})
                 for load, harmonics in tables.values()
             ]
-        faults = self.faults
-        reading.faults += [replace(fault, file=self.source.name) for fault in faults]
+        reading.faults += [replace(fault, file=self.source.name) for fault in self.faults]
         # A measured row has a meaning only beside all others: a fault in one ends the reading.
         is_measured = self.key in (HARMONICS, BY_LOAD, TORSIOGRAM)
-        reading.is_ended |= is_ended or (is_measured and bool(faults))
+        reading.is_ended |= is_ended or (is_measured and bool(self.faults))
         return nodes
 
     def _column(self, cell: Cell) -> Column | None:

@@ -142,7 +142,7 @@ def _read_alternatives(figure: Figure, study: Study, source: Source) -> Pieces:
             if path not in ((), piece_path(put_path)):
                 raise NotInColumns("one parameter varies several components")
             path = piece_path(put_path)
-            overlay.put(put_path, node, (node.line, node.column))
+            overlay.put(put_path, node)
         sources.append(overlay.applied())
     pieces = list[Declared]()
     for changed in sources:

@@ -60,18 +60,16 @@ class Variation(VariationOfStudy):
 
     def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
         """The file with every figure at its value, without what varies figures; and what is put in it, where."""
-        pairs = list(zip(self.figures, values, strict=True))
         source, changes = self.source, dict[Path, Node]()
         for stage in sorted({figure.stage for figure in self.figures}) or [(0, True)]:
             overlay = Overlay(source, self.base)
             for name in VARYING:
                 overlay.removed["analyses", name] = None
-            for figure, value in pairs:
-                for path, node in (
-                    figure.puts(float(value), source) if figure.stage == stage else ()
-                ):
-                    overlay.put(path, node, (node.line, node.column))
-                    changes[path] = node
+            for figure, value in zip(self.figures, values, strict=True):
+                if figure.stage == stage:
+                    for path, node in figure.puts(float(value), source):
+                        overlay.put(path, node)
+                        changes[path] = node
             source = overlay.applied()
         return source, changes
 

@@ -25,7 +25,7 @@ Range = Annotated[
 AIM = {
     "anyOf": [
         {"const": "margin"},
-        {"type": "object", "additionalProperties": {"type": ["number", "string"]}},
+        {"type": "object", "additionalProperties": AMOUNT},
     ]
 }
 

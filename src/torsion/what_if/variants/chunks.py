@@ -1,7 +1,7 @@
 """Chunks of the variants of a file: what is solved at once, in this process or on another machine, and kept as one."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -86,30 +86,18 @@ class Answers:
 
 
 def solved(
-    work: Work,
-    variation: Variation,
-    values: FloatArray,
-    modes: int,
-    *,
-    judged: bool,
-    partial: Answers | None = None,
-    places: Sequence[int] | None = None,
+    work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool
 ) -> Answers:
-    """The answers of variants (variants, figures), each solved and judged by itself, on all processors.
-
-    partial: answers to which those at the `places` alone are added.
-    """
-    answers = Answers(np.full((modes, len(values)), np.nan)) if partial is None else partial
-    columns = range(len(values)) if places is None else places
+    """The answers of variants (variants, figures), each solved and judged by itself, on all processors."""
+    answers, count = Answers(np.full((modes, len(values)), np.nan)), len(values)
     solve = work.solve
-    if solve is None or not columns:
+    if solve is None or not count:
         return answers
     only = analyses_of_variant(work, judged=judged)
-    rows = values[columns]
     try:
-        study_of = variation.studies(variation.in_columns(rows))
+        study_of = variation.studies(variation.in_columns(values))
     except NotInColumns:
-        study_of = lambda variant: variation.study(rows[variant].tolist())  # noqa: E731
+        study_of = lambda variant: variation.study(values[variant].tolist())  # noqa: E731
 
     def answer_of(variant: int) -> Answers:
         try:
@@ -117,14 +105,11 @@ def solved(
             findings = solve(study if judged else replace(study, rules=()), only=only)
             return Answers.of_findings(findings, modes)
         except (InputError, SolveError) as error:
-            answer = Answers(np.full((modes, 1), np.nan))
-            answer.faults[0] = error.message
-            return answer
+            return Answers(np.full((modes, 1), np.nan), faults={0: error.message})
 
-    found_answers = shared_out(answer_of, range(len(rows)))
-    for number, (column, answer) in enumerate(zip(columns, found_answers, strict=True), start=1):
-        answers.take(column, answer)
-        work.progress(f"variant {number} of {len(rows)}", number / len(rows))
+    for variant, answer in enumerate(shared_out(answer_of, range(count))):
+        answers.take(variant, answer)
+        work.progress(f"variant {variant + 1} of {count}", (variant + 1) / count)
     return answers
 
 

@@ -81,9 +81,10 @@ def frequencies(
             left.size > 0
         )
         answers.method = f"frequencies of all variants at once, each certified by counts{separate}"
-    return solved(
-        work, variation, values, count, judged=False, partial=answers, places=left.tolist()
-    )
+    alone = solved(work, variation, values[left], count, judged=False)
+    answers.frequency[:, left] = alone.frequency
+    answers.faults = {int(left[variant]): why for variant, why in alone.faults.items()}
+    return answers
 
 
 def certified(
