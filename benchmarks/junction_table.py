@@ -13,9 +13,9 @@ from torsion.kernels.junction_table import (
     FILE,
     HIGHEST,
     LOWEST,
+    NODES,
     SIZES,
     JunctionTable,
-    _nodes,
     _smooth,
 )
 
@@ -33,8 +33,7 @@ def places() -> list[np.ndarray]:
     """Of bore, height and radius: where the table has values."""
     low, high = _smooth(LOWEST), _smooth(HIGHEST)
     bore, height, fillet = (
-        a + (b - a) * (1.0 + _nodes(size)) / 2.0
-        for a, b, size in zip(low, high, SIZES, strict=True)
+        a + (b - a) * (1.0 + nodes) / 2.0 for a, b, nodes in zip(low, high, NODES, strict=True)
     )
     return [bore, np.exp(height), fillet**1.5]
 

@@ -145,8 +145,8 @@ def hill_growth(
     turned = _instants(count)
     rates = []
     for speed in at.tolist():
-        exponents = hill_exponents(*_samples(shaft, turned, speed, model), 2.0 * speed, count)
-        rates.append(exponents.exponent.real.max())
+        exponents, _ = hill_exponents(*_samples(shaft, turned, speed, model), 2.0 * speed, count)
+        rates.append(exponents.real.max())
     return np.array(rates)
 
 

@@ -25,18 +25,6 @@ def accurate_phase(degree: int) -> float:
     return float((SHARE_OF_ERROR / phase_error(degree, 1.0)) ** (0.5 / degree))
 
 
-def elements_for(bar: Bar, frequency: float, degree: int) -> int:
-    """Elements that keep the error of a shaft below SHARE_OF_ERROR up to a highest frequency (Hz), at least FEWEST."""
-    number = max(
-        math.ceil(phase(bar, frequency) / min(accurate_phase(degree), LARGEST_PHASE)), FEWEST
-    )
-    while number < MOST and (error := section_error(bar, number, degree)) > SHARE_OF_ERROR:
-        number = max(
-            number + 1, math.ceil(number * min((error / SHARE_OF_ERROR) ** (0.5 / degree), 4.0))
-        )
-    return min(number, MOST)
-
-
 def assemble_fem(train: Train, requested: Discretisation) -> System:
     """The system in which every shaft has elements of one degree, enough for a highest frequency (Hz).
 
@@ -47,8 +35,15 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
     order = degree or DEGREE
 
     def number_of(bar: Bar) -> int:
-        number = elements_for(bar, frequency, order) if elements is None else elements
-        return max(number, bar.segments or 1)  # at least the segments that the shaft itself states
+        """As many as requested, or as keep the error below SHARE_OF_ERROR; at least the segments that it states."""
+        if elements is not None:
+            return max(elements, bar.segments or 1)
+        longest = min(accurate_phase(order), LARGEST_PHASE)
+        number = max(math.ceil(phase(bar, frequency) / longest), FEWEST)
+        while number < MOST and (error := section_error(bar, number, order)) > SHARE_OF_ERROR:
+            factor = min((error / SHARE_OF_ERROR) ** (0.5 / order), 4.0)
+            number = max(number + 1, math.ceil(number * factor))
+        return max(min(number, MOST), bar.segments or 1)
 
     if degree is None and elements is not None:
         # The least degree that keeps the error below SHARE_OF_ERROR with so many elements a shaft.
@@ -100,12 +95,9 @@ def section_error(bar: Bar, number: int, degree: int) -> float:
     points = (np.arange(number)[:, None] + (x + 1.0) / 2.0) / number
     polynomials = np.polynomial.legendre.legvander(x, degree - 1)
     energy = np.einsum("ng,gi,gj->nij", area_along(bar, points) * weight, polynomials, polynomials)
-    across = np.zeros(degree)
+    across = np.zeros((degree, 1))
     across[0] = 2.0
-    flexibility = (
-        np.linalg.solve(energy, np.broadcast_to(across[:, None], (number, degree, 1)))[:, 0, 0]
-        * 2.0
-    )
-    element_flexibility = (bar.length / number / bar.shear_modulus) * flexibility / 2.0
+    flexibility = np.linalg.solve(energy, across)[:, 0, 0]
+    element_flexibility = (bar.length / number / bar.shear_modulus) * flexibility
     exact = bar_segments(bar, number)[0]
     return float(max(np.sum(exact - element_flexibility) / np.sum(exact), 0.0) / 2.0)

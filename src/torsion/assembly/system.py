@@ -137,14 +137,15 @@ class System:
         are left over as those that close a loop (through ground).
         """
         flexibility = self.flexibility / self.span_ratio**2
-        ends, chosen = _split_held(self), np.ones(len(flexibility), dtype=bool)
-        way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+        nodes, driving, driven, copies, roots, anchors = _split_held(self)
+        chosen = np.ones(len(flexibility), dtype=bool)
+        way = walk(nodes, driving, driven, chosen, roots)
         has_loops = len(flexibility) > np.count_nonzero(way.parent >= 0)
-        if ends.anchors or has_loops:
+        if anchors or has_loops:
             # The stiffest spans that close no loop and join no two anchors; those of `links` last.
             is_link = np.array([part.path[0] == "links" for part in self.train.parts])
             ranked = np.lexsort((is_link[self.span_part], flexibility))
-            chosen = closing_no_loop(ends.number, ends.driving, ends.driven, ranked, ends.anchors)
+            chosen = closing_no_loop(nodes, driving, driven, ranked, anchors)
             rigid = ranked[~chosen[ranked] & (flexibility[ranked] == 0)]
             if rigid.size:
                 part = self.train.parts[self.span_part[rigid[0]]]
@@ -152,7 +153,7 @@ class System:
                 message = f"'{part.name}' is rigid and closes a loop of rigid links, whose torques nothing divides"
                 loop = Fault((*part.path, *key), message, "give it a stiffness, or leave it out")
                 raise InputError(fixed_point_faults(self.train) or [loop])
-            way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
+            way = walk(nodes, driving, driven, chosen, roots)
 
         # The tree is numbered from its roots to its leaves.
         stations, order, number = len(self.stations), way.order, len(way.order)
@@ -165,11 +166,11 @@ class System:
         elastic[:, node] = referred[:, span]
         span_node = np.full(len(flexibility), -1, dtype=np.int64)
         span_node[span] = node
-        source = np.append(np.arange(stations), np.array(ends.copies, dtype=np.int64))[order]
+        source = np.append(np.arange(stations), np.array(copies, dtype=np.int64))[order]
         inertia = (self.lumped_inertia * self.speed_ratio**2)[source]
         parent = np.where(parent >= 0, tree_station[parent], -1)
         tree = Tree(parent, flexible, inertia, self.held[source])
-        sign = np.where(tree_station[ends.driven] == span_node, 1.0, -1.0)
+        sign = np.where(tree_station[driven] == span_node, 1.0, -1.0)
         return CondensedTrain(
             tree, tree_station[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
         )
@@ -193,12 +194,8 @@ class System:
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
         given = any(self.train.modal_damping) or any(table.damps for table in self.tables.values())
-        return (
-            given
-            or bool(self.dampers)
-            or bool(np.any(self.viscous > 0))
-            or bool(np.any(self.loss_factor > 0))
-        )
+        acts = np.any(self.viscous > 0) or np.any(self.loss_factor > 0)
+        return given or bool(self.dampers) or bool(acts)
 
     def tables_over(self, over: str) -> "dict[int, StiffnessTable]":
         """The tables over frequency, mean or vibratory torque, by span."""
@@ -266,29 +263,19 @@ class System:
         return damping
 
 
-@dataclass(frozen=True)
-class _Ends:
-    """Ends of every span after fixed stations were split into one copy a span."""
-
-    number: int  # of stations and copies
-    driving: IntArray
-    driven: IntArray
-    copies: tuple[int, ...]  # the fixed station that each further node copies
-    roots: list[int]  # fixed stations (no ground) to walk from, in this order
-    anchors: tuple[
-        int, ...
-    ]  # fixed stations that rigid spans join to one part, where there are several
-
-
-def _split_held(system: System) -> _Ends:
+def _split_held(
+    system: System,
+) -> tuple[int, IntArray, IntArray, list[int], list[int], list[int]]:
     """A fixed station stays the root of its train once; every other fixed station becomes one leaf a span.
 
-    One with a single span is a root or a leaf as it is. A rigid span can only lead away from a root.
+    One with a single span is a root or a leaf as it is. A rigid span can only lead away from a root. Number of stations
+    and copies; driving and driven end of every span; the fixed station that each further node copies; fixed stations
+    (no ground) to walk from, in this order; those that rigid spans join to one part, where there are several.
     """
     driving, driven = system.driving.copy(), system.driven.copy()
     number = len(system.stations)
     if not system.held.any():
-        return _Ends(number, driving, driven, (), [], ())
+        return number, driving, driven, [], [], []
     free = ~system.held[driving] & ~system.held[driven]
     group = connected(
         number, driving[free], driven[free]
@@ -330,6 +317,4 @@ def _split_held(system: System) -> _Ends:
                 root.setdefault(int(group[neighbour]), station)
     free_of_ground = (station for station in held if not system.stations[station].is_ground)
     roots = list(dict.fromkeys([*root.values(), *free_of_ground]))
-    return _Ends(
-        number + len(copies), driving, driven, tuple(copies), roots, tuple(sorted(anchors))
-    )
+    return number + len(copies), driving, driven, copies, roots, sorted(anchors)

@@ -32,35 +32,30 @@ def reach(system: System) -> tuple[float, float]:
     return min(table.ends[0] for table in tables), max(table.ends[1] for table in tables)
 
 
-def taken_at(system: System, w: float) -> System:
-    """The system with the stiffness and damping that its tables over frequency have at w (rad/s), and no such table."""
-    return _taken(system, dict.fromkeys(system.tables_over("frequency"), w))
+def taken_at(
+    system: System,
+    w: float | None = None,
+    *,
+    mean: FloatArray | None = None,
+    speed: float | None = None,
+) -> System:
+    """The system with the stiffness and damping of its tables at one point each, and no such table.
 
-
-def taken_under(system: System, mean: FloatArray, speed: float) -> System:
-    """The same with that of its tables over mean torque under mean torques (spans,) N m, and of those over speed.
-
-    speed: rad/s of the reference station.
+    w: rad/s, for tables over frequency; mean: (spans,) N m, for those over mean torque; speed: rad/s of the reference
+    station. Other tables stay. The tree keeps its layout; values at the nearest end stand for those beyond a table.
     """
-    points = {span: abs(float(mean[span])) for span in system.tables_over("mean torque")}
-    points |= {span: speed * float(system.span_ratio[span]) for span in system.tables_over("speed")}
-    return _taken(system, points)
-
-
-def _taken(system: System, points: dict[int, float]) -> System:
-    """The system with the values of some tables at one point each, and without those tables.
-
-    The tree keeps its layout; values at the nearest end stand for those beyond a table.
-    """
-    if not points:
-        return system
-    values = {}
-    for span, x in points.items():
-        k, loss, viscous = (float(value) for value in system.tables[span].values(np.asarray(x)))
-        values[span] = 1.0 / k, viscous, loss
-    return with_springs(
-        system, values, {span: table for span, table in system.tables.items() if span not in points}
-    )
+    values, tables = dict[int, tuple[float, float, float]](), dict(system.tables)
+    for span, table in system.tables.items():
+        x = w if table.over == "frequency" else None
+        if table.over == "mean torque" and mean is not None:
+            x = abs(float(mean[span]))
+        elif table.over == "speed" and speed is not None:
+            x = speed * float(system.span_ratio[span])
+        if x is not None:
+            k, loss, viscous = (float(value) for value in table.values(np.asarray(x)))
+            values[span] = 1.0 / k, viscous, loss
+            del tables[span]
+    return with_springs(system, values, tables) if values else system
 
 
 def with_springs(

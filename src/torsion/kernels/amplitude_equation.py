@@ -72,11 +72,9 @@ def solutions(
     )
     step, column = np.nonzero((ratios[:-1] < 1.0) != (ratios[1:] < 1.0))
     low, high = sampled[step, column], sampled[step + 1, column]
-    first, second, dip_column = _dips(ratio, sampled, ratios)
-    column, low, high = (
-        np.concatenate(part)
-        for part in ([column, dip_column, dip_column], [low, *first], [high, *second])
-    )
+    begin, middle, end, dip_column = _dips(ratio, sampled, ratios)
+    column = np.concatenate([column, dip_column, dip_column])
+    low, high = np.concatenate([low, begin, middle]), np.concatenate([high, middle, end])
     if not len(low):
         return column, low
 
@@ -93,14 +91,17 @@ def solutions(
 
 def _dips(
     ratio: Ratio, sampled: FloatArray, ratios: FloatArray
-) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], IntArray]:
-    """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Begin, middle and end of every dip below 1 between samples that all lie above, which bracket two solutions.
+
+    And the columns that they are in.
+    """
     step, column = np.nonzero(
         (ratios[1:-1] >= 1.0) & (ratios[1:-1] <= ratios[:-2]) & (ratios[1:-1] <= ratios[2:])
     )
     begin, end = sampled[step, column], sampled[step + 2, column]
     if not step.size:
-        return (begin, begin), (end, end), column
+        return begin, begin, end, column
     low, high = np.log(begin), np.log(end)
     left, right = low + GOLDEN * (high - low), high - GOLDEN * (high - low)
     values = [ratio(np.exp(inner), column) for inner in (left, right)]
@@ -113,4 +114,4 @@ def _dips(
         values = [np.where(down, value, values[1]), np.where(down, values[0], value)]
     middle = np.exp(np.where(values[0] < values[1], left, right))
     deep = np.minimum(*values) < 1.0
-    return (begin[deep], middle[deep]), (middle[deep], end[deep]), column[deep]
+    return begin[deep], middle[deep], end[deep], column[deep]

@@ -51,7 +51,7 @@ def number_of_roots(train: DampedTree) -> tuple[int, int]:
 
     Far from all roots l p'/p is the number of those of lesser modulus; at a real l > 0 no two of its terms cancel.
     """
-    far = np.array(FAR, dtype=np.complex128)
+    far = np.array(FAR, dtype=complex)
     with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
         number = (far * log_derivative(train, far, lossy=0.0)).real
     if not np.isfinite(number).all():
@@ -88,7 +88,7 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
     Leaf-to-root elimination and its derivative side by side; rigid spans merge, fixed stations take no part.
     """
     tree, plan, size = train.tree, train.plan, train.plan.size
-    total = np.zeros(len(root), dtype=np.complex128)
+    total = np.zeros(len(root), dtype=complex)
     stiffness = [train.ground[i] * root + tree.inertia[i] * root * root for i in range(size)]
     slope = [train.ground[i] + 2 * tree.inertia[i] * root for i in range(size)]
     for station in range(size - 1, -1, -1):
@@ -138,12 +138,12 @@ def polish_together(
     mirrored: the conjugates are roots as well and are kept away from. Raises SolveError if some do not settle.
     """
     # No two starts are equal, none is zero: equal ones are moved by some 1e-7 of themselves.
-    root = np.array(start, dtype=np.complex128)
+    root = np.array(start, dtype=complex)
     root[root == 0] = 1e-3 * np.abs(root[root != 0]).min() if root.any() else 1.0
     copies = np.tril(np.abs(root[:, None] - root) <= 1e-9 * np.abs(root), -1).sum(axis=1)
     root *= 1 + 1e-7 * copies * np.exp(0.7j * copies)
     active = np.ones(len(root), dtype=bool)
-    step = np.full(len(root), np.inf, dtype=np.complex128)
+    step = np.full(len(root), np.inf, dtype=complex)
     for _ in range(SWEEPS):
         moving = np.flatnonzero(active)
         kept_away = np.append(root, root.conj()) if mirrored else root
@@ -226,7 +226,7 @@ def damped_modes(
     if start is None:
         root = polish_together(train, rough_roots(train, number), zeros, lossy=0.0)
     else:
-        rising = 1j * np.asarray(start, dtype=np.complex128)
+        rising = 1j * np.asarray(start, dtype=complex)
         if rising.ndim != 1 or not (rising.imag > 0).all():
             raise ValueError("start must be a list of circular frequencies above 0")
         root = polish_together(train, rising, zeros, lossy=0.0, mirrored=True)
@@ -255,7 +255,7 @@ def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = Fals
 
     may_drive: negative values are taken, as of a load whose torque falls with speed.
     """
-    result = np.zeros(tree.size) if values is None else np.asarray(values, dtype=np.float64)
+    result = np.zeros(tree.size) if values is None else np.asarray(values, dtype=float)
     if (
         result.shape != (tree.size,)
         or not (np.isfinite(result) & ((result >= 0) | may_drive)).all()
@@ -296,7 +296,7 @@ def _polished(
     np.fill_diagonal(distance, np.inf)
     gap = distance.min(axis=1, initial=np.inf)
     repeated = gap <= REPEATED * np.abs(root)
-    inertia = np.where(train.tree.held, 0.0, train.tree.inertia)[:, None]
+    inertia = train.tree.moving_inertia[:, None]
     for _ in range(NEWTON_STEPS):
         # The station of least |Z|/J, where the mode is best seen, is turned by 1.
         seen = both_sides(train, root)
@@ -335,7 +335,7 @@ def both_sides(train: DampedTree, root: ComplexArray) -> SpanSides:
     """Dynamic stiffness l^2 J + l C + K(1 + i eta) of the train as every station sees it."""
     soft = train.tree.flexibility > 0
     station_stiffness = train.ground[:, None] * root + train.tree.inertia[:, None] * root * root
-    hc = np.zeros((train.tree.size, len(root)), dtype=np.complex128)
+    hc = np.zeros((train.tree.size, len(root)), dtype=complex)
     stiffness = (1 + 1j * train.loss_factor[soft]) / train.tree.flexibility[soft]
     hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
     for station, law in train.laws.items():
@@ -355,7 +355,7 @@ def independent_shapes(
     tree, size = train.tree, train.plan.size
     seen = both_sides(train, np.full(size, root))
     angle, torque = spread(seen, np.arange(size))
-    weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
+    weight = np.sqrt(tree.moving_inertia)
     receptance = np.diag(seen.whole)
     floor = EPS * np.abs(root * root) * tree.inertia
     push = weight / np.where(

@@ -17,6 +17,7 @@ from torsion.arrays import FloatArray
 # Bore, height of the step (both / diameter); radius / height.
 LOWEST, HIGHEST = (0.0, 0.01, 0.0), (0.8, 1.5, 1.0)
 SIZES = (7, 16, 8)
+NODES = tuple(-np.cos(math.pi * np.arange(size) / (size - 1)) for size in SIZES)  # from -1 to 1
 FILE = "junction_table.txt"
 
 
@@ -40,8 +41,13 @@ class JunctionTable:
             return None
         low, point, high = (np.array(_smooth(corner)) for corner in (LOWEST, sizes, HIGHEST))
         values = self.values
-        for coordinate, size in zip((2.0 * point - low - high) / (high - low), SIZES, strict=True):
-            values = np.tensordot(_weights(float(coordinate), size), values, axes=1)
+        for coordinate, nodes in zip((2.0 * point - low - high) / (high - low), NODES, strict=True):
+            away, sign = coordinate - nodes, (-1.0) ** np.arange(len(nodes))
+            sign[[0, -1]] /= 2.0
+            weights = (np.abs(away) < 1e-14).astype(float)  # rounding of a place: it is a node
+            if not weights.any():
+                weights = sign / away
+            values = np.tensordot(weights / weights.sum(), values, axes=1)
         return float(values)
 
 
@@ -55,18 +61,3 @@ def junction_table() -> JunctionTable:
 def _smooth(sizes: tuple[float, float, float]) -> tuple[float, float, float]:
     bore, height, fillet = sizes
     return bore, math.log(height), fillet ** (2.0 / 3.0)
-
-
-def _nodes(size: int) -> FloatArray:
-    return -np.cos(math.pi * np.arange(size) / (size - 1))
-
-
-def _weights(point: float, size: int) -> FloatArray:
-    """Of each value in the polynomial through all of them, at a place from -1 to 1."""
-    away = point - _nodes(size)
-    if np.any(is_node := np.abs(away) < 1e-14):  # rounding of a place
-        return is_node.astype(float)
-    sign = (-1.0) ** np.arange(size)
-    sign[[0, -1]] /= 2.0
-    weights = sign / away
-    return np.asarray(weights / weights.sum())

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import Slopes
+from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.tree import Tree, eliminate_undamped, forced, spread
 from torsion.sources import source
 
@@ -119,7 +119,7 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
         mass = (tree.inertia_columns * (angle * angle)).sum(axis=0)
         inner, outer = end_torques(tree, w * w, angle, torque)
         if tree.shafts is not None:
-            of_shafts, _ = shaft_energies(tree, tree.shafts.slopes(w * w), angle, torque)
+            of_shafts, _ = shaft_energies(tree, tree.shafts, w * w, angle, torque)
             mass = mass + of_shafts.sum(axis=0)
         correction = sides.whole[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)
@@ -147,10 +147,10 @@ def end_torques(
 
 
 def shaft_energies(
-    tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray
+    tree: Tree, shafts: Shafts, square: FloatArray, angle: FloatArray, torque: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Share (shafts, m) of each shaft in the generalised inertia, kg m2 rad2, and twice its elastic energy, N m."""
-    square, node = slopes.square, tree.springs[:0] if tree.shafts is None else tree.shafts.node
+    slopes, node = shafts.slopes(square), shafts.node
     a, b, t = (values * values for values in (angle[tree.shaft_parent], angle[node], torque[node]))
     inner = (slopes.inner + square * slopes.inner_slope) * a
     outer = (slopes.outer + square * slopes.outer_slope) * b
@@ -191,12 +191,12 @@ def _inertia(tree: Tree, begin: FloatArray, end: FloatArray) -> FloatArray:
     from numpy.polynomial import legendre
 
     for point, weight in zip(*(part.tolist() for part in legendre.leggauss(_GAUSS)), strict=True):
-        slopes = tree.shafts.slopes(begin + (0.5 + 0.5 * point) * (end - begin))
-        total[0] += (
-            0.5 * weight * (slopes.flexibility_slope / (slopes.flexibility * slopes.flexibility))
-        )
-        total[1] += 0.5 * weight * (slopes.inner + slopes.square * slopes.inner_slope)
-        total[2] += 0.5 * weight * (slopes.outer + slopes.square * slopes.outer_slope)
+        square = begin + (0.5 + 0.5 * point) * (end - begin)
+        slopes = tree.shafts.slopes(square)
+        across = slopes.flexibility_slope / (slopes.flexibility * slopes.flexibility)
+        inner = slopes.inner + square * slopes.inner_slope
+        outer = slopes.outer + square * slopes.outer_slope
+        total += 0.5 * weight * np.array([across, inner, outer])
     return total
 
 

@@ -89,7 +89,7 @@ def start_frequencies(
         inertia = np.sqrt(tree.moving_inertia)[:, None] * bends(tree, bodies)[3]
         values = np.linalg.svd(inertia, compute_uv=False)[: bodies.elastic]
         if values[-1] * _SPREAD > values[0]:
-            start = np.asarray(1.0 / values[:wanted], dtype=np.float64)
+            start = np.asarray(1.0 / values[:wanted], dtype=float)
             return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
     low, high = brackets(solved, len(bodies.free_roots) + np.arange(wanted))
     room = _BEYOND * (high - low)
@@ -165,7 +165,7 @@ def _torques(
     torque, outer = shapes.torque.copy(), shapes.torque.copy()
     torque[node], outer[node] = shapes.inner, shapes.outer
     of_shafts, elastic_of_shafts = shaft_energies(
-        tree, tree.shafts.slopes(square), shapes.angle, shapes.torque
+        tree, tree.shafts, square, shapes.angle, shapes.torque
     )
     kinetic = np.where(bodies.fixed, 0.0, tree.inertia)[:, None] * shapes.angle**2
     tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
@@ -174,5 +174,6 @@ def _torques(
     taken, by_shafts = np.zeros_like(torque), (outer - torque)[node]
     tree.add_ends(taken, by_shafts, np.zeros_like(by_shafts))
     outer = with_reactions(tree, bodies, outer, taken)
-    torque[tree.springs] = outer[tree.springs]
+    springs = np.delete(np.arange(tree.size), node)
+    torque[springs] = outer[springs]
     return torque, ShaftModes(outer, kinetic, elastic / square, of_shafts)

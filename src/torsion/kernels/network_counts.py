@@ -79,10 +79,8 @@ class Way:
         scale = chord_torque[largest, column]
         basis = np.repeat(np.eye(number)[:, :, None], trains, axis=2)
         basis[largest, :, column] = (chord_torque / scale).T
-        sign, bound = (
-            np.einsum("klt,lst->kst", weight, np.repeat(torque_signs, trains, axis=2))
-            for weight, torque_signs in ((basis, self.sign), (np.abs(basis), np.abs(self.sign)))
-        )
+        sign = np.einsum("klt,lst->kst", basis, self.sign)
+        bound = np.einsum("klt,lst->kst", np.abs(basis), np.abs(self.sign))
         q, lifts = np.broadcast_to(self.torque, sign.shape).copy(), np.zeros((number, trains))
         q[largest, :, column], lifts[largest, column] = (torque / scale).T, lift / scale
         load, terms = sign - q, bound + np.abs(q)
@@ -298,5 +296,4 @@ def _least_chord_torques(matrix: FloatArray) -> FloatArray:
     scaled[lost], scale[:, lost] = np.eye(len(matrix)), 1.0
     values, vectors = np.linalg.eigh(scaled)
     smallest = np.argmin(np.abs(values), axis=1)
-    vector = np.take_along_axis(vectors, smallest[:, None, None], axis=2)[:, :, 0]
-    return np.asarray(vector.T * scale)
+    return np.asarray(vectors[np.arange(len(vectors)), :, smallest].T * scale)

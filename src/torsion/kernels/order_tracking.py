@@ -81,7 +81,7 @@ def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: in
     >>> abs(of_pulses(time, 60, np.array([2.0]), 6).angle).ravel().round(9)
     array([0.01, 0.01])
     """
-    angle: FloatArray = 2.0 * np.pi / pulses * np.arange(len(time), dtype=np.float64)
+    angle: FloatArray = 2.0 * np.pi / pulses * np.arange(len(time), dtype=float)
     return _tracked(time, angle, angle, orders, revolutions)
 
 
@@ -144,14 +144,13 @@ def _window(
         if derived:
             carrier = carrier * (1j * np.append(orders, nearby) * (slopes @ mean)[:, None])
         carrier, neighbours = carrier[:, : len(orders)], carrier[:, len(orders) :]
-        solution = _weighted_least_squares(
-            np.hstack([rows, carrier.real, -carrier.imag]), values, weight
-        )
+        model = np.hstack([rows, carrier.real, -carrier.imag])
+        solution = _weighted_least_squares(model, values, weight)
         mean = np.concatenate([[0.0], solution[:DEGREE]]) if derived else solution[: DEGREE + 1]
         if np.abs(powers @ (mean - before)).max() < SETTLED:
             break
     parts, square = solution[rows.shape[1] :], weight**2
-    left = square * (values - np.hstack([rows, carrier.real, -carrier.imag]) @ solution)
+    left = square * (values - model @ solution)
     size = 2.0 * np.abs(left @ neighbours.conj()) / (square @ np.abs(neighbours) ** 2)
     error = np.sqrt(
         np.square(size).reshape(len(orders), -1).sum(axis=1) / (2.0 * max(1, len(near)))

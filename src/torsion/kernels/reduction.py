@@ -105,7 +105,7 @@ def bends(tree: Tree, bodies: Rigidity) -> tuple[IntArray, FloatArray, FloatArra
     first = np.unique(bodies.component[fixed], return_index=True)[1]
 
     # Whether a station is at the outer end of a spring, or beyond; else in the same part, or in another.
-    beyond = np.eye(tree.size, dtype=np.bool_)
+    beyond = np.eye(tree.size, dtype=bool)
     for station, parent, _ in tree.steps:
         beyond[parent] |= beyond[station]
     beyond = beyond.T[:, spring]

@@ -117,9 +117,9 @@ class SpringLaw(StiffnessTable):
 
     def at_root(self, s: ComplexArray | complex) -> tuple[ComplexArray, ComplexArray]:
         """K (N m/rad) and dK/ds (N m s/rad) at complex s (rad/s), of its shape."""
-        point = np.asarray(s, dtype=np.complex128)
-        k = np.full(point.shape, self.static, dtype=np.complex128)
-        slope = np.zeros(point.shape, dtype=np.complex128)
+        point = np.asarray(s, dtype=complex)
+        k = np.full(point.shape, self.static, dtype=complex)
+        slope = np.zeros(point.shape, dtype=complex)
         for stiffness, tau in self.terms:
             if self.exponent is None:
                 k = k + stiffness * point * tau / (1.0 + point * tau)
@@ -134,7 +134,7 @@ class SpringLaw(StiffnessTable):
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor, and no viscous damping, at x (rad/s)."""
-        k = self.at_root(np.asarray(1j * np.asarray(x, dtype=np.float64), dtype=np.complex128))[0]
+        k = self.at_root(np.asarray(1j * np.asarray(x, dtype=float), dtype=complex))[0]
         return k.real, k.imag / k.real, np.zeros(k.shape)
 
     def slope(self, x: float) -> float:
@@ -182,17 +182,19 @@ class SpringLaw(StiffnessTable):
         )
 
 
+_NOT_SAMPLED = SpringLaw("frequency", (), (), (), (), holds=True)
+
+
 def prony(static: float, terms: tuple[tuple[float, float], ...]) -> SpringLaw:
     """A static spring (N m/rad) with springs (N m/rad) beside it that relax, each in its time (s)."""
-    law = SpringLaw("frequency", (), (), (), (), True, "prony", static=static, terms=terms)
-    return law.sampled()
+    return replace(_NOT_SAMPLED, key="prony", static=static, terms=terms).sampled()
 
 
 @source("BagleyTorvik1983")
 def fractional(static: float, stiffness: float, tau: float, exponent: float) -> SpringLaw:
     """A static spring (N m/rad) and a springpot beside it, stiffness (s tau)^exponent."""
-    law = SpringLaw("frequency", (), (), (), (), True, "fractional", static=static)
-    return replace(law, terms=((stiffness, tau),), exponent=exponent).sampled()
+    law = replace(_NOT_SAMPLED, key="fractional", static=static, exponent=exponent)
+    return replace(law, terms=((stiffness, tau),)).sampled()
 
 
 @dataclass(frozen=True)

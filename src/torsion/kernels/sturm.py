@@ -64,8 +64,8 @@ def count_below(tree: Tree, frequency: ArrayLike, *, bound: ArrayLike = 0) -> In
     The rounding of the law of a shaft is outweighed as stated by it: proven for linear elements, found by comparison
     with many digits for all others.
     """
-    w = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    lean = np.broadcast_to(np.asarray(bound, dtype=np.float64), w.shape)
+    w = np.atleast_1d(np.asarray(frequency, dtype=float))
+    lean = np.broadcast_to(np.asarray(bound, dtype=float), w.shape)
 
     # Negative pivots z less negative pivots h + 1/z, which are those that pass on less; in blocks, so that memory stays
     # bounded.
@@ -140,7 +140,7 @@ def enclose(
     unlikely = ~(half <= widest)
     if unlikely.any():
         half[unlikely] = expected_width(tree, frequency, 0.0)[unlikely]
-    left, proven = np.arange(len(frequency)), np.zeros(len(frequency), dtype=np.bool_)
+    left, proven = np.arange(len(frequency)), np.zeros(len(frequency), dtype=bool)
     lower = upper = frequency
     while len(left):
         lower, upper = frequency * (1.0 - half), frequency * (1.0 + half)

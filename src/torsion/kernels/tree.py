@@ -71,11 +71,6 @@ class Tree:
         return self.moving_inertia.reshape(self.size, -1)
 
     @cached_property
-    def springs(self) -> IntArray:
-        """Stations whose span is no distributed shaft, roots among them."""
-        return np.setdiff1d(np.arange(self.size), [] if self.shafts is None else self.shafts.node)
-
-    @cached_property
     def shaft_parent(self) -> IntArray:
         """Station (shafts,) at the root end of each distributed shaft."""
         return np.empty(0, dtype=np.int64) if self.shafts is None else self.parent[self.shafts.node]
@@ -99,8 +94,8 @@ class Tree:
             self.add_ends(inertia, inner, outer)
         return flexibility, inertia
 
-    def columns(self, trains: IntArray | BoolArray | slice) -> "Tree":
-        """Some of the trains side by side, by position or mask."""
+    def columns(self, trains: IntArray | BoolArray | slice | int) -> "Tree":
+        """Some of the trains side by side, by position or mask; or one by itself."""
         return replace(
             self, flexibility=self.flexibility[:, trains], inertia=self.inertia[:, trains]
         )
@@ -165,10 +160,7 @@ def connected(number: int, driving: IntArray, driven: IntArray) -> IntArray:
     while len(driving):
         a, b = first[driving], first[driven]
         is_separate = a != b
-        driving = driving[is_separate]
-        driven = driven[is_separate]
-        a = a[is_separate]
-        b = b[is_separate]
+        driving, driven, a, b = (ends[is_separate] for ends in (driving, driven, a, b))
         np.minimum.at(first, np.maximum(a, b), np.minimum(a, b))
         while np.any(first[first] != first):
             first = first[first]
@@ -398,7 +390,21 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
     acting = [force] if twist is None else [force, twist]
     kind = np.result_type(z[0], *acting)
     f = [np.broadcast_to(row, shape[1:]).astype(kind) for row in force]
-    passed = _add_sources_of_branches(sides, f, twist)
+
+    # Toward the root: what each span passes on of its branch is added to the station nearer the root.
+    passed: Rows = [np.zeros(shape[1])] * plan.size
+    for station in range(plan.size - 1, -1, -1):
+        parent = plan.parent[station]
+        if parent < 0:
+            continue
+        if not plan.held[station]:
+            source = f[station] if twist is None else f[station] - z[station] * twist[station]
+            passed[station] = source * sides.transfer[station]
+        elif twist is not None:
+            passed[station] = -twist[station] / sides.compliance[station]
+        f[parent] += passed[station]
+
+    # Toward the leaves: e, of all but the branch.
     still = np.zeros(shape[1])
     e: Rows = [still] * plan.size
     angle, torque = np.zeros((2, *shape), dtype=kind)
@@ -408,9 +414,8 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
                 e[child] = still if plan.held[station] else e[station]
         elif children:
             share(children, passed, e, force[station] + e[station] / divisor[station])
-        if twist is not None:
-            for child in children:
-                e[child] = e[child] + zd[child] * twist[child]
+        for child in () if twist is None else children:
+            e[child] = e[child] + zd[child] * twist[child]
         if plan.held[station]:
             f[station] = np.zeros_like(e[station])
         else:
@@ -422,22 +427,3 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
             torque[station] -= f[station] * zd[station]
             torque[station] *= sides.meeting[station]
     return angle, torque
-
-
-def _add_sources_of_branches(sides: SpanSides, source: Rows, twist: Values | None) -> Rows:
-    """Add to the `source` of every station those of its branch, in place; return what each span passes on."""
-    plan = sides.plan
-    passed: Rows = [np.zeros(len(source[0]))] * plan.size
-    for station in range(plan.size - 1, -1, -1):
-        parent = plan.parent[station]
-        if parent < 0:
-            continue
-        if not plan.held[station]:
-            acting = source[station]
-            if twist is not None:
-                acting = acting - sides.branch[station] * twist[station]
-            passed[station] = acting * sides.transfer[station]
-        elif twist is not None:
-            passed[station] = -twist[station] / sides.compliance[station]
-        source[parent] += passed[station]
-    return passed

@@ -135,9 +135,9 @@ def tree_response(tree: Tree, w: FloatArray, force: NDArray[Any], **given: Any) 
     """
     problem = pose(tree, w, force, **given)
     size, number, chords = tree.size, problem.w.size, problem.chords
-    angle, torque = np.empty((2, size, number), dtype=np.complex128)
+    angle, torque = np.empty((2, size, number), dtype=complex)
     outer = torque if tree.shafts is None else torque.copy()
-    of_chords = np.empty((0 if chords is None else len(chords.begin), number), dtype=np.complex128)
+    of_chords = np.empty((0 if chords is None else len(chords.begin), number), dtype=complex)
     residual, amplification = np.empty((2, number))
     result = TreeResponse(angle, torque, outer, residual, amplification, of_chords)
     length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // size, LONGEST_CHUNK))
@@ -156,9 +156,7 @@ def complex_compliance(
     flexibility, viscous (N m s/rad), loss_factor: (spans,), or (spans, frequencies) of trains side by side.
     (spans,) if no span is viscous and no figure has columns (real if none is lossy), else (spans, frequencies) complex.
     """
-    h, c, eta = (
-        np.asarray(values, dtype=np.float64) for values in (flexibility, viscous, loss_factor)
-    )
+    h, c, eta = (np.asarray(values, dtype=float) for values in (flexibility, viscous, loss_factor))
     if max(h.ndim, c.ndim, eta.ndim) > 1 or c.any():
         h, c, eta = (values.reshape(len(values), -1) for values in (h, c, eta))
     if not c.any():
@@ -252,10 +250,10 @@ def pose(
     not used and whose twist must be 0.
     Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     """
-    w, shafts, none = np.asarray(w, dtype=np.float64), tree.shafts, np.zeros(tree.size)
+    w, shafts, none = np.asarray(w, dtype=float), tree.shafts, np.zeros(tree.size)
     if w.ndim != 1:
         raise ValueError(f"w has shape {w.shape}; expected (frequencies,)")
-    damping = none if ground_damping is None else np.asarray(ground_damping, dtype=np.float64)
+    damping = none if ground_damping is None else np.asarray(ground_damping, dtype=float)
     hc = tree.flexibility if compliance is None else np.asarray(compliance)
     force, twist = np.asarray(force), none if twist is None else np.asarray(twist)
     allowed = (tree.size,), (tree.size, w.size)
@@ -274,7 +272,7 @@ def pose(
     loss = (
         np.zeros(len(tree.shaft_parent))
         if shaft_loss is None
-        else np.asarray(shaft_loss, dtype=np.float64)
+        else np.asarray(shaft_loss, dtype=float)
     )
     if loss.shape != tree.shaft_parent.shape:
         raise ValueError(f"shaft_loss has shape {loss.shape}; expected {tree.shaft_parent.shape}")
@@ -310,7 +308,7 @@ def _solved(problem: Problem, part: slice) -> tuple[NDArray[Any], ...]:
         for station in np.flatnonzero(~np.array(plan.prescribed)).tolist():
             loss = given.own[station] * sides.divisor[station] * sides.meeting[station]
             amplification += 2 * (np.abs(loss.real) + np.abs(loss.imag))
-        of_chords = np.zeros((0, angle.shape[1]), dtype=np.complex128)
+        of_chords = np.zeros((0, angle.shape[1]), dtype=complex)
         if problem.chords is not None:
             compliance, imposed = (
                 columns(values, part)

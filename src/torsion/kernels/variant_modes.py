@@ -61,14 +61,15 @@ def variant_modes(
         raise ValueError(
             f"the trains have {len(middle_modes.frequency)} elastic modes, not {count}"
         )
+    many = replace(tree, flexibility=flexibility, inertia=inertia)
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
     for part in parts(tree.size, flexibility.shape[1]):
-        trains = replace(tree, flexibility=flexibility[:, part], inertia=inertia[:, part])
+        trains = many.columns(part)
         start = ritz_values(trains, middle, middle_modes, count + _FURTHER)[:count]
         frequency, passed = np.array([_settled(trains, begin) for begin in start]).swapaxes(0, 1)
         order = np.argsort(frequency, axis=0)
         frequency, passed = (np.take_along_axis(v, order, axis=0) for v in (frequency, passed))
-        bounds[:, :, part], proven = frequency, np.ones(frequency.shape[1], dtype=np.bool_)
+        bounds[:, :, part], proven = frequency, np.ones(frequency.shape[1], dtype=bool)
         for mode, hertz in enumerate(frequency):
             bounds[1:, mode, part], is_proven = enclosed(
                 trains,
@@ -80,8 +81,7 @@ def variant_modes(
             )
             proven &= is_proven
         for column in (part.start + np.flatnonzero(~proven)).tolist():
-            train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
-            modes = tree_modes(train, count)
+            modes = tree_modes(many.columns(column), count)
             bounds[:, :, column] = modes.frequency, modes.lower, modes.upper
             alone += count
     frequency, lower, upper = bounds
@@ -190,7 +190,7 @@ def enclosed(
     """
     bounds, left = np.stack([frequency] * 2), np.arange(len(frequency))
     modes = np.broadcast_to(mode, frequency.shape)
-    is_proven = np.zeros(len(frequency), dtype=np.bool_)
+    is_proven = np.zeros(len(frequency), dtype=bool)
     for times in widened:
         some = trains if len(left) == len(frequency) else trains.columns(left)
         lower, upper = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))

@@ -90,7 +90,7 @@ def network_modes(
             bounds[:, :, left] = each_bounds.reshape(3, *start.shape)
             left = left[~proven.reshape(start.shape).all(axis=0)]
         for column in left.tolist():
-            train = replace(tree, flexibility=flexibility[:, column], inertia=inertia[:, column])
+            train = many.tree.columns(column)
             modes_alone = counted_modes(train, *ends, chord[:, column], count)
             bounds[:, :, column] = modes_alone.frequency, modes_alone.lower, modes_alone.upper
             number += count
@@ -148,7 +148,7 @@ def _torn(
     """The trains as trees of the stiffest spans; the station of most energy, and `passed` over s, of `modes` of `mean`."""
     tree = many.tree
     torn = stiffest_tree(mean, *ends, middle_of(many.chord))
-    is_used = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=np.bool_))
+    is_used = np.append(mean.parent >= 0, np.ones(len(many.chord), dtype=bool))
     given, flexibility = np.concatenate([tree.flexibility, many.chord]), None
     flexibility = np.zeros((mean.size + len(torn.first), given.shape[1]))
     flexibility[torn.span[is_used]] = given[is_used]
@@ -205,7 +205,7 @@ def enclosed_each(
     Roots are tried until all are: each has its own resonances of parts of the torn tree, beside which counts are less
     sure.
     """
-    bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
+    bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=bool)
     near, ends = frequency.copy(), np.flatnonzero(trains.pair.any(axis=0) & ~trains.tree.held)
     heaviest = ends[np.argsort(-trains.tree.moving_inertia[ends].sum(axis=1), kind="stable")]
     for station in dict.fromkeys([*heaviest[:_ROOTS].tolist(), root]):
@@ -222,7 +222,7 @@ def enclosed_each(
                     continue
             some = trains.columns(left)
             way = static = _way(some, station, float(near[left].max()) ** 2)
-            at_rest = np.zeros(len(left), dtype=np.bool_)
+            at_rest = np.zeros(len(left), dtype=bool)
             for _ in range(_STEPS if attempt == "about the mode" else 0):
                 way, square = modal_way(static, near[left] ** 2)
                 step = np.where(at_rest, 0.0, square / near[left] ** 2 - 1.0)

@@ -19,7 +19,7 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import refuse_beyond, taken_under
+from torsion.assembly.tabled_spans import refuse_beyond, taken_at
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.kernels.bracketed_search import find_minimum, find_root
@@ -113,7 +113,7 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
     @lru_cache(maxsize=4096)
     def frequencies_at(speed: float) -> FloatArray:
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
-        return modes_as_discretised(taken_under(system, torque, speed), count).frequency
+        return modes_as_discretised(taken_at(system, mean=torque, speed=speed), count).frequency
 
     columns = [frequencies_at(speed) for speed in grid.tolist()]
     number = min(map(len, columns))  # a table over frequency may end below a mode
@@ -131,7 +131,7 @@ def reaching(
     speeds = study.operation.speeds
     for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
-        modes = modes_reaching(taken_under(system, torque, speed), highest, None)
+        modes = modes_reaching(taken_at(system, mean=torque, speed=speed), highest, None)
         count = max(count, modes.frequency.size)
     return frequencies_over_speed(study, system, count)
 

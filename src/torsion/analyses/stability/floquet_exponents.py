@@ -224,10 +224,9 @@ def by_hill(
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
     matrices = around.mass, around.damping, around.stiffness
     repeated = harmonics_of(around.repeated[:, :size], count)
-    solution = hill_exponents(*matrices, w0, count, repeated)
-    order = np.argsort(-solution.exponent.real, kind="stable")
-    value = solution.exponent[order]
-    start = solution.vector[order]
+    value, start = hill_exponents(*matrices, w0, count, repeated)
+    order = np.argsort(-value.real, kind="stable")
+    value, start = value[order], start[order]
     rate = (value[:, None, None] + 1j * w0 * np.arange(-count, count + 1)) * start
     within = value.real + 1j * (np.mod(value.imag / w0 + 0.5, 1.0) - 0.5) * w0
 

@@ -46,22 +46,12 @@ class Bounds:
 
 
 @dataclass(frozen=True)
-class Fields:
-    """psi and phi on one mesh for a torque of 2 pi; phi over r^4 / core^4 within the core."""
-
-    basis: Any
-    psi: FloatArray
-    chi: FloatArray
-
-
-@dataclass(frozen=True)
 class Solved:
     """A line, solved: lengths in units of the smaller diameter."""
 
     profile: Profile
     meridian: Meridian
     levels: tuple[Bounds, ...]
-    fields: Fields
     # Bounds of the excess length: of the smaller shaft, over the sum of its lengths each as if it were long.
     excess: tuple[float, float]
 
@@ -89,11 +79,11 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
     plain = sum(length.twist for length in long)
     unit = end.twist / end.length * end.outer[0]
     while True:
-        bounds, fields = on_mesh(profile, mesh)
+        bounds, *_ = on_mesh(profile, mesh)
         levels.append(bounds)
         if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - plain):
             excess = (bounds.lower - plain) / unit, (bounds.upper - plain) / unit
-            return Solved(profile, mesh, tuple(levels), fields, excess)
+            return Solved(profile, mesh, tuple(levels), excess)
         if bounds.triangles > MOST:
             raise SolveError(
                 "the finite elements of a junction do not converge; look at its dimensions"
@@ -101,8 +91,11 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
         mesh = mesh.refined(skfem.adaptive_theta(bounds.gap, theta=1.0 - SHARE))
 
 
-def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
-    """Return the bounds and the fields of both problems on one mesh."""
+def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Any, FloatArray, FloatArray]:
+    """Return the bounds on one mesh, its elements, and psi and phi (unknowns,) for a torque of 2 pi.
+
+    phi is over r^4 / core^4 within the core.
+    """
     basis, values, slopes, r, modulus = functions_of(profile, mesh)
     weight = modulus * r**3
     twist = energy_matrix(basis, slopes, weight * basis.dx)
@@ -126,7 +119,7 @@ def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
     )
     gap = np.sum(np.sum(difference**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
     lower, upper = 1.0 / stiffness / (2.0 * math.pi), flexibility / (2.0 * math.pi)
-    return Bounds(r.shape[0], lower, upper, gap), Fields(basis, psi / stiffness, chi)
+    return Bounds(r.shape[0], lower, upper, gap), basis, psi / stiffness, chi
 
 
 def functions_of(
@@ -240,13 +233,13 @@ def fillet_stress(profile: Profile, steady: float = STEADY, beyond: float = 0.0)
     # The first mesh is as good as the stiffness needs; the stress needs a finer one.
     for _ in range(ROUNDS):
         mesh = mesh.refined(np.unique(mesh.mesh.f2t[0, mesh.fillets]))
-        fields = on_mesh(profile, mesh)[1]
+        _, basis, psi, phi = on_mesh(profile, mesh)
         middles = mesh.mesh.p[0, mesh.mesh.facets[:, mesh.fillets]].mean(axis=0)
-        places, shown = places_along(fields.basis, mesh.fillets[middles > beyond])
+        places, shown = places_along(basis, mesh.fillets[middles > beyond])
         z, r = np.asarray(places.global_coordinates())
         by_angle, by_function = (
             np.where(shown, np.hypot(*np.asarray(places.interpolate(field).grad)) * weight, 0.0)
-            for field, weight in ((fields.psi, r), (fields.chi, r**-2))
+            for field, weight in ((psi, r), (phi, r**-2))
         )
         low, high = sorted(float(stress.max()) / nominal for stress in (by_angle, by_function))
         factor, half = (low + high) / 2.0, (high - low) / (high + low)

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Literal
 
 import numpy as np
@@ -86,10 +86,7 @@ class Profile:
     @property
     def places(self) -> tuple[float, ...]:
         """Where the lengths end, from 0 on."""
-        ends = [0.0]
-        for length in self.lengths:
-            ends.append(ends[-1] + length.length)
-        return tuple(ends)
+        return tuple(accumulate((length.length for length in self.lengths), initial=0.0))
 
     @property
     def smaller(self) -> Length:

@@ -140,13 +140,12 @@ def meridian(profile: Profile) -> Meridian:
     triangles = list[tuple[int, int, int]]()
     for (z0, left), (z1, right) in pairwise(zip(lines, radii, strict=True)):
         for (low0, low1), (high0, high1) in _strips(profile, (z0, z1), core, fills):
-            left_points = [
-                points.at(z0, r) for r in left if low0 * (1 - CLOSE) <= r <= high0 * (1 + CLOSE)
-            ]
-            right_points = [
-                points.at(z1, r) for r in right if low1 * (1 - CLOSE) <= r <= high1 * (1 + CLOSE)
-            ]
-            triangles += _strip(points, left_points, right_points)
+            sides = (z0, left, low0, high0), (z1, right, low1, high1)
+            rows = []
+            for z, row, low, high in sides:
+                inside = [r for r in row if low * (1 - CLOSE) <= r <= high * (1 + CLOSE)]
+                rows.append([points.at(z, r) for r in inside])
+            triangles += _strip(points, *rows)
     arcs = tuple(arc for fill in fills for arc in _fan(points, triangles, fill))
     mesh = skfem.MeshTri1(np.array(points.found).T.copy(), np.array(triangles).T.copy())
     return Meridian(mesh, arcs, tuple(sharp), core)

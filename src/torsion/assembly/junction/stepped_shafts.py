@@ -73,12 +73,17 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         if step.form == "none":
             continue
         ends = _end(train, before, 1), _end(train, after, 0)
-        fault, excess, source = _twist(step, ends, path, taken, by_table=by_table)
+        smaller, larger = sorted(ends)
+        fault, excess, source = _fault(step, ends, path, taken), 0.0, ""
+        if fault is None:
+            try:
+                excess, source = excess_length(step, smaller, larger, by_table=by_table)
+            except SolveError as error:
+                hint = "other dimensions, or `step: none`, which leaves its twist out"
+                fault = Fault(path, str(error), hint)
         if fault or not source:
-            if fault and (
-                record.step is not None
-                or max(ends[0].bore, ends[1].bore) >= min(before.outer[1], after.outer[0])
-            ):
+            is_apart = max(smaller.bore, larger.bore) >= smaller.outer
+            if fault and (record.step is not None or is_apart):
                 faults.append(fault)
             if not _is_smooth(before, after):
                 why = fault.message if fault else "the table has no such step"
@@ -86,11 +91,10 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                     result, before.part, f"its step to '{after.name}' is omitted: {why}"
                 )
             continue
-        smaller = min(ends)
         remark = f"its step to '{after.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
         result = with_remark(result, before.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
-        result = _with_inertias(result, step, before.driven, ends)
+        result = _with_inertias(result, step, before.driven, smaller, larger)
         if excess > 0.0:
             result = _with_spring(result, before, after, smaller, excess)
         elif saved <= MOST * smaller.bar.length:
@@ -109,12 +113,12 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         for bar in result.bars
     ]
     result = replace(result, bars=tuple(bars), steps=None)
-    for number, part in () if train.steps is None else train.of_kind("shaft"):
-        if part.shaft is not None and part.shaft.step is not None and number not in considered:
-            hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
-            faults.append(
-                Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint)
-            )
+    hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
+    faults += [
+        Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint)
+        for number, part in (() if train.steps is None else train.of_kind("shaft"))
+        if part.shaft is not None and part.shaft.step is not None and number not in considered
+    ]
     return result
 
 
@@ -169,46 +173,23 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
             yield before, bar
 
 
-def _twist(
-    step: Step,
-    ends: tuple[End, End],
-    path: tuple[str | int, ...],
-    taken: dict[str, float],
-    *,
-    by_table: bool,
-) -> tuple[Fault | None, float, str]:
-    """What is wrong with a step; else its excess length (m) and where that is from."""
-    if fault := _fault(step, ends, path, taken):
-        return fault, 0.0, ""
-    try:
-        return None, *excess_length(step, *ends, by_table=by_table)
-    except SolveError as error:
-        return (
-            Fault(
-                path, str(error), "other dimensions, or `step: none`, which leaves its twist out"
-            ),
-            0.0,
-            "",
-        )
-
-
 def _fault(
     step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float]
 ) -> Fault | None:
     """taken: m of each shaft under the corners and hubs so far."""
-    first, second = ends
+    (first, second), (smaller, larger) = ends, sorted(ends)
+    bore = max(first.bore, second.bore)
     names = f"'{first.bar.name}' and '{second.bar.name}'"
     if any(end.bar.section is not None for end in ends):
         return Fault(
             path, f"one of {names} has a `section` by mesh", "a step lies between two round shafts"
         )
-    if max(first.bore, second.bore) >= min(first.outer, second.outer):
+    if bore >= smaller.outer:
         return Fault(
             path,
             f"{names} do not touch",
             "the bore of one is not smaller than the diameter of the other",
         )
-    smaller, larger = sorted(ends)
     face = larger.outer
     if step.flange is not None:
         face = step.flange.diameter
@@ -225,7 +206,7 @@ def _fault(
     height, reach = (face - smaller.outer) / 2.0, 0.0
     if step.undercut is not None:
         floor, reach = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
-        if floor <= max(first.bore, second.bore):
+        if floor <= bore:
             return Fault(
                 (*path, "undercut"),
                 "the undercut is deeper than the wall of the shaft",
@@ -253,13 +234,12 @@ def _fault(
 
 
 def excess_length(
-    step: Step, first: End, second: End, *, by_table: bool = False
+    step: Step, smaller: End, larger: End, *, by_table: bool = False
 ) -> tuple[float, str]:
     """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words.
 
     by_table: without words where the table has no such step, in place of finite elements.
     """
-    smaller, larger = sorted((first, second))
     unit = smaller.outer
     if step.form == "handbook":
         return unit * handbook(larger.outer / unit), (
@@ -268,8 +248,8 @@ def excess_length(
     is_plain = step.chamfer is None and step.undercut is None and step.flange is None
     if (
         is_plain
-        and first.bore == second.bore
-        and first.bar.shear_modulus == second.bar.shear_modulus
+        and smaller.bore == larger.bore
+        and smaller.bar.shear_modulus == larger.bar.shear_modulus
     ):
         height = (larger.outer - unit) / 2.0
         tabled = junction_table().excess_length(
@@ -284,7 +264,7 @@ def excess_length(
         return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
 
-    solution = solved(profile_of(step, first, second))
+    solution = solved(profile_of(step, smaller, larger))
     pieces = _between(step, smaller)
     area = float(polar_area_moment(smaller.outer, smaller.bore))
     beyond = sum(
@@ -308,9 +288,8 @@ def _between(step: Step, smaller: End, unit: float = 1.0) -> tuple[Length, ...]:
     return (Length(length / unit, (size / unit, size / unit), (bore, bore)),)
 
 
-def profile_of(step: Step, first: End, second: End) -> Profile:
+def profile_of(step: Step, smaller: End, larger: End) -> Profile:
     """The outline of a step, in units of its smaller diameter."""
-    smaller, larger = sorted((first, second))
     unit = smaller.outer
     corner = (
         Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
@@ -402,9 +381,8 @@ def handbook(larger: float) -> float:
     raise ValueError("the larger diameter is the smaller one")
 
 
-def _with_inertias(train: Train, step: Step, station: int, ends: tuple[End, End]) -> Train:
+def _with_inertias(train: Train, step: Step, station: int, smaller: End, larger: End) -> Train:
     """The train with the inertia of what fills the corner of a step, and of its flange."""
-    smaller, larger = sorted(ends)
     density, part, inertias = smaller.bar.density, smaller.bar.part, list[Inertia]()
     if step.size and step.undercut is None:
         kind: CornerKind = "fillet" if step.round else "chamfer"

@@ -7,7 +7,7 @@ across, and the warping is 0. x is the distance from the groove's axis y; angles
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -15,7 +15,7 @@ import numpy as np
 import skfem
 
 from torsion.arrays import FloatArray
-from torsion.assembly.section.section_mesh import Boundary, Triangles
+from torsion.assembly.section.section_mesh import Triangles
 from torsion.assembly.section.section_torsion import (
     ORDER,
     largest_slope,
@@ -199,7 +199,7 @@ def groove_stress(section: Grooved) -> GrooveStress:
         stress = on_mesh(section, 2**halved)
         error = max(stress.error, abs(stress.factor - before) / stress.factor)
         if error <= STEADY:
-            return GrooveStress(stress.factor, error, stress.constant, stress.slope)
+            return replace(stress, error=error)
         before = stress.factor
     raise SolveError("the stress in a groove does not converge", "look at its dimensions")
 
@@ -222,13 +222,8 @@ def on_mesh(section: Grooved, divided: int) -> GrooveStress:
     )
     facets = np.concatenate([outer, inner])
     hole = section.bore**2 * math.pi / section.number / 2.0
-    loops = 1 + bool(len(inner))
-    edge = Boundary(
-        np.zeros((0, 3), dtype=np.int64),
-        np.repeat([0, 1], [len(outer), len(inner)]),
-        np.array([0.0, -hole])[:loops],
-    )
-    lower, phi = stress_function(basis, stiffness, edge, facets)
+    loop, area = np.repeat([0, 1], [len(outer), len(inner)]), np.array([0.0, -hole])
+    lower, phi = stress_function(basis, stiffness, facets, loop, area[: 1 + bool(len(inner))])
     free = np.setdiff1d(np.arange(basis.N), basis.get_dofs(mirrors).all())
     warping = np.zeros(basis.N)
     warping[free] = solve_symmetric(stiffness[free][:, free], turning[free])

@@ -20,7 +20,7 @@ from torsion.assembly.section.section_mesh import (
 )
 from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
 from torsion.kernels.tree import connected
-from torsion.primitives import Section, SectionMesh
+from torsion.primitives import SectionMesh
 
 SAME = 1e-9  # of the extent: points nearer than this are one
 FLAT = 1e-10  # of a triangle's longest side squared: twice the area of one that is a line
@@ -195,11 +195,6 @@ class SectionResult:
             if self.changes[-1] <= SETTLED
             else float("nan")
         )
-
-    @property
-    def section(self) -> Section:
-        """What the train needs of it."""
-        return Section(self.torsion_constant, self.moments.polar, self.stress_modulus)
 
     @property
     def words(self) -> str:

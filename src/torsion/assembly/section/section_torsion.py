@@ -16,7 +16,7 @@ import skfem
 from scipy.sparse import csc_array
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
+from torsion.assembly.section.section_mesh import Triangles, boundary
 from torsion.assembly.triangle_fields import places_along, solve_symmetric
 from torsion.sources import source
 
@@ -67,7 +67,7 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
     )
     order = np.argsort(present)
     facets = order[np.searchsorted(present[order], wanted)]
-    lower, phi = stress_function(basis, stiffness, edge, facets)
+    lower, phi = stress_function(basis, stiffness, facets, edge.loop, edge.area)
     turning = turning[1:]  # omega is known but for a constant, so one unknown is left out
     upper = polar - float(turning @ solve_symmetric(stiffness[1:, 1:], turning))
     stress, point = largest_slope(basis, phi)
@@ -96,18 +96,21 @@ def shape_of(mesh: Triangles) -> Any:
 
 
 def stress_function(
-    basis: Any, stiffness: Any, edge: Boundary, facets: IntArray
+    basis: Any, stiffness: Any, facets: IntArray, loop: IntArray, area: FloatArray
 ) -> tuple[float, FloatArray]:
-    """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free."""
-    number, holes = stiffness.shape[0], len(edge.area) - 1
+    """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free.
+
+    facets: of the boundary, with the loop (facets,) of each and the area (loops,) within it, as of a `Boundary`.
+    """
+    number, holes = stiffness.shape[0], len(area) - 1
     column = np.arange(holes, holes + number)
-    for loop in range(holes + 1):
-        column[basis.get_dofs(facets[edge.loop == loop]).all()] = loop - 1
+    for hole in range(-1, holes):
+        column[basis.get_dofs(facets[loop == hole + 1]).all()] = hole
     free = np.flatnonzero(column >= 0)
     used, position = np.unique(column[free], return_inverse=True)
     spread = csc_array((np.ones(len(free)), (free, position)), shape=(number, len(used)))
     force = spread.T @ skfem.LinearForm(lambda v, _: 2.0 * v).assemble(basis)
-    force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
+    force[:holes] -= 2.0 * area[1:]  # negative around a hole
     answer = solve_symmetric(spread.T @ stiffness @ spread, force)
     return float(force @ answer), np.asarray(spread @ answer)
 

@@ -29,7 +29,8 @@ def resolved(train: Train) -> Train:
         raise InputError(faults)
     bars = {bar.name: bar for bar in train.bars}
     for name, result in section_results(train).items():
-        section, bar = result.section, bars[name]
+        bar, polar = bars[name], result.moments.polar
+        section = Section(result.torsion_constant, polar, result.stress_modulus)
         across = (32.0 / math.pi * section.polar_moment) ** 0.25
         modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
         bars[name] = replace(

@@ -78,7 +78,7 @@ def uniform_shafts(
     """Uniform pieces of `length` m, `rigidity` G I N m2 and `inertia_per_length` rho I kg m, each (shafts,)."""
     long, stiff, heavy = np.broadcast_arrays(
         *(
-            np.atleast_1d(np.asarray(values, dtype=np.float64))
+            np.atleast_1d(np.asarray(values, dtype=float))
             for values in (length, rigidity, inertia_per_length)
         )
     )
@@ -188,9 +188,9 @@ def profile_shafts(
     f in rad/(N m2), m in kg m. The profile is smooth within a piece: a step, or a change of taper, ends it. Raises
     ValueError for a piece in which the series do not converge, as its profile is too steep.
     """
-    long = np.atleast_1d(np.asarray(length, dtype=np.float64))
+    long = np.atleast_1d(np.asarray(length, dtype=float))
     f, m = (
-        np.atleast_2d(np.asarray(a, dtype=np.float64))
+        np.atleast_2d(np.asarray(a, dtype=float))
         for a in (flexibility_per_length, inertia_per_length)
     )
     _, weight, from_start = _rule(f.shape[1])

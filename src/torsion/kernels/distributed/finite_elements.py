@@ -74,7 +74,7 @@ class CondensedElements(Law):
 
         Of one element, as many as there are factors.
         """
-        k, m = (np.asarray(factor, dtype=np.float64)[:, None] for factor in (stiffness, inertia))
+        k, m = (np.asarray(factor, dtype=float)[:, None] for factor in (stiffness, inertia))
         g = m / np.sqrt(k)
         couplings = self.coupling * g[:, None], self.coupling_turn * g
         return CondensedElements(
@@ -99,7 +99,7 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     The unknowns inside may be angles (nodal elements) or factors of bubbles (hierarchic ones): which, is read off the
     stiffness. Raises ValueError where turning the element as a whole bends it.
     """
-    k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
+    k, m = (np.asarray(matrix, dtype=float) for matrix in (stiffness, inertia))
     if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
         raise ValueError(
             f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice"
@@ -182,7 +182,8 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     outer[shafts.node] += square * carried[:, 1]
 
     # Torques of rigid spans, by the equilibrium of all that lies beyond them.
-    is_rigid = np.isin(np.arange(tree.size), tree.springs) & (tree.flexibility == 0.0)
+    is_rigid = tree.flexibility == 0.0
+    is_rigid[shafts.node] = False
     for station, _, _ in tree.steps:
         if is_rigid[station]:
             beyond = sum(torque[child] for child in tree.children[station])

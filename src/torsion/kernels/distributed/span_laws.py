@@ -28,9 +28,8 @@ _FEW = (
 
 @dataclass(frozen=True)
 class Slopes:
-    """Values of the pi and their derivatives with respect to s = w^2; all (shafts, m), but `square`."""
+    """Values of the pi and their derivatives with respect to s = w^2; all (shafts, m)."""
 
-    square: FloatArray  # (m,) rad2/s2, s
     flexibility: FloatArray  # rad/(N m)
     inner: FloatArray  # kg m2
     outer: FloatArray  # kg m2
@@ -68,7 +67,7 @@ class Law(ABC):
     def slopes(self, square: FloatArray) -> Slopes:
         """The same with their derivatives at s (m,), real."""
         few, position = self._distinct_at(square)
-        return Slopes(square, *(row[position] for row in few._slopes(square[None])))
+        return Slopes(*(row[position] for row in few._slopes(square[None])))
 
     @abstractmethod
     def rounding(self, square: FloatArray) -> FloatArray:
@@ -146,7 +145,7 @@ class Shafts:
 
     def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
         """The same of a material with the loss factors `loss` (shafts,), complex, at real s (m,)."""
-        flexibility, inner, outer = np.empty((3, len(loss), len(square)), dtype=np.complex128)
+        flexibility, inner, outer = np.empty((3, len(loss), len(square)), dtype=complex)
         for eta in np.unique(loss).tolist():
             rows, turn = loss == eta, 1.0 + 1j * eta
             h, near, far = self.at(square / turn)
@@ -155,8 +154,8 @@ class Shafts:
 
     def slopes(self, square: FloatArray) -> Slopes:
         """Return what `Law.slopes` does, for the shafts of all laws."""
-        slopes = [list(vars(law.slopes(square)).values())[1:] for law in self.laws]
-        return Slopes(square, *map(np.concatenate, zip(*slopes, strict=True)))
+        slopes = [vars(law.slopes(square)).values() for law in self.laws]
+        return Slopes(*map(np.concatenate, zip(*slopes, strict=True)))
 
     def rounding(self, square: FloatArray) -> FloatArray:
         """As of a `Law`, the largest of any."""

@@ -61,7 +61,7 @@ class CrankSlider:
 
     def piston(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Distance of the piston pin from the crank's centre along the axis, m, and its derivatives by the angle."""
-        turned = np.asarray(angle, dtype=np.float64) + self.top
+        turned = np.asarray(angle, dtype=float) + self.top
         sine, cosine = self.radius * np.sin(turned), self.radius * np.cos(turned)
         across = sine - self.offset
         along = np.sqrt(self.rod**2 - across**2)

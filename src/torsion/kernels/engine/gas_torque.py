@@ -88,7 +88,7 @@ def harmonics(
     """
     _, points, weight = panels(corners)
     angle, weighted = points.ravel(), (torque(points) * weight).ravel()
-    harmonics, number = np.zeros(count + 1, dtype=np.complex128), np.arange(count + 1)
+    harmonics, number = np.zeros(count + 1, dtype=complex), np.arange(count + 1)
     length = max(BLOCK // (count + 1), 1)
     for start in range(0, len(angle), length):
         part = slice(start, start + length)
@@ -168,7 +168,7 @@ class GasLaw:
         share: heat of this cylinder / that of the others; motored and cut out it has none.
         """
         if state == "cut out":
-            return np.zeros(len(speed), dtype=np.complex128)
+            return np.zeros(len(speed), dtype=complex)
         where = speed if self.over == "speed" else load
         if where is None:
             where = np.full(len(speed), self.at[-1] if self.stated is None else self.stated)
@@ -193,7 +193,7 @@ class GasLaw:
             for beyond, edge, two in ((where < self.at[0], 0, 1), (where > self.at[-1], -1, -2)):
                 slope = (harmonic[two] - harmonic[edge]) / (self.at[two] - self.at[edge])
                 inside = np.where(beyond, harmonic[edge] + slope * (where - self.at[edge]), inside)
-        return np.asarray(inside, dtype=np.complex128)
+        return np.asarray(inside, dtype=complex)
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,19 +103,15 @@ class Cycle:
     heat: float = 0.0  # J
 
     @property
-    def is_two_stroke(self) -> bool:
-        return self.cylinder.revolutions == 1
-
-    @property
     def closes(self) -> float:
         """Crank angle at which compression begins."""
         bottom = self.cylinder.crank.bottom
-        return -self.exhaust_opens if self.is_two_stroke else bottom - 2.0 * math.pi
+        return -self.exhaust_opens if self.cylinder.revolutions == 1 else bottom - 2.0 * math.pi
 
     @property
     def opens(self) -> float:
         """Crank angle at which expansion ends."""
-        return self.exhaust_opens if self.is_two_stroke else self.cylinder.crank.bottom
+        return self.exhaust_opens if self.cylinder.revolutions == 1 else self.cylinder.crank.bottom
 
     def _rate(self, angle: FloatArray) -> FloatArray:
         """V^(g-1) dx_b/dangle while heat is released."""
@@ -153,7 +149,7 @@ class Cycle:
         """Pa at crank angles from closing on, over one cycle."""
         inside = np.clip(angle, self.closes, self.opens)
         pressure = self.closed(inside)
-        if self.is_two_stroke:
+        if self.cylinder.revolutions == 1:
             end = float(self.closed(np.array(self.opens)))
             length = max(self.scavenge_opens - self.opens, 1e-12)
             share = np.clip((angle - self.opens) / length, 0.0, 1.0)
@@ -165,7 +161,7 @@ class Cycle:
     @property
     def corners(self) -> FloatArray:
         """rad of one cycle from closing on, between which the pressure is smooth."""
-        middle = self.scavenge_opens if self.is_two_stroke else 2.0 * math.pi
+        middle = self.scavenge_opens if self.cylinder.revolutions == 1 else 2.0 * math.pi
         corners = [self.start, self.start + self.duration, self.opens, middle]
         ends = self.closes, self.closes + self.cylinder.period
         return np.unique([*ends, *(corner for corner in corners if ends[0] < corner < ends[1])])

@@ -108,14 +108,6 @@ def scattered_apart(row: IntArray, column: IntArray, factors: ComplexArray) -> S
     )
 
 
-@dataclass(frozen=True)
-class Exponents:
-    """Floquet exponents from Hill's matrix: of the copies of each, the one whose vector lies around harmonic 0."""
-
-    exponent: ComplexArray  # (exponents,) 1/s
-    vector: ComplexArray  # (exponents, size, harmonics)
-
-
 def hill_matrices(
     mass: FloatArray, damping: FloatArray, stiffness: FloatArray, w0: float, count: int
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
@@ -142,8 +134,10 @@ def hill_exponents(
     w0: float,
     count: int,
     repeated: ComplexArray | None = None,
-) -> Exponents:
-    """Return the Floquet exponents by the eigenvalues of Hill's matrix, quadratic in s.
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the Floquet exponents (exponents,) 1/s by the eigenvalues of Hill's matrix, quadratic in s.
+
+    And their vectors (exponents, size, harmonics).
 
     repeated: (motions, size, 2 count + 1) harmonics of what may solve the equations with s = 0. Those that do, to KEPT,
     and no combinations of others, are taken out beforehand: the exponent 0 is often a double one, that splits.
@@ -172,7 +166,7 @@ def hill_exponents(
     weight = (np.abs(shape) ** 2).sum(axis=1)
     centre = weight @ np.arange(-count, count + 1) / weight.sum(axis=1)
     kept = (centre > CENTRED[0]) & (centre <= CENTRED[1])
-    return Exponents(value[kept], shape[kept])
+    return value[kept], shape[kept]
 
 
 def _solving(
