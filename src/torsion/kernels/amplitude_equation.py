@@ -59,7 +59,7 @@ def amplitudes(
 
 
 def solutions(
-    ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int = SAMPLES
+    ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int
 ) -> tuple[IntArray, FloatArray]:
     """Return the column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))

@@ -88,9 +88,6 @@ def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, Float
     """
     from scipy.linalg import lapack
 
-    columns = matrix.shape[1]
-    if columns == 0:
-        return np.empty((matrix.shape[0], 0)), np.empty(0), np.empty((0, 0))
     jobs = {"jobu": 0 if "U" in vectors else 3, "jobv": 0 if "V" in vectors else 3}
     values, left, right, work, _, info = lapack.dgejsv(
         matrix, joba=_DGEJSV_FULL_ACCURACY, jobr=1, jobt=0, jobp=0, **jobs
@@ -99,7 +96,7 @@ def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, Float
         raise SolveError(
             f"dgejsv did not converge (info {info}); check the train for spans of 0 or infinite stiffness"
         )
-    return left[:, :columns], values * (work[0] / work[1]), right
+    return left[:, : matrix.shape[1]], values * (work[0] / work[1]), right
 
 
 _ROUNDING = 2.0**-52
@@ -172,7 +169,7 @@ def graph_modes(
     load = pairs(train.tree.size, train.first, train.second).T @ of_chords
     torque = np.vstack([with_reactions(train.tree, bodies, of_tree, load), of_chords])
     frequency = frequency[:wanted]
-    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(bodies.elastic, 1))
+    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * bodies.elastic)
     return train.given(
         TreeModes(
             frequency=frequency,

@@ -123,7 +123,7 @@ def pass_on(
 
 
 def enclose(
-    tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray | None = None
+    tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray | float = 0.0
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Bounds `lower`, `upper` (m,) rad/s of the modes rigid, rigid + 1, ... and which (m,) of them are proven.
 
@@ -134,7 +134,7 @@ def enclose(
     widest = max(_WIDEST, _WIDEST_A_STATION * tree.size)
     if tree.shafts is not None:
         widest = max(widest, _WIDEST_OF_SHAFTS)
-    half = expected_width(tree, frequency, 0.0 if passed is None else passed)
+    half = expected_width(tree, frequency, passed)
 
     # A shape next to a repeated frequency says nothing of the width.
     unlikely = ~(half <= widest)

@@ -271,7 +271,7 @@ def _thinned(kept: list[float], wanted: list[tuple[float, float]]) -> list[float
     low, high = min(kept), max(kept)
     radii: list[float] = []
     for radius in sorted(kept):
-        if not radii or radius - radii[-1] > CLOSE * max(high, high - low):
+        if not radii or radius - radii[-1] > CLOSE * high:
             radii.append(radius)
     for radius, step in sorted(wanted, key=lambda pair: pair[1]):
         if low < radius < high and min(abs(radius - present) for present in radii) > CROWDED * step:
