@@ -27,6 +27,7 @@ MOST_MODES = 100_000
 HOLZER = "torsion.analyses.modes.holzer:holzer_modes"  # a name, since it stands on this module
 MOST_JUDGED = 200  # modes that are computed beyond those requested, for a rule
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
+JUST_ABOVE = 1e-3  # relative, of the last mode: the frequency for which shafts are refined
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
@@ -274,7 +275,9 @@ def _table_end(system: System) -> float:
 
 def _refined(system: System, count: int) -> Modes:
     """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
-    from torsion.analyses.modes.mode_nodes import above_mode, reach
+    from torsion.analyses.modes.mode_nodes import reach
+    from torsion.kernels.reduction import rigidity
+    from torsion.kernels.sturm import brackets
 
     # So that the last of them, which counts find, lies in reach, as far as settings allow.
     highest = system.requested.frequency
@@ -285,8 +288,9 @@ def _refined(system: System, count: int) -> Modes:
         tree = undamped_tree(system)
         resolved = reach(tree)
         if resolved.count >= count:
-            last = above_mode(tree, count) / (2.0 * math.pi)
-            system = rediscretised(system, max(highest, last))
+            rank = np.array([len(rigidity(tree.static).free_roots) + count - 1])
+            just_above = float(brackets(tree, rank, tolerance=JUST_ABOVE)[1][0])
+            system = rediscretised(system, max(highest, just_above / (2.0 * math.pi)))
             break
         finer = rediscretised(system, resolved.frequency / (2.0 * math.pi))
         if _discretisation(finer) == _discretisation(system):

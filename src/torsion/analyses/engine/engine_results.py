@@ -173,9 +173,13 @@ def misfire_loads(
     loads = []
     for element, curves in zip(elastic, torque, strict=True):
         case = 1 + int(np.argmax(curves[1:].max(axis=1)))
-        (firing, firing_speed), (worst, speed) = (
-            _peak(curve, cases[0].speed) for curve in curves[[0, case]]
-        )
+        # The largest value and its speed; None where any is not known, which may be larger.
+        peaks: list[tuple[float | None, float | None]] = []
+        for curve in curves[[0, case]]:
+            place = int(np.argmax(curve))  # the first NaN, where there is one
+            value, speed = float(curve[place]), float(cases[0].speed[place])
+            peaks.append((value, speed) if np.isfinite(value) else (None, None))
+        (firing, firing_speed), (worst, worst_speed) = peaks
         stress = None
         if element.kind == "crank" and engine.stress_modulus is not None and worst is not None:
             stress = worst / engine.stress_modulus
@@ -185,19 +189,13 @@ def misfire_loads(
                 firing=firing,
                 firing_speed=firing_speed,
                 worst=worst,
-                speed=speed,
+                speed=worst_speed,
                 cylinder=cases[case].cylinder,
                 ratio=worst / firing if firing and worst else None,
                 stress=stress,
             )
         )
     return tuple(loads), torque
-
-
-def _peak(curve: FloatArray, speed: FloatArray) -> tuple[float | None, float | None]:
-    """Return the largest value (speeds,) and its speed; None where any is not known, which may be larger."""
-    place = int(np.argmax(curve))  # the first NaN, where there is one
-    return (float(curve[place]), float(speed[place])) if np.isfinite(curve[place]) else (None, None)
 
 
 @reported

@@ -105,13 +105,14 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
             of_material.append(Fault(path, message, f"write it under materials: {material}"))
         sizes = bar.length, bar.outer, bar.bore, modulus or 1.0
         segments.append(Segment(*sizes, bar.density, bar.shear_modulus, bar.loss_factor))
-    points += _supports(train, row, bool(held) and held[0] > 0, faults)
+    supports, given = _supports(train, row, bool(held) and held[0] > 0, faults)
+    points += supports
     beam = Beam(tuple(segments), tuple(points), names)
     lacks, path = "", Path()
     if set(held) - {0, len(row)}:
         lacks = "a joint lies between its ends"
     elif len(faults) == before:
-        lacks, path = _lacking(train, row, beam)
+        lacks, path = _lacking(train, row, beam, given)
     faults += [] if lacks else of_material
     on_shaft = {station for station in range(len(node)) if node[station] in stations}
     loads = tuple(
@@ -124,14 +125,18 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
 
 def _supports(
     train: Train, row: list[Bar], is_from_behind: bool, faults: list[Fault]
-) -> list[Point]:
-    """The supports of every shaft, counted from its end that faces the joint."""
+) -> tuple[list[Point], list[tuple[Support, Path]]]:
+    """The supports of every shaft, counted from its end that faces the joint; and where each stands in the file."""
     points = []
+    given = []
     begin = 0.0
     for bar in row:
         name = train.parts[bar.part].name
-        supports = _supports_of(train, bar)
-        for number, (support, path) in enumerate(supports):
+        supports = train.shaft(bar).support
+        for number, support in enumerate(supports):
+            path: Path = (*train.parts[bar.part].path, "support")
+            path = path if len(supports) == 1 else (*path, number)
+            given.append((support, path))
             if support.at > bar.length:
                 message = f"the support lies {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
@@ -146,20 +151,12 @@ def _supports(
                 )
             )
         begin += bar.length
-    return points
+    return points, given
 
 
-def _supports_of(train: Train, bar: Bar) -> list[tuple[Support, Path]]:
-    """The supports of a shaft and where each stands in the file."""
-    supports = train.shaft(bar).support
-    path = (*train.parts[bar.part].path, "support")
-    return [
-        (support, path if len(supports) == 1 else (*path, number))
-        for number, support in enumerate(supports)
-    ]
-
-
-def _lacking(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
+def _lacking(
+    train: Train, row: list[Bar], beam: Beam, given: list[tuple[Support, Path]]
+) -> tuple[str, Path]:
     """Why a shaft made of `row` cannot be computed, with the key it is about; empty where it can.
 
     A section that is a mesh has no diameters; joints and supports must hold it in both planes, and stiffly enough to
@@ -170,7 +167,6 @@ def _lacking(train: Train, row: list[Bar], beam: Beam) -> tuple[str, Path]:
         path = (*train.parts[of_mesh[0].part].path, "section")
         return "its section is a mesh, and bending needs diameters", path
     free = [beam.rigid_motions(plane) for plane in (0, 1)]
-    given = [support for bar in row for support in _supports_of(train, bar)]
     if any(free) and not given:
         why = "it needs a joint at either end, a joint and a `support`, or two supports"
         return f"it is not supported: {why}", ()

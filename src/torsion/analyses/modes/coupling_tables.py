@@ -1,7 +1,6 @@
 """What couplings and dampers with tables have at each mode, what the modes lose, and what takes no table."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -142,12 +141,41 @@ def table_faults(study: Study) -> list[Fault]:
     }
     path = min(paths.values(), key=len)
     what = WHAT.get(tabled[-1][1].key, "table")
-    faults = [Fault(path, reason, HINT) for reason in _without_table(study, what)]
+    faults = []
+    links = (spring for spring in train.springs if not train.parts[spring.part].is_point)
+    method = study.setting("analyses", "response", "method")
     is_transient = "transient" in study.analyses
     by_vibration = "vibratory torque"
     supports = "only a response over speed supports a stiffness that follows the vibratory torque"
     lacks_torque = not study.has_mean_torque or operation.speed is None
     for over, is_fault, message, hint in (
+        # Of a table over anything.
+        (
+            "",
+            train.has_loops and any(spring.table for spring in links),
+            f"a train with closed loops does not support a {what}",
+            HINT,
+        ),
+        (
+            "",
+            train.modal_damping,
+            f"damping by mode is a sum over modes of one stiffness, and a {what} has many",
+            HINT,
+        ),
+        (
+            "",
+            train.has_nonlinear_couplings,
+            f"the exact motion of couplings with backlash, friction or stages does not support a {what}",
+            HINT,
+        ),
+        (
+            "",
+            method == "harmonic-balance",
+            f"the exact periodic response does not support a {what}",
+            HINT,
+        ),
+        ("", "stability" in study.analyses, f"stability takes no {what}", HINT),
+        ("", "check" in study.analyses, f"the comparison of the models takes no {what}", HINT),
         (
             "frequency",
             is_transient,
@@ -181,35 +209,6 @@ def table_faults(study: Study) -> list[Fault]:
             HINT,
         ),
     ):
-        if is_fault and over in paths:
-            faults.append(Fault(paths[over], message, hint))
+        if is_fault and (not over or over in paths):
+            faults.append(Fault(paths.get(over, path), message, hint))
     return faults
-
-
-def _without_table(study: Study, what: str) -> Iterator[str]:
-    """Yield why a table of any kind does not go with the rest of the file."""
-    train = study.train
-    links = (spring for spring in train.springs if not train.parts[spring.part].is_point)
-    method = study.setting("analyses", "response", "method")
-    for is_fault, reason in (
-        (
-            train.has_loops and any(spring.table for spring in links),
-            f"a train with closed loops does not support a {what}",
-        ),
-        (
-            train.modal_damping,
-            f"damping by mode is a sum over modes of one stiffness, and a {what} has many",
-        ),
-        (
-            train.has_nonlinear_couplings,
-            f"the exact motion of couplings with backlash, friction or stages does not support a {what}",
-        ),
-        (
-            method == "harmonic-balance",
-            f"the exact periodic response does not support a {what}",
-        ),
-        ("stability" in study.analyses, f"stability takes no {what}"),
-        ("check" in study.analyses, f"the comparison of the models takes no {what}"),
-    ):
-        if is_fault:
-            yield reason

@@ -21,7 +21,7 @@ from torsion.errors import SolveError
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.reduction import rigidity
-from torsion.kernels.sturm import SHARE_OF_LIMIT, brackets, count_below
+from torsion.kernels.sturm import SHARE_OF_LIMIT, count_below
 from torsion.kernels.tree import Tree, connected
 
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
@@ -168,7 +168,6 @@ def beside_modes(system: System) -> tuple[BoolArray, BoolArray]:
     return without, (system.flexibility == 0.0) | without[system.driving] | without[system.driven]
 
 
-JUST_ABOVE = 1e-3  # relative
 # Unknowns of finite elements that are solved at once where counts cannot reach.
 LARGEST_DENSE = 2000
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
@@ -194,12 +193,6 @@ def reach(tree: Tree, highest: float = math.inf) -> Reach:
     if not math.isfinite(top):
         return Reach(motions.elastic, math.inf)
     return Reach(int(count_below(tree, np.array([top]))[0]) - len(motions.free_roots), top)
-
-
-def above_mode(tree: Tree, count: int) -> float:
-    """Return a frequency (rad/s) just above the elastic mode `count` (counted from 1), which lies in reach."""
-    rigid = len(rigidity(tree.static).free_roots)
-    return float(brackets(tree, np.array([rigid + count - 1]), tolerance=JUST_ABOVE)[1][0])
 
 
 def referred_modes(tree: Tree, count: int | None) -> TreeModes:

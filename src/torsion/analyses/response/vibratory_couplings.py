@@ -6,13 +6,16 @@ found by scanning every piece of the table, while the other couplings stand. Sev
 another until none changes; from some rounds on each goes half the way.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Components, Following, Response
+from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answer
 from torsion.analyses.response.synthesis import half_range_of
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -20,6 +23,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.findings import Work
 from torsion.kernels.amplitude_equation import solutions
+from torsion.kernels.stiffness_laws import StiffnessTable
 from torsion.results import reported, result
 
 ROUNDS, HALF_WAY = 120, 20  # over several couplings; from the second on a torque goes half the way
@@ -63,20 +67,16 @@ class VibratoryTorques:
     each: tuple[VibratoryTorque, ...] = result("couplings by table over vibratory torque", key="")
 
 
+@dataclass(frozen=True)
 class _Train:
-    """The components one by one, each with sources that have a phase to each other."""
+    """A train with tables over vibratory torque, and what excites it."""
 
-    def __init__(self, system: System, components: Components) -> None:
-        self.system = system
-        self.components = components
-        self.points = components.ground.shape[1]
-        self.tables = system.tables_over("vibratory torque")
-        self.separate = components.separate
-        self.half_range = partial(
-            half_range_of,
-            [order for order, _, _ in self.separate],
-            by_magnitude=len(self.separate) > len(components.w),
-        )
+    system: System
+    components: Components
+    # One by one, each with sources that have a phase to each other.
+    separate: Sequence[tuple[Fraction | None, FloatArray, Sources]]
+    half_range: Callable[[ComplexArray], FloatArray]  # of phasors (points, components)
+    tables: Mapping[int, StiffnessTable]
 
     def torques(
         self, span: int, torque: Mapping[int, FloatArray], points: IntArray, factor: complex = 1.0
@@ -170,11 +170,18 @@ def settled(system: System, components: Components, rank: int) -> Following:
 
     A torque beyond a table is found at the stiffness of its end; who reads a table that ends there refuses it.
     """
-    train = _Train(system, components)
-    torque = {span: np.full(train.points, table.at[0]) for span, table in train.tables.items()}
-    number = {span: np.ones(train.points, dtype=np.int64) for span in torque}
-    rounds = np.zeros(train.points, dtype=np.int64)
-    open_ = np.arange(train.points if train.separate else 0)
+    separate, points = components.separate, components.ground.shape[1]
+    half_range = partial(
+        half_range_of,
+        [order for order, _, _ in separate],
+        by_magnitude=len(separate) > len(components.w),
+    )
+    tables = system.tables_over("vibratory torque")
+    train = _Train(system, components, separate, half_range, tables)
+    torque = {span: np.full(points, table.at[0]) for span, table in tables.items()}
+    number = {span: np.ones(points, dtype=np.int64) for span in torque}
+    rounds = np.zeros(points, dtype=np.int64)
+    open_ = np.arange(points if separate else 0)
     for count in range(ROUNDS):
         changed = np.zeros(len(open_), dtype=bool)
         for span, size in torque.items():
@@ -191,14 +198,14 @@ def settled(system: System, components: Components, rank: int) -> Following:
             break
 
     # An answer is what the whole train confirms: |half range/torque - 1| (points, couplings).
-    residual = np.zeros((train.points, len(torque)))
-    for k, (span, size) in enumerate(torque.items() if train.separate else ()):
-        phasors = train.torques(span, torque, np.arange(train.points))[1]
-        lacks = np.abs(train.half_range(phasors.T) - size)
+    residual = np.zeros((points, len(torque)))
+    for k, (span, size) in enumerate(torque.items() if separate else ()):
+        phasors = train.torques(span, torque, np.arange(points))[1]
+        lacks = np.abs(half_range(phasors.T) - size)
         residual[:, k] = lacks / np.maximum(size, np.finfo(float).tiny)
     is_settled: BoolArray = np.asarray((residual <= SETTLED).all(axis=1))
     is_settled[open_] = False
-    for span, table in train.tables.items():
+    for span, table in tables.items():
         torque[span] = np.where(
             is_settled, torque[span], np.clip(np.nan_to_num(torque[span]), *table.ends)
         )
