@@ -172,9 +172,7 @@ class PiecewiseCoupling:
 
     def secant(self, amplitude: FloatArray, mean: FloatArray) -> Secant:
         """Return the secant of amplitudes (columns,) rad > 0 and mean torques (columns,) N m >= 0."""
-        mean_twist = (
-            self.bias(amplitude, mean) if self.half or self.stages else np.zeros(len(amplitude))
-        )
+        mean_twist = self.bias(amplitude, mean)
         share = np.ones(len(amplitude))
         if self.half:
             share = np.maximum(_both_sides(mean_twist, self.half, amplitude)[1].sum(axis=0), OPEN)

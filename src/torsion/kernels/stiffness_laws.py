@@ -272,9 +272,10 @@ class Warming:
 
     def complex_stiffness(self, stiffness: ComplexArray, temperature: FloatArray) -> ComplexArray:
         """Of stiffness now, k (1 + i eta) + i w c in N m/rad; the viscous part stays as it is where eta is given."""
-        k = stiffness.real * _linear(self.factor, temperature)
+        factor = _linear(self.factor, temperature)
         if not self.lost:
-            return np.asarray(stiffness * _linear(self.factor, temperature))
+            return np.asarray(stiffness * factor)
+        k = stiffness.real * factor
         viscous_part = stiffness.imag - stiffness.real * self.loss_factor(np.array(self.now))
         return np.asarray(k * (1.0 + 1j * self.loss_factor(temperature)) + 1j * viscous_part)
 

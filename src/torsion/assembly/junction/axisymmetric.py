@@ -22,7 +22,7 @@ from scipy.sparse import coo_array, csc_array
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.junction.profile import Profile
-from torsion.assembly.junction.profile_mesh import CLOSE, Meridian, meridian
+from torsion.assembly.junction.profile_mesh import CLOSE, Meridian, meridian, walls
 from torsion.assembly.triangle_fields import places_along, solve_symmetric
 from torsion.errors import SolveError
 from torsion.kernels.round_sections import section_modulus
@@ -166,16 +166,8 @@ def _boundaries(profile: Profile, meridian_mesh: Meridian, basis: Any) -> tuple[
     side = ~(at_begin | at_end | (r < near))
 
     # The outer surface lies beyond a radius that is in the material on both sides of every place.
-    edges, radii = np.array(places), []
-    for nudge in (-1e-7, 1e-7):
-        owner = np.clip(
-            np.searchsorted(edges, z + nudge * edges[-1]) - 1, 0, len(profile.lengths) - 1
-        )
-        share = (z - edges[owner]) / np.diff(edges)[owner]
-        for key in ("outer", "bore"):
-            ends = np.array([getattr(length, key) for length in profile.lengths])[owner]
-            radii.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
-    middle = (np.minimum(radii[0], radii[2]) + np.maximum(radii[1], radii[3])) / 2.0
+    sides = np.array([walls(profile, place, (place, place)) for place in z.tolist()])
+    middle = (sides[:, :, 1].min(axis=1) + sides[:, :, 0].max(axis=1)) / 2.0
     outer = side & (r > middle)
     fixed, inner = at_end, side & ~outer
     if profile.fixed == "rim":

@@ -230,7 +230,7 @@ def _radii(
     grains: Sequence[tuple[float, float, float]],
 ) -> list[float]:
     """Points on a line across the shaft: its walls on both sides, the core, a patch, graded to corners."""
-    kept = [r for pair in _walls(profile, z, (z, z)) for r in pair]
+    kept = [r for pair in walls(profile, z, (z, z)) for r in pair]
     low, high = min(kept), max(kept)
     if low < core:
         kept.append(core)
@@ -287,7 +287,7 @@ def _strips(
 ) -> list[tuple[Pair, Pair]]:
     """The inner and outer edge of each strip of triangles of a slab, their radii at its two lines."""
     amid = (ends[0] + ends[1]) / 2.0
-    (bore0, outer0), (bore1, outer1) = _walls(profile, amid, ends)
+    (bore0, outer0), (bore1, outer1) = walls(profile, amid, ends)
     edges = [(bore0, bore1), (outer0, outer1)]
     if bore0 < core:
         edges.insert(1, (core, core))
@@ -305,9 +305,9 @@ def _strips(
     return strips
 
 
-def _walls(profile: Profile, inside: float, ends: Pair) -> tuple[Pair, Pair]:
+def walls(profile: Profile, inside: float, ends: Pair) -> tuple[Pair, Pair]:
     """Bore and outer radius at two places of the length that a place is inside of; of both lengths at their joint."""
-    walls = list[Pair]()
+    sides = list[Pair]()
     owners = [
         (begin, length)
         for begin, length in zip(profile.places, profile.lengths, strict=False)
@@ -318,8 +318,8 @@ def _walls(profile: Profile, inside: float, ends: Pair) -> tuple[Pair, Pair]:
         bore, outer = (
             (pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (length.bore, length.outer)
         )
-        walls.append((bore, outer))
-    return walls[0], walls[1]
+        sides.append((bore, outer))
+    return sides[0], sides[1]
 
 
 def _strip(points: _Points, left: list[int], right: list[int]) -> list[tuple[int, int, int]]:

@@ -66,7 +66,7 @@ def solve_level(mesh: Triangles, degree: int) -> Level:
         np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (basis.mesh.facets.T, ends)
     )
     order = np.argsort(present)
-    facets = order[np.searchsorted(present[order], wanted)]
+    facets = order[np.searchsorted(present, wanted, sorter=order)]
     lower, phi = stress_function(basis, stiffness, facets, edge.loop, edge.area)
     turning = turning[1:]  # omega is known but for a constant, so one unknown is left out
     upper = polar - float(turning @ solve_symmetric(stiffness[1:, 1:], turning))

@@ -104,8 +104,7 @@ def balance(
     last = False
     for step in range(1, MOST_NEWTON + 1):
         move, change = _newton(derivatives(), held, w0, count)
-        part = 1.0
-        for _ in range(HALVINGS):
+        for part in (0.5 ** np.arange(HALVINGS)).tolist():
             trial, trial_load = harmonic + part * move, load + part * change
             residual, derivatives = equations(motion_of(trial, w0, times), trial_load, count)
             reached = np.linalg.norm(harmonics_of(residual, count))
@@ -113,7 +112,6 @@ def balance(
             is_small = bool(np.abs(part * move).max() <= least)
             if last or reached < size or is_small:
                 break
-            part /= 2.0
         else:
             break
         harmonic, load, size = trial, trial_load, reached
