@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.response.fillet_stresses import endurance, has_judged, stated_fillets
+from torsion.analyses.response.fillet_stresses import endurance, stated_fillets
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.rules.demands import unjudged
@@ -29,7 +29,15 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
 
     def faults(self, study: Study) -> Iterable[Fault]:
         """Return what the file lacks for this rule."""
-        if not has_judged(study.train):
+        from torsion.assembly.junction.stepped_shafts import corners
+
+        train = study.train
+        shafts = (part.shaft for part in train.parts if part.shaft is not None)
+        has_notch = any(shaft.notches and shaft.endurance is not None for shaft in shafts)
+        if not has_notch and not any(
+            step is not None and step.round > 0.0 and endurance(train, first, second) is not None
+            for step, first, second, _, _ in corners(train)
+        ):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
             message = f"{self.name} finds no fillet or notch with an `endurance`"
             return [Fault(self.path(study), message, hint)]

@@ -135,19 +135,6 @@ def endurance(train: Train, *bars: Bar) -> float | None:
     return min((value for value in stated if value is not None), default=None)
 
 
-def has_judged(train: Train) -> bool:
-    """Return whether a stated fillet or notch has an endurance."""
-    from torsion.assembly.junction.stepped_shafts import corners
-
-    shafts = [part.shaft for part in train.parts if part.shaft is not None]
-    if any(shaft.notches and shaft.endurance is not None for shaft in shafts):
-        return True
-    return any(
-        step is not None and step.round > 0.0 and endurance(train, first, second) is not None
-        for step, first, second, _, _ in corners(train)
-    )
-
-
 def stated_fillets(system: System) -> Iterator[Fillet]:
     """Yield every stated fillet and notch, without its stress; raises SolveError where the elements have no answer."""
     train = system.train
