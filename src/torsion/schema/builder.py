@@ -24,7 +24,7 @@ import numpy as np
 from torsion.errors import Fault, refusal
 from torsion.model import KINDS, component_class
 from torsion.schema.cases import CaseKeys, change_overlay, merge_changes
-from torsion.schema.declaration_reader import declared
+from torsion.schema.declaration_reader import declared, keys_of
 from torsion.schema.edited_text import edited
 from torsion.schema.fault_text import input_error
 from torsion.schema.overlay import Overlay
@@ -64,11 +64,11 @@ class Constructor:
     @property
     def __signature__(self) -> Signature:
         """The keys of the kind, for completion."""
-        fields = component_class(self.kind).model_fields
-        names = [
-            field.alias or name for name, field in fields.items() if (field.alias or name) != "name"
+        keys = [
+            key
+            for key in keys_of(component_class(self.kind))
+            if key != "name" and key.isidentifier() and not keyword.iskeyword(key)
         ]
-        keys = [name for name in names if name.isidentifier() and not keyword.iskeyword(name)]
         name = Parameter("name", Parameter.POSITIONAL_ONLY, default=None)
         return Signature(
             [
@@ -104,13 +104,11 @@ def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
     sections: those of the file, such as operation, excitations, analyses and rules. The text is `study.text`.
     """
     given = {"name": name, **sections}
-    begin = [f"{key}: {in_brackets(plain_value(given[key]))}" for key in FIRST if key in given]
-    sections_after = [
-        f"{key}: {in_brackets(plain_value(value))}"
-        for key, value in given.items()
-        if key not in FIRST
-    ]
-    return parse("\n".join([*begin, "train:", *map(repr, train), *sections_after]) + "\n")
+    lines = {key: f"{key}: {in_brackets(plain_value(value))}" for key, value in given.items()}
+    begin = [lines.pop(key) for key in FIRST if key in lines]
+    return parse(
+        "\n".join([*begin, "train:", *(entry.text for entry in train), *lines.values()]) + "\n"
+    )
 
 
 def vary(

@@ -64,7 +64,7 @@ def _plain(data: Any) -> Any:
     analyses = {
         key: value for key, value in (data.get("analyses") or {}).items() if key not in VARYING
     }
-    return {key: value for key, value in data.items() if key != "analyses"} | {"analyses": analyses}
+    return {**data, "analyses": analyses}
 
 
 def _written_out(value: Any) -> Any:
