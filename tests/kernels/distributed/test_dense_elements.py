@@ -70,14 +70,13 @@ def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest
 ) -> None:
     train, bars = _random_train(random_tree, trains, 3, held)
     whole, element = replace(train, shafts=bars), bars.laws[0]
-    found = static_bends(whole, bars, element)
-    spring = found.spring
-    twist = found.angle[spring] - found.angle[train.parent[spring]]
-    scale = np.abs(found.angle).max()
-    assert np.allclose(twist, found.root[:, None] * found.bend, rtol=0, atol=1e-14 * scale)
-    assert np.all(found.angle[rigidity(whole.static).fixed] == 0.0)
-    momentum = whole.static.moving_inertia @ found.angle
-    momentum[found.inside.reshape(-1)] += element.coupling_turn.reshape(-1)
+    spring, root, bend, angle, inside = static_bends(whole, bars, element)
+    twist = angle[spring] - angle[train.parent[spring]]
+    scale = np.abs(angle).max()
+    assert np.allclose(twist, root[:, None] * bend, rtol=0, atol=1e-14 * scale)
+    assert np.all(angle[rigidity(whole.static).fixed] == 0.0)
+    momentum = whole.static.moving_inertia @ angle
+    momentum[inside.reshape(-1)] += element.coupling_turn.reshape(-1)
     if held == "none":
         assert np.abs(momentum).max() < 1e-13 * scale * whole.static.moving_inertia.sum()
 

@@ -198,13 +198,12 @@ def _grains(
     grains = [(fill.z, fill.r, fill.size) for fill in fills]
     sharp = [(fill.begin, fill.r) for fill in fills if fill.corner.kind == "chamfer"]
     filled = {(fill.z, fill.r) for fill in fills}
-    wall = (
-        min(
-            min(o - b for o, b in zip(before.outer, before.bore, strict=True))
-            for before in profile.lengths
-        )
-        / 2.0
-    )
+    walls_at_ends = [
+        outer - bore
+        for length in profile.lengths
+        for outer, bore in zip(length.outer, length.bore, strict=True)
+    ]
+    wall = min(walls_at_ends) / 2.0
     for z, (before, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
         outer = (before.outer[1] / 2.0, two.outer[0] / 2.0)
         bore = (before.bore[1] / 2.0, two.bore[0] / 2.0)
@@ -244,11 +243,8 @@ def _radii(
         for fill in fills
         if min(abs(z - edge) for edge in (fill.begin, fill.z, fill.behind)) <= near
     ]
-    kept += [
-        r
-        for fill in crossed
-        for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))
-    ]
+    kept += [fill.below for fill in crossed]
+    kept += [fill.top for fill in crossed if abs(z - fill.begin) > near]
     wanted = [
         (r0 + side * step, step)
         for z0, r0, size in grains

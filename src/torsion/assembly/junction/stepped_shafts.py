@@ -163,13 +163,11 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
     ends = {bar.driven: bar for bar in train.bars}
     for bar in train.bars:
         before = ends.get(bar.driving)
-        if (
-            before is None
-            or touching[bar.driving] != 2
-            or train.stations[bar.driving].part != before.part
-        ):
+        if before is None or train.stations[bar.driving].part != before.part:
             continue
-        if all(train.parts[shaft.part].shaft is not None for shaft in (before, bar)):
+        if touching[bar.driving] == 2 and all(
+            train.parts[shaft.part].shaft is not None for shaft in (before, bar)
+        ):
             yield before, bar
 
 

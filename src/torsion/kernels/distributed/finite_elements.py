@@ -135,17 +135,6 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     )
 
 
-@dataclass(frozen=True)
-class Bends:
-    """What coordinates mean. A spring is a span that is not rigid; that of a shaft has its static flexibility."""
-
-    spring: IntArray  # (springs,) outer station of each
-    root: FloatArray  # (springs,) root of its flexibility, (rad/(N m))^1/2
-    bend: FloatArray  # (springs, coordinates) angle of the outer end less that of the inner one, over `root`
-    angle: FloatArray  # (stations, coordinates) rad
-    inside: IntArray  # (shafts, modes) coordinate of each mode inside an element
-
-
 def dense_modes(tree: Tree, count: int) -> TreeModes:
     """The lowest `count` elastic modes, or all there are, of a tree whose shafts are finite elements of one degree.
 
@@ -159,22 +148,23 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
         raise ValueError(
             "the dense way is for finite elements of one degree; expected one law of elements"
         )
-    coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
+    spring, root, bends_of, angles, inside = static_bends(tree, shafts, element)
+    local, bodies = _local_inertia(element), rigidity(tree.static)
     ends = np.column_stack([tree.shaft_parent, shafts.node])
-    count = min(count, rigidity(tree.static).elastic + int(np.count_nonzero(element.modes)))
-    mass = _rows_of_inertia(tree, ends, coordinates, local)
+    count = min(count, bodies.elastic + int(np.count_nonzero(element.modes)))
+    mass = _rows_of_inertia(tree, ends, angles, inside, local)
     y = np.linalg.svd(mass, full_matrices=False)[2][:count].T
     weight = np.sum((mass @ y) ** 2, axis=0)
     square = np.sum(y * y, axis=0) / weight
     order = np.argsort(square, kind="stable")
     y, square = y[:, order] / np.sqrt(weight[order]), square[order]
-    angle = coordinates.angle @ y
+    angle = angles @ y
     y = y * (sign := shape_sign(angle))
     angle *= sign
     twist, torque = np.zeros_like(angle), np.zeros_like(angle)
-    bend, root = coordinates.bend @ y, coordinates.root[:, None]
-    twist[coordinates.spring], torque[coordinates.spring] = -root * bend, -bend / root
-    parts = np.concatenate((angle[ends], y[coordinates.inside]), axis=1)  # (shafts, 2 + modes, m)
+    bend, root = bends_of @ y, root[:, None]
+    twist[spring], torque[spring] = -root * bend, -bend / root
+    parts = np.concatenate((angle[ends], y[inside]), axis=1)  # (shafts, 2 + modes, m)
     carried = local @ parts
     of_shafts, elastic, outer = np.sum(parts * carried, axis=1), torque * twist, torque.copy()
     elastic[shafts.node] += np.sum(parts[:, 2:] ** 2, axis=1)
@@ -191,7 +181,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
             outer[station] = torque[station]
     kinetic = tree.moving_inertia[:, None] * angle**2
     tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
-    frequency, rigid = np.sqrt(square), rigid_shapes(tree.static, rigidity(tree.static))
+    frequency, rigid = np.sqrt(square), rigid_shapes(tree.static, bodies)
     return TreeModes(
         frequency,
         frequency.copy(),
@@ -219,7 +209,7 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
 
 
 def _rows_of_inertia(
-    tree: Tree, ends: IntArray, coordinates: Bends, local: FloatArray
+    tree: Tree, ends: IntArray, angle: FloatArray, inside: IntArray, local: FloatArray
 ) -> FloatArray:
     """C (rows, coordinates), with as many rows for an element as it has unknowns, of its inertia `local` = R'R."""
     try:
@@ -228,16 +218,23 @@ def _rows_of_inertia(
         values, vectors = np.linalg.eigh(local)
         root = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
     number, unknowns, _ = root.shape
-    rows = root[:, :, :2] @ coordinates.angle[ends]
+    rows = root[:, :, :2] @ angle[ends]
     row = np.arange(unknowns)[None, :, None]
-    rows[np.arange(number)[:, None, None], row, coordinates.inside[:, None, :]] += root[:, :, 2:]
+    rows[np.arange(number)[:, None, None], row, inside[:, None, :]] += root[:, :, 2:]
     stations = np.flatnonzero(tree.moving_inertia > 0.0)
-    station_rows = np.sqrt(tree.moving_inertia[stations])[:, None] * coordinates.angle[stations]
+    station_rows = np.sqrt(tree.moving_inertia[stations])[:, None] * angle[stations]
     return np.concatenate((rows.reshape(number * unknowns, -1), station_rows))
 
 
-def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
-    """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
+def static_bends(
+    train: Tree, shafts: Shafts, element: CondensedElements
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray, IntArray]:
+    """What the coordinates of the tree `train` mean, whose shafts `shafts` are `element`.
+
+    As of `bends`, a shaft being a spring of its static flexibility: springs (springs,), roots of their flexibilities,
+    the bend of each over its root (springs, coordinates), angles (stations, coordinates) rad; and the coordinate of
+    each mode inside an element (shafts, modes).
+    """
     tree = train.static
     bodies = rigidity(tree)
     spring, root, bend, angle = bends(tree, bodies)
@@ -249,4 +246,4 @@ def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Ben
     angle = np.concatenate((angle, -balance), axis=1)
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
-    return Bends(spring, root, bend, angle, inside)
+    return spring, root, bend, angle, inside
