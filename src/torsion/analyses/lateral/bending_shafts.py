@@ -204,11 +204,6 @@ class Plane:
     shape: FloatArray
     square: FloatArray  # (modes,) 1/frequency^2, s2, descending; 0 of a mode without inertia
 
-    @property
-    def frequency(self) -> FloatArray:
-        """(modes,) frequencies of the modes with inertia, rad/s, ascending."""
-        return 1.0 / np.sqrt(self.square[self.square > 0])
-
 
 @dataclass(frozen=True)
 class Planes:

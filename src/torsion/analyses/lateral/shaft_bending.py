@@ -289,7 +289,10 @@ def _refined(
             for order in (1, *excited)
             for crossing in criticals(both, order, np.inf)[: 2 * requested.modes]
         )
-        y, z = (plane.frequency[: requested.modes] / (2.0 * np.pi) for plane in (both.y, both.z))
+        y, z = (
+            1.0 / np.sqrt(square[square > 0][: requested.modes]) / (2.0 * np.pi)
+            for square in (both.y.square, both.z.square)
+        )
         reported_of = [np.array([crossing.frequency for crossing in critical]), y, z]
         reported_of += [] if speed is None else [whirl(both, speed[-1:], requested.modes).frequency]
         top = max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of)

@@ -50,11 +50,6 @@ class Variation:
     repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
     is_free: bool = False  # nothing holds the train: the first of these is its own motion
 
-    @property
-    def w0(self) -> float:
-        """Frequency of the common period, rad/s."""
-        return 2.0 * np.pi / self.period
-
     def reduced_to(self, reduced: Basis) -> "Variation":
         """Return the same on a basis of modes and, next to them, of what the repeated motions have in addition.
 
@@ -166,7 +161,7 @@ class Multipliers:
 def by_monodromy(around: Variation, highest: float, stages: int = STAGES) -> Multipliers:
     """Return the exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
     size = around.mass.shape[1]
-    scale = np.repeat([1.0, around.w0], size)
+    scale = np.repeat([1.0, 2.0 * np.pi / around.period], size)
     visited = list[FloatArray]()
     steps = steps_for(around.period, highest)
     matrices = around.mass, around.damping, around.stiffness
@@ -217,8 +212,8 @@ def by_hill(
     fewest: harmonics of the common period, at least. Raises SolveError where it has more than `most` rows.
     """
     size = around.mass.shape[1]
-    w0 = around.w0
-    count = int(max(fewest, np.ceil(highest / around.w0) + 4))
+    w0 = 2.0 * np.pi / around.period
+    count = int(max(fewest, np.ceil(highest / w0) + 4))
     if 2 * size * (2 * count + 1) > most_rows:
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))

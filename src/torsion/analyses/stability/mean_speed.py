@@ -13,11 +13,9 @@ import numpy as np
 
 from torsion.analyses.stability.mechanism_loads import Scene
 from torsion.analyses.stability.periodic_orbits import Orbit, orbit
-from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.bracketed_search import find_minimum, find_root
-from torsion.model.machine_torques import DriveLaw
 from torsion.results import reported, result
 
 SLOW = 1e-3  # 1/s: a slower drift is not reported
@@ -72,18 +70,6 @@ def drift_slope(mechanism: Scene, speed: float, near: Orbit) -> tuple[float, Orb
 def mean_speed_damping(motion: Orbit) -> float:
     """Return the sum of slopes and dampings to ground (N m s/rad at the reference) that act on the mean speed."""
     return float(motion.operation.loading.damping.sum() + motion.operation.on_mean_speed)
-
-
-def slip_slope(mechanism: Scene, station: int) -> float:
-    """Return the slope (N m s/rad) that a slip of 1 % has at a station that drives; NaN where no speed is rated."""
-    rated = mechanism.study.operation.rated
-    if rated is None:
-        return np.nan
-    steady = steady_if_known(mechanism.study, mechanism.system, np.array([rated.speed]))
-    if steady is None:
-        return np.nan
-    own_speed = rated.speed * float(mechanism.system.speed_ratio[station])
-    return DriveLaw(slip=0.01).slope_at_rated(float(steady.applied[station, 0]), own_speed)
 
 
 def missing_slope(

@@ -20,7 +20,6 @@ from torsion.analyses.stability.mean_speed import (
     drift_ends,
     mean_speed_damping,
     missing_slope,
-    slip_slope,
 )
 from torsion.analyses.stability.mechanism_loads import Scene, scene
 from torsion.analyses.stability.periodic_orbits import harmonics_at_least, orbit
@@ -31,12 +30,14 @@ from torsion.analyses.stability.unstable_ranges import (
     indicator,
     unstable_ranges,
 )
+from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
 from torsion.kernels.bracketed_search import find_minimum
 from torsion.kernels.joints.cross import unevenness
+from torsion.model.machine_torques import DriveLaw
 from torsion.processes import shared_out
 from torsion.results import reported, result
 from torsion.study import Study
@@ -243,11 +244,18 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     # The greatest part of the mean torque enters there.
     station = int(start[0].operation.stations.drive[0].argmax())
     name = search.mechanism.system.stations[station].name
-    ratio2 = float(search.mechanism.system.speed_ratio[station]) ** 2
+    ratio = float(search.mechanism.system.speed_ratio[station])
     limits = float(tried[0]), float(tried[-1])
-    slope = missing_slope(search.mechanism, start[0], limits, station) / ratio2
-    given = mean_speed_damping(start[0]) / ratio2
-    slip = slip_slope(search.mechanism, station)
+    slope = missing_slope(search.mechanism, start[0], limits, station) / ratio**2
+    given = mean_speed_damping(start[0]) / ratio**2
+    # The slope that a slip of 1 % has there; NaN where no speed is rated.
+    slip = np.nan
+    study, system = search.mechanism.study, search.mechanism.system
+    if (rated := study.operation.rated) is not None:
+        steady = steady_if_known(study, system, np.array([rated.speed]))
+        if steady is not None:
+            torque, own_speed = float(steady.applied[station, 0]), rated.speed * ratio
+            slip = DriveLaw(slip=0.01).slope_at_rated(torque, own_speed)
     return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
 
 
