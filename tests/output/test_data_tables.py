@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.findings import Findings
-from torsion.output.data_tables import DataTable, csv_of, data_tables
+from torsion.output.data_tables import DataTable, archive, data_tables
+from torsion.output.document import document
 from torsion.output.results_json import results
 
 TRAIN = """
@@ -74,13 +75,12 @@ def test_every_cell_of_the_checks_and_modes_is_the_value_of_results_json(usv: Fi
 
 
 def test_csv_has_all_digits_one_number_a_cell_and_runs_no_formula() -> None:
-    tables = by_name(torsion.run(torsion.parse(TRAIN)))
-    rows = list(csv.DictReader(io.StringIO(csv_of(tables["modes"]))))
-    assert (
-        float(rows[0]["frequency_Hz"])
-        == by_name(torsion.run(torsion.parse(TRAIN)))["modes"].rows[0][1]
-    )
-    names = [row["name"] for row in csv.DictReader(io.StringIO(csv_of(tables["stations"])))]
+    findings = torsion.run(torsion.parse(TRAIN))
+    with zipfile.ZipFile(io.BytesIO(archive(document(findings), findings))) as files:
+        modes, stations = (files.read(f"{name}.csv").decode() for name in ("modes", "stations"))
+    rows = list(csv.DictReader(io.StringIO(modes)))
+    assert float(rows[0]["frequency_Hz"]) == by_name(findings)["modes"].rows[0][1]
+    names = [row["name"] for row in csv.DictReader(io.StringIO(stations))]
     assert names[0] == "'=HYPERLINK(1)"
 
 
@@ -100,9 +100,6 @@ def test_the_command_writes_both(tmp_path: Path) -> None:
 
 
 def test_cases_have_folders() -> None:
-    from torsion.output.data_tables import archive
-    from torsion.output.document import document
-
     findings = torsion.run(
         torsion.parse(TRAIN + "cases: {heavy: {set: {propeller-1.inertia: 4}}}\n")
     )

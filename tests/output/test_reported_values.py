@@ -77,9 +77,9 @@ def barred_by(findings: Findings, *bands: tuple[float, float]) -> Findings:
 
 
 def test_the_reference_is_the_first_component_or_the_one_that_is_named(silent: Findings) -> None:
-    assert reported.reference(silent) == "drive"
+    assert silent.study.reference == "drive"
     named = torsion.run(torsion.parse(TRAIN.replace("operation: {", "operation: {at: tail, ")))
-    assert reported.reference(named) == "tail"
+    assert named.study.reference == "tail"
     assert reported.rated(silent) == 25.0
     assert reported.rated_rpm(silent) == pytest.approx(25.0 / PER_RPM)
 

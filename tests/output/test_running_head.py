@@ -129,7 +129,7 @@ def test_a_logo_is_set_in_the_pdf(content: bytes, tmp_path: Path) -> None:
     )
     made = document(torsion.run(torsion.read(tmp_path / "scene.yaml")))
     assert pdf(made).startswith(b"%PDF-")
-    assert not made.cover.numbered
+    assert made.cover.identity == made.cover.subtitle
 
 
 def test_a_logo_that_a_pdf_cannot_show_is_said_at_its_place(tmp_path: Path) -> None:

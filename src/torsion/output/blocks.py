@@ -173,7 +173,26 @@ def head(titles: str) -> tuple[Column, ...]:
     >>> head("< Shaft | Critical speed [rpm]:6 -> rpm")[1].text(math.pi)
     '30.0000'
     """
-    return tuple(_column(words.strip()) for words in titles.split("|"))
+    columns = []
+    for words in titles.split("|"):
+        full, arrow, short = words.strip().partition(" ->")
+        pieces = HEAD.fullmatch(full)
+        assert pieces is not None  # every part of it may be missing
+        name, unit = pieces["name"] or "", pieces["unit"] or ""
+        title = pieces["title"] or name.replace("_", " ").capitalize()
+        columns.append(
+            Column(
+                title,
+                unit.lstrip("="),
+                "left" if pieces["left"] else "right",
+                short.strip() or (title.lower() if arrow else ""),
+                digits=int(pieces["digits"] or DIGITS),
+                form=pieces["form"] or "",
+                factor=SHOWN[unit][1] if unit in SHOWN else 1.0,
+                name=name,
+            )
+        )
+    return tuple(columns)
 
 
 def table(
@@ -239,25 +258,6 @@ def table(
     values = tuple(zip(*(held for _, held in kept), strict=True))
     summarised = short, rows_in_summary, summary
     return Table(tuple(shown), values, caption, tuple(marks)[:most], *summarised)
-
-
-def _column(words: str) -> Column:
-    """Return the column of one title with its marks."""
-    full, arrow, short = words.partition(" ->")
-    pieces = HEAD.fullmatch(full)
-    assert pieces is not None  # every part of it may be missing
-    name, unit = pieces["name"] or "", pieces["unit"] or ""
-    title = pieces["title"] or name.replace("_", " ").capitalize()
-    return Column(
-        title,
-        unit.lstrip("="),
-        "left" if pieces["left"] else "right",
-        short.strip() or (title.lower() if arrow else ""),
-        digits=int(pieces["digits"] or DIGITS),
-        form=pieces["form"] or "",
-        factor=SHOWN[unit][1] if unit in SHOWN else 1.0,
-        name=name,
-    )
 
 
 def _plain(values: Sequence[Any], column: Column) -> list[Value]:

@@ -12,7 +12,6 @@ from torsion.findings import Findings
 from torsion.output.blocks import Paragraph
 from torsion.output.figures.figure import Grade, Use
 from torsion.output.numbers import NONE, counted, given, given_rpm, number, order, symbols
-from torsion.output.reported_values import reference
 from torsion.results import listed
 from torsion.rules.verdict_line import KINDS, WORDS, Basis, Check, Checks, Verdict
 
@@ -140,7 +139,8 @@ def contributing(findings: Findings, excited: Fraction | None) -> str:
     response = findings.get(Response)
     lines = () if response is None or excited is None else response.lines
     return next(
-        (line.named(reference(findings)) for line in lines if line.order == excited), order(excited)
+        (line.named(findings.study.reference) for line in lines if line.order == excited),
+        order(excited),
     )
 
 

@@ -18,7 +18,7 @@ from torsion.errors import refusal
 from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.document import Document
-from torsion.output.results_json import plain, shown
+from torsion.output.results_json import plain, reliable
 from torsion.output.scene import Selection, checksum, span_rows, station_rows
 from torsion.output.table_text import (
     csv_rows,
@@ -65,7 +65,7 @@ def result_tables(name: str, result: Any, selection: Selection) -> Iterator[Data
     for quantity in quantities(type(result)):
         if len(quantity.printed) != 1 or quantity.record is not None:
             continue
-        array = shown(result, quantity, selection)
+        array = selection.reduced(reliable(result, quantity), quantity, quantity.axes)
         if isinstance(array, np.ndarray) and array.ndim == 1:
             columns = by_axis.setdefault((quantity.printed[0], len(array)), {})
             is_complex = array.dtype.kind == "c"
@@ -115,18 +115,14 @@ def _cell(value: Any) -> Any:
     return value if isinstance(value, bool | int | float | str | None) else str(value)
 
 
-def csv_of(table: DataTable) -> str:
-    """Return a table as CSV; a text that a spreadsheet would run as a formula is made inert."""
-    return csv_rows([table.columns, *table.rows])
-
-
 def archive(document: Document, findings: Findings) -> bytes:
     """Return a .zip of `checks.csv`, `modes.csv`, ...; of a file with cases, those of each case in its folder."""
     texts = {}
     for name, case in findings.each.items():
         folder = "" if case is findings else case.study.case.folder if case.study.case else name
         for table in data_tables(case) if case.is_answered else ():
-            texts[f"{folder}/{table.name}.csv" if folder else f"{table.name}.csv"] = csv_of(table)
+            file = f"{folder}/{table.name}.csv" if folder else f"{table.name}.csv"
+            texts[file] = csv_rows([table.columns, *table.rows])
     return packed(texts)
 
 

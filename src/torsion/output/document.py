@@ -101,11 +101,6 @@ class Cover:
         )
         return short, long
 
-    @property
-    def numbered(self) -> bool:
-        """The document has a number or a revision."""
-        return self.identity not in ("", self.subtitle)
-
 
 @dataclass(frozen=True)
 class Numbered:

@@ -48,19 +48,16 @@ def verdict(findings: Findings) -> Verdict:
     """
     if not findings.is_answered:
         return "not judged"
-    results, sweep = findings.results, _sweep(findings)
-    if any(getattr(results.get(name), "fails", False) for name in ("check", "fit", "sweep")):
+    # By its name: its class is not loaded where there is none.
+    sweep: Sweep | None = findings.results.get("sweep")
+    if any(
+        getattr(findings.results.get(name), "fails", False) for name in ("check", "fit", "sweep")
+    ):
         return "fail"
     worst = worst_verdict(findings.need(Checks).lines)
     if findings.plan.unanswered and WORDS[worst] != "FAIL":
         return "not judged"
     return "restricted" if worst == "pass" and sweep is not None and sweep.is_partial else worst
-
-
-def _sweep(findings: Findings) -> "Sweep | None":
-    """Return the sweep by its name: its class is not loaded where there is none."""
-    sweep: Sweep | None = findings.results.get("sweep")
-    return sweep
 
 
 def headline(findings: Findings) -> tuple[Head, Kind]:
@@ -73,7 +70,7 @@ def _clause(findings: Findings, word: Verdict) -> str:
     """Return why the verdict is what it is."""
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
     first = next((check for check in checks if WORDS[check.verdict] == WORDS[word]), None)
-    sweep = _sweep(findings)
+    sweep: Sweep | None = findings.results.get("sweep")
     if sweep is not None and (
         (word == "restricted" and sweep.is_partial) or (first is None and sweep.fails)
     ):
@@ -248,7 +245,7 @@ def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
 
 def _sweep_words(findings: Findings) -> str:
     """Return how many variants of a sweep fail a check."""
-    sweep = _sweep(findings)
+    sweep: Sweep | None = findings.results.get("sweep")
     result = None if sweep is None else sweep.any_fails
     if sweep is None or result is None:
         return ""

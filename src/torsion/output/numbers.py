@@ -80,11 +80,6 @@ def given(value: float | None, digits: int = DIGITS) -> str:
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + dot + power
 
 
-def exact(value: Fraction | None) -> str:
-    """Return an order or a ratio: '2', '1/2', '21/8'; '–' for none."""
-    return NONE if value is None else str(value)
-
-
 def order(value: Fraction | None) -> str:
     """Return an order as people read it: '2', '0.5', or the fraction with its value where the decimals do not end."""
     if value is None:
@@ -125,8 +120,8 @@ def cell(value: Any) -> str:
         return f"{number(abs(value))} ∠ {degrees(float(np.angle(value)), 4)}°"
     if isinstance(value, float):
         return number(value)
-    if value is None or isinstance(value, Fraction):
-        return exact(value)
+    if value is None:
+        return NONE
     return value.name.lower().replace("_", " ") if isinstance(value, Enum) else str(value)
 
 

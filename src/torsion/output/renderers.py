@@ -11,6 +11,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.reports import Report
+from torsion.output.table_text import write_beside
 
 Content = (
     str | bytes | Callable[[Path], list[Path]]
@@ -57,14 +58,7 @@ OUTPUTS = {
 
 def long_blocks(document: Document) -> Callable[[Path], list[Path]] | None:
     """Return a writer of the files with all that is too long for the page; None if nothing is."""
-
-    def write(target: Path) -> list[Path]:
-        paths = [target.with_name(name) for name in document.beside]
-        for path, text in zip(paths, document.beside.values(), strict=True):
-            path.write_text(text(), encoding="utf-8")
-        return paths
-
-    return write if document.beside else None
+    return partial(write_beside, document.beside) if document.beside else None
 
 
 def files(

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from torsion.output.chapters import chapters
 from torsion.output.document import Document
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Cells, Figure, Line, Panel
-from torsion.output.table_text import csv_rows, inert, one_line
+from torsion.output.table_text import csv_rows, inert, one_line, write_beside
 
 Values = tuple[FloatArray, ...] | Cells  # columns of numbers, or a map
 Piece = str | Values  # a text stays unchanged
@@ -61,14 +62,8 @@ def tables(document: Document) -> Callable[[Path], list[Path]] | None:
     """Return a writer of one file for every figure with axes, next to its argument; None if no figure has axes."""
     blocks = (item.block for item in document.body)
     figures = [block for block in blocks if isinstance(block, Figure) and block.plots]
-
-    def write(target: Path) -> list[Path]:
-        paths = [target.with_name(file_name(figure)) for figure in figures]
-        for path, figure in zip(paths, figures, strict=True):
-            path.write_text(csv_of(figure), encoding="utf-8")
-        return paths
-
-    return write if figures else None
+    texts = {file_name(figure): partial(csv_of, figure) for figure in figures}
+    return partial(write_beside, texts) if texts else None
 
 
 def file_name(figure: Figure) -> str:

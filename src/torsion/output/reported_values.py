@@ -31,11 +31,6 @@ UNDAMPED = (
 CONVERSION = 1e-12  # relative: rounding between rad/s and rpm
 
 
-def reference(findings: Findings) -> str:
-    """Return name of the component whose speed is the speed axis."""
-    return findings.study.reference
-
-
 def rated(findings: Findings) -> float | None:
     """Return the rated speed, rad/s of the reference component; None without one."""
     point = findings.study.operation.rated

@@ -77,7 +77,7 @@ def _result(value: Any, selection: Selection) -> Any:
     records = {quantity.axes[0]: quantity for quantity in declared if quantity.record is not None}
     entries_by_key: dict[str, Any] = {}
     for declaration in sorted(declared, key=lambda quantity: quantity.record is None):
-        held = _known(value, declaration)
+        held = reliable(value, declaration)
         axis = next((axis for axis in declaration.axes if axis in records), None)
         if declaration.record is not None:
             entries = [plain(record, selection) for record in held]
@@ -101,12 +101,7 @@ def _result(value: Any, selection: Selection) -> Any:
     return {**positions, **entries_by_key}
 
 
-def shown(value: Any, quantity: Quantity, selection: Selection) -> Any:
-    """Return a quantity as every output shows it: reduced to what is reported, NaN where it is not known."""
-    return selection.reduced(_known(value, quantity), quantity, quantity.axes)
-
-
-def _known(value: Any, quantity: Quantity) -> Any:
+def reliable(value: Any, quantity: Quantity) -> Any:
     """Return the quantity of a result, with NaN where its status says that it is not known."""
     held = getattr(value, quantity.name)
     if not quantity.known_by or held is None:

@@ -109,21 +109,18 @@ def scene(study: Study) -> Scene:
     )
 
 
-def pressure_files(study: Study) -> list[str]:
-    """Return the files of the pressures of engines and compressors, as the scene names them."""
+def curve_files(study: Study) -> list[str]:
+    """Return the files of pressures and of measured signals, as the scene names them."""
     records = (
         record
         for part in study.train.parts
         for record in (part.engine, part.compressor)
         if record is not None
     )
-    return list(dict.fromkeys(name for record in records for name in record.files))
-
-
-def signal_files(study: Study) -> list[str]:
-    """Return the files of measured signals, as the scene names them."""
+    pressures = [name for record in records for name in record.files]
     measured = getattr(study.analyses.get("fit"), "measured", ())
-    return list(dict.fromkeys(signal.signal for signal in measured if signal.signal))
+    signals = [signal.signal for signal in measured if signal.signal]
+    return list(dict.fromkeys(pressures + signals))
 
 
 def checksum(study: Study) -> str | None:

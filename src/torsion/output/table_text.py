@@ -4,7 +4,8 @@ import csv
 import io
 import re
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from torsion.output.blocks import Table
@@ -38,6 +39,14 @@ def packed(texts: Mapping[str, str]) -> bytes:
         for name, text in texts.items():
             archive_file.writestr(zipfile.ZipInfo(name, WRITTEN), text, zipfile.ZIP_DEFLATED)
     return target.getvalue()
+
+
+def write_beside(texts: Mapping[str, Callable[[], str]], target: Path) -> list[Path]:
+    """Write texts, each made when its turn comes, into files of these names next to the target; return their paths."""
+    paths = [target.with_name(name) for name in texts]
+    for path, text in zip(paths, texts.values(), strict=True):
+        path.write_text(text(), encoding="utf-8")
+    return paths
 
 
 def table_text(number: str, table: Table) -> str:

@@ -120,7 +120,7 @@ def _title(document: Document) -> list[RenderableType]:
     """Return the name of the model, and number and revision of the document."""
     cover = document.cover
     title: list[RenderableType] = [Text(cover.subtitle, style="bold")]
-    if cover.numbered:
+    if cover.identity not in ("", cover.subtitle):
         title.append(Text(f"{cover.identity}, {cover.origin}"))
     return title
 

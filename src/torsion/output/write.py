@@ -16,7 +16,7 @@ from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS, Report
 from torsion.output.results_json import SERIES
-from torsion.output.scene import pressure_files, signal_files
+from torsion.output.scene import curve_files
 from torsion.output.stored_report import names_in, naming
 from torsion.primitives import SectionMesh
 from torsion.study import Study
@@ -117,7 +117,7 @@ def earlier_files(folder: Path, report: Report) -> set[Path]:
 def inputs(study: Study) -> list[Path]:
     """Return every file that a scene was read from."""
     folder, bars = Path(study.file).parent, study.train.bars
-    names = [name for name, _ in study.tables] + pressure_files(study) + signal_files(study)
+    names = [name for name, _ in study.tables] + curve_files(study)
     if study.document is not None and study.document.logo:
         names.append(study.document.logo)
     if "transient" in study.analyses:

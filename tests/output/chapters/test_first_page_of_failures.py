@@ -164,7 +164,7 @@ def test_joints_that_fail_are_marked_and_the_worst_of_their_line_is_pointed_at()
     assert [link.label for link in joints] == ["first", "second"]
     assert {link.use.grade for link in joints} == {"over"}
     assert all(
-        link.use.is_bad and "FAIL" in link.use.words and "\nU" in link.use.words for link in joints
+        link.use.mark and "FAIL" in link.use.words and "\nU" in link.use.words for link in joints
     )
     assert drawn.worst[0] == middle(drawn, "second")
     fine = sketch(run(JOINTS, rules.replace("1e-6", "1")))

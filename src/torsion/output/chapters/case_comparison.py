@@ -16,7 +16,7 @@ from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, tabl
 from torsion.output.figures.curves import MAIN, MOST_LINES, SPEED, amplitudes, span
 from torsion.output.figures.figure import Figure, Line, Panel
 from torsion.output.headline import Cases, lines_of, omitted_rules, verdict
-from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
+from torsion.output.numbers import NONE, RPM, cell, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.scene import elements, highest, torques
 from torsion.results import listed
@@ -158,7 +158,7 @@ def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
         text = check_words.value(check)
         text += f" / {check_words.limit(check)}" * (len(limits) > 1)
         text += "" if check.speed is None else f" at {rpm(check.speed)} rpm"
-        text += "" if check.order is None else f" ({exact(check.order)})"
+        text += "" if check.order is None else f" ({cell(check.order)})"
         text += f" {WORDS[check.verdict]}" * (check.verdict != "pass")
         cells.append(text)
     return (

@@ -17,7 +17,7 @@ from torsion.output.check_words import basis
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
 from torsion.output.numbers import number, order, rpm, symbols
 from torsion.output.reported_values import speed_range
-from torsion.output.scene import checksum, pressure_files, signal_files
+from torsion.output.scene import checksum, curve_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks
@@ -126,10 +126,9 @@ def input_file(findings: Findings) -> Iterator[Block]:
     if not study.text:
         return
     meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
-    files = [folder / file for file in (*pressure_files(study), *signal_files(study))]
     named = study.shown_file or "Input"
     sums = [(f"{named} with its tables" if study.tables else named, checksum(study) or "")]
-    for file in (*dict.fromkeys(meshes), *map(str, files)):
+    for file in (*dict.fromkeys(meshes), *(str(folder / name) for name in curve_files(study))):
         content = read_file(file, LARGEST_SIGNAL)
         sums.append((without_controls(file), hashlib.sha256(content).hexdigest()))
     yield Heading("Appendix: the input as read")

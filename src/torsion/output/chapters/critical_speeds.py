@@ -26,7 +26,6 @@ from torsion.output.reported_values import (
     barred_rpm,
     of_torsion,
     rated_rpm,
-    reference,
     speed_range,
 )
 
@@ -47,13 +46,13 @@ def chapter(findings: Findings) -> Iterator[Block]:
     inside = [crossing for crossing in crossings if crossing.is_inside]
     yield Heading("Critical speeds")
     yield Paragraph(
-        f"A critical speed is a speed of {reference(findings)} at which an order excites a mode. The speed range "
+        f"A critical speed is a speed of {findings.study.reference} at which an order excites a mode. The speed range "
         f"{speed_range(findings)} has {len(inside)} of "
         f"{counted(len(crossings), 'critical speed')}."
     )
     if inside:
         inside = sorted(inside, key=lambda crossing: crossing.speed)
-        names = [crossing.line.named(reference(findings)) for crossing in inside]
+        names = [crossing.line.named(findings.study.reference) for crossing in inside]
         lowest = [
             f"{rpm(crossing.speed)} rpm ({name}, mode {crossing.mode})"
             for crossing, name in zip(inside[:MOST_IN_SUMMARY], names, strict=False)
@@ -159,7 +158,7 @@ def matrix(findings: Findings) -> Iterator[Table]:
             (
                 *(by_place.get((value, mode)) for mode in modes),
                 value,
-                line.named(reference(findings)),
+                line.named(findings.study.reference),
             )
             for value, line in sorted(lines.items())
         ],

@@ -10,7 +10,6 @@ from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
 from torsion.output.numbers import RPM, Scale, counted, given, number, order, scale
 from torsion.output.records import along
-from torsion.output.reported_values import reference
 from torsion.what_if.fit.fit_results import Fit, FittedCurve
 
 MOST_POINTS, MOST_PAIRS = 60, 20
@@ -119,7 +118,7 @@ def _curve(findings: Findings, curve: FittedCurve, position: int) -> Iterator[Bl
     title = (
         "angular amplitude" if curve.quantity == "angle" else f"amplitude of the {curve.quantity}"
     )
-    title += f" at {curve.at}, order {order(curve.order)} of {reference(findings)}"
+    title += f" at {curve.at}, order {order(curve.order)} of {findings.study.reference}"
     x = curve.curve_speed * RPM
     panel = Panel(
         Axis("speed", "rpm"),

@@ -23,7 +23,7 @@ from torsion.output.figures.curves import (
 )
 from torsion.output.figures.curves import orders as lines_of_orders
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
-from torsion.output.numbers import LESS, RPM, counted, exact, number
+from torsion.output.numbers import LESS, RPM, cell, counted, number
 from torsion.output.reported_values import (
     UNDAMPED,
     barred_rpm,
@@ -32,7 +32,6 @@ from torsion.output.reported_values import (
     of_torsion,
     orders_together,
     rated_rpm,
-    reference,
     synthesis,
     unstable_rpm,
     worth_a_figure,
@@ -152,11 +151,11 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
         components = "the requested orders" if response.left_out else "all orders"
         period = (
             f" The total vibratory torque is the phase-correct sum of {components} over the common period of "
-            f"{exact(total.turns)} revolution{'' if total.turns <= 1 else 's'} of {reference(findings)}."
+            f"{cell(total.turns)} revolution{'' if total.turns <= 1 else 's'} of {findings.study.reference}."
         )
         text += period if total.turns else NO_PERIOD
     if response.left_out:
-        names = listed([line.named(reference(findings)) for line in response.left_out], "; ")
+        names = listed([line.named(findings.study.reference) for line in response.left_out], "; ")
         text += f" Not requested by orders and therefore omitted: {names}.".replace("`", "")
     elif requested_orders(findings.study) is not None:
         text += " The rules judge the total of all orders, so all orders are reported."

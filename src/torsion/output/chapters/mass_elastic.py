@@ -11,7 +11,7 @@ from torsion.analyses.tooth_forces import ToothForces
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, table
 from torsion.output.numbers import given_rpm, number, symbols
-from torsion.output.reported_values import rated, reference
+from torsion.output.reported_values import rated
 from torsion.output.scene import damps, elements
 from torsion.results import listed
 
@@ -184,7 +184,7 @@ def _excitations(findings: Findings, data: SystemData) -> Iterator[Block]:
             f"Joints that excite the train, with the order of their driving shaft: {listed(angled)}."
         )
     if response is not None and response.lines:
-        axis = reference(findings)
+        axis = findings.study.reference
         names = listed([line.named(axis) for line in response.lines], ", ", MOST_NAMED)
         sentences.append(
             f"Harmonic components of the response, per revolution of {axis}: {names}. Contributions of one order are "

@@ -13,7 +13,6 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
 from torsion.output.numbers import degrees
-from torsion.output.reported_values import reference
 from torsion.output.station_layout import Layout, label, layout
 
 MOST_LINKS = 60  # of a train that a page draws
@@ -25,7 +24,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if description := findings.study.description.strip():
         yield Paragraph(description)
     yield Paragraph(
-        f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel."
+        f"Speed ratio: speed / speed of {findings.study.reference}; for a gear, at the driving wheel."
     )
     yield table(
         "name: < Component | kind: < Kind | ratio: Speed ratio | speed: Rated speed [rpm]:6g? | "

@@ -23,7 +23,7 @@ from torsion.output.figures.curves import (
 )
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel
 from torsion.output.numbers import RPM, Scale, number, rpm, scale
-from torsion.output.reported_values import of_bending, rated_rpm, reference
+from torsion.output.reported_values import of_bending, rated_rpm
 from torsion.output.scene import highest
 
 AXES = (
@@ -50,7 +50,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     )
     speeds = None if requested is None else (requested.first, requested.last)
     yield Heading("Bending of the shafts")
-    yield Paragraph(f"Speeds are speeds of {reference(findings)}. {AXES}")
+    yield Paragraph(f"Speeds are speeds of {findings.study.reference}. {AXES}")
     # Length, what supports it, and the lowest frequency of both planes without rotation.
     rows = []
     for shaft in bending.shafts:

@@ -12,7 +12,7 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves
 from torsion.output.figures.figure import Axis
 from torsion.output.numbers import RPM, counted, given_rpm, number, rpm
-from torsion.output.reported_values import of_torsion, rated_rpm, reference, tilted, widened
+from torsion.output.reported_values import of_torsion, rated_rpm, tilted, widened
 from torsion.rules.stable_motion import mean_speed_words
 from torsion.rules.verdict_line import Checks
 
@@ -105,7 +105,7 @@ def _introduction(findings: Findings, stability: Stability) -> Paragraph:
         )
     damps = "" if stability.loses else " The train has no damping: the minimum growth is 0."
     return Paragraph(
-        f"{MODEL} {counted(int(stability.requested.sum()), 'speed')} of {reference(findings)} as requested, "
+        f"{MODEL} {counted(int(stability.requested.sum()), 'speed')} of {findings.study.reference} as requested, "
         f"{int((~stability.requested).sum())} more near unstable ranges.{checked}{damps} Elastic modes with straight "
         f"joints: {modes} rad/s{' and higher' if stability.modes.size > MOST_NAMED else ''}."
     )

@@ -9,7 +9,7 @@ from torsion.analyses.modes.tolerances import Tolerances
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.records import along
-from torsion.output.reported_values import reference, speed_range
+from torsion.output.reported_values import speed_range
 
 MOST_ROWS = 60
 MOST_FIGURES = 6  # of a mode
@@ -91,7 +91,7 @@ def _critical_speeds(findings: Findings, tolerances: Tolerances) -> Iterator[Blo
     if speeds is None or critical is None or not tolerances.critical_lower.size:
         return
     rows = [
-        (place, crossing, crossing.line.named(reference(findings)))
+        (place, crossing, crossing.line.named(findings.study.reference))
         for place, crossing in zip(
             along(tolerances, "critical speed"), critical.crossings, strict=True
         )

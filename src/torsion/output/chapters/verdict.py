@@ -40,7 +40,6 @@ from torsion.output.reported_values import (
     of_torsion,
     rated,
     rated_rpm,
-    reference,
     unstable_rpm,
     widened,
 )
@@ -136,7 +135,9 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     drawn = [f"{kinds} range{plural}"] if kinds else []
     drawn += ["ranges without a reliable response"] if unreliable_bands else []
     drawn += [largest] if critical else []
-    caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
+    caption = f"Operating speeds of {findings.study.reference}" + (
+        f": {listed(drawn)}" if drawn else ""
+    )
     levels, ends = list[Level](), [speeds.first * RPM, speeds.last * RPM]
     operation = Band("speeds of the operation", ends[0], ends[1], "range")
     for level in rated_level(rated_rpm(findings)):
@@ -164,7 +165,7 @@ def strongest(findings: Findings) -> list[CriticalSpeed]:
 
     def strength(critical: CriticalSpeed) -> float:
         """Return the largest torque (N m, referred) of the order at a peak of the mode."""
-        name = critical.line.named(reference(findings))
+        name = critical.line.named(findings.study.reference)
         meeting = (p.referred for p in peaks if (p.order, p.mode) == (name, critical.mode))
         return max(meeting, default=0.0)
 

@@ -125,10 +125,12 @@ def ticks_of(low: float, high: float, step: float) -> list[float]:
 def log_ticks(low: float, high: float, most: int) -> tuple[list[float], tuple[float, ...]]:
     """Return numbers and small marks of a logarithmic axis: decades, with 2 and 5 between them if there is room."""
     first, last = math.floor(math.log10(low) + ROUND), math.ceil(math.log10(high) - ROUND)
-    candidates = [digit * 10.0**power for power in range(first, last + 1) for digit in range(1, 10)]
-    inside = [tick for tick in candidates if low * (1 - ROUND) <= tick <= high * (1 + ROUND)]
+    candidates = [
+        (digit, digit * 10.0**power) for power in range(first, last + 1) for digit in range(1, 10)
+    ]
+    inside = [pair for pair in candidates if low * (1 - ROUND) <= pair[1] <= high * (1 + ROUND)]
     for digits in (range(1, 10), (1, 2, 5), (1, 3), (1,)):
-        stated = [tick for tick in inside if _digit(tick) in digits]
+        stated = [tick for digit, tick in inside if digit in digits]
         if len(stated) <= most:
             break
     else:
@@ -137,12 +139,8 @@ def log_ticks(low: float, high: float, most: int) -> tuple[list[float], tuple[fl
     if len(stated) < FEW_DECADES:  # less than a decade
         step = step_of(high - low, most)
         return ticks_of(low, high, step), ()
-    small = inside if last - first <= 6 else [tick for tick in inside if _digit(tick) == 1]
+    small = [tick for digit, tick in inside if digit == 1 or last - first <= 6]
     return stated, tuple(tick for tick in small if tick not in stated)
-
-
-def _digit(value: float) -> int:
-    return round(value / 10.0 ** math.floor(math.log10(value) + ROUND))
 
 
 def texts(values: Sequence[float], step: float) -> list[str]:

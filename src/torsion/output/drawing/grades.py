@@ -94,7 +94,7 @@ def shares(panel: Shares, top: float) -> tuple[float, str]:
         if row.share > end:  # two strokes show that it is cut
             cut = f"M{shown(right - 14)} {shown(upper + ROW - 1)}l5-{ROW - 2:g}m4 0l-5 {ROW - 2:g}"
             parts.append(f'<path d="{cut}" stroke="#ffffff" stroke-width="2"/>')
-        bold = BOLD + f' fill="{BAD}"' if row.use.is_bad else ""
+        bold = BOLD + f' fill="{BAD}"' if row.use.mark else ""
         parts.append(words(RIGHT + 8, upper + ROW / 2 + 3.7, row.use.words, bold))
     for x, begin, look in (
         (LEFT, 3, f'stroke="{GREY}" stroke-width=".8"'),

@@ -58,22 +58,20 @@ def palette(*, is_log: bool = False) -> np.ndarray:
 
 def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
     """Return an image of (rows, columns) numbers of colours, the last of which is clear."""
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        )
-
     rows, columns = pixels.shape
     lines = np.column_stack([np.zeros(rows, dtype=np.uint8), pixels.astype(np.uint8)]).tobytes()
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0))
-        + chunk(b"PLTE", colours.tobytes() + bytes(3))
-        + chunk(b"tRNS", bytes([255] * len(colours) + [0]))
-        + chunk(b"IDAT", zlib.compress(lines, 9))
-        + chunk(b"IEND", b"")
-    )
+    chunks = {
+        b"IHDR": struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0),
+        b"PLTE": colours.tobytes() + bytes(3),
+        b"tRNS": bytes([255] * len(colours) + [0]),
+        b"IDAT": zlib.compress(lines, 9),
+        b"IEND": b"",
+    }
+    image = b"\x89PNG\r\n\x1a\n"
+    for kind, data in chunks.items():
+        image += struct.pack(">I", len(data)) + kind + data
+        image += struct.pack(">I", zlib.crc32(kind + data))
+    return image
 
 
 def cells(grid: Cells, across: Across, down: Across) -> Iterator[str]:

@@ -59,7 +59,7 @@ class Page:
             data["criticals"] = {
                 "of": criticals.of,
                 "rated": criticals.rated,
-                "orders": self._listed(criticals.orders),
+                "orders": self._names.setdefault(criticals.orders, len(self._names)),
                 **self._arrays_of(criticals, "x", "frequency", "mode", "order"),
             }
         lacks = []  # what the page does not do with so many points
@@ -98,9 +98,6 @@ class Page:
         """Return the places of the arrays of a record by their names."""
         return {name: self.array(getattr(record, name)) for name in names}
 
-    def _listed(self, names: tuple[str, ...]) -> int:
-        return self._names.setdefault(names, len(self._names))
-
     def _plot(self, frame: Frame, panel: Panel) -> dict[str, Any]:
         box = [round(edge, 2) for edge in (frame.left, frame.top, frame.wide, frame.high)]
         plot: dict[str, Any] = {
@@ -108,11 +105,14 @@ class Page:
             "x": _axis(panel.x, frame.x),
             "y": _axis(panel.y, frame.y),
         }
-        plot["lines"] = [
-            {"name": plain(line.name), **self._arrays_of(line, "x", "y")}
-            for line in panel.lines
-            if _is_read(line) and not panel.x.places
-        ]
+        plot["lines"] = []
+        for line in () if panel.x.places else panel.lines:
+            # A cursor reads a line that has a name, goes on in its coordinate and has values.
+            x = line.x[np.isfinite(line.x)]
+            goes_on = x.size > 1 and np.all(np.diff(x) >= 0)
+            if line.name and goes_on and np.isfinite(line.y).any():
+                arrays = self._arrays_of(line, "x", "y")
+                plot["lines"].append({"name": plain(line.name), **arrays})
         plot["marks"] = [
             {
                 "name": plain(marks.name),
@@ -125,7 +125,7 @@ class Page:
         if (stops := panel.stops) is not None and len(stops.names) <= MOST_POINTS:
             plot["stops"] = {
                 **self._arrays_of(stops, "x", "y"),
-                "names": self._listed(stops.names),
+                "names": self._names.setdefault(stops.names, len(self._names)),
             }
         if not panel.lines and panel.cells is None and not panel.x.places:
             ranges = [
@@ -146,13 +146,6 @@ def _thinned(line: Line, lines: Sequence[Line]) -> Line:
     kept = np.unique(np.concatenate(chosen))
     base = None if line.base is None else line.base[kept]
     return replace(line, x=line.x[kept], y=line.y[kept], base=base)
-
-
-def _is_read(line: Line) -> bool:
-    """Whether a cursor reads the line: it has a name, goes on in its coordinate and has values."""
-    x = line.x[np.isfinite(line.x)]
-    goes_on = x.size > 1 and bool(np.all(np.diff(x) >= 0))
-    return bool(line.name) and goes_on and bool(np.isfinite(line.y).any())
 
 
 def _axis(axis: Axis, scale: Scale) -> dict[str, Any]:

@@ -109,10 +109,6 @@ def _samples(frame: Frame) -> FloatArray:
     return np.concatenate(samples)
 
 
-def _tip(text: str) -> str:
-    return f"<title>{clean(plain(text))}</title>" if text else ""
-
-
 def _band(frame: Frame, band: Band) -> str:
     """Return a range, hatched by its kind."""
     fill, colour, distance, sign = BANDS[band.kind]
@@ -128,8 +124,9 @@ def _band(frame: Frame, band: Band) -> str:
     if colour:
         lines = hatching(box, distance, sign)
         inside += f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
-    named = f'class="{band.kind.replace(" ", "-")}" data-name="{clean(plain(band.name))}"'
-    return f"<g {named}>{_tip(band.name)}{inside}</g>"
+    name = clean(plain(band.name))
+    tip = f"<title>{name}</title>" if name else ""
+    return f'<g class="{band.kind.replace(" ", "-")}" data-name="{name}">{tip}{inside}</g>'
 
 
 def hatching(box: tuple[float, float, float, float], distance: float, sign: int) -> str:
@@ -166,11 +163,10 @@ def _marks(frame: Frame, marks: Marks, room: Room) -> str:
     is_inside = (x >= -1) & (x <= frame.wide + 1) & (y >= -1) & (y <= frame.high + 1)
     for across, down in zip(x[is_inside].tolist(), y[is_inside].tolist(), strict=True):
         room.taken.append((across - 4, down - 4, across + 4, down + 4))
-    x, y, inside = TENTH * x, TENTH * y, np.flatnonzero(is_inside)
-    content = "".join(
-        f"<g>{_tip(marks.words[k])}{symbols(marks.symbol, marks.pen, x[[k]], y[[k]])}</g>"
-        for k in (inside.tolist() if marks.words else ())
-    )
+    x, y, inside, content = TENTH * x, TENTH * y, np.flatnonzero(is_inside), ""
+    for k in inside.tolist() if marks.words else ():
+        tip = f"<title>{clean(plain(marks.words[k]))}</title>" if marks.words[k] else ""
+        content += f"<g>{tip}{symbols(marks.symbol, marks.pen, x[[k]], y[[k]])}</g>"
     if not marks.words:
         content = symbols(marks.symbol, marks.pen, x[inside], y[inside])
     named = f' data-name="{clean(plain(marks.name))}"' if marks.name else ""

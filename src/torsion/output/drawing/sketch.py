@@ -1,6 +1,7 @@
 """The sketch of the train as SVG: discs as high as their inertia is large, shafts, couplings, gears and joints."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,13 +18,17 @@ ROW = 2.9  # distance of the rows, in units of the layout
 TALL = 45.0  # px of a unit down
 
 
+@dataclass(frozen=True)
 class Sheet:
     """Strokes and areas in units of the layout; those of one look become one element."""
 
-    def __init__(self, across: float, left: float, thickness: float, down: float) -> None:
-        """Set the scale; across, down: px of a unit; left: unit at the left edge; thickness: factor on widths of lines."""
-        self.across, self.down, self.left, self.thickness = across, down, left, thickness
-        self.drawn: dict[tuple[float, str, Stroke], list[str]] = {}  # paths by nearness, fill, look
+    across: float  # px of a unit
+    left: float  # unit at the left edge
+    thickness: float  # factor on the widths of lines
+    down: float  # px of a unit
+    drawn: dict[tuple[float, str, Stroke], list[str]] = field(
+        default_factory=dict
+    )  # paths by nearness, fill, look
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Return the px of a place; y goes up."""
@@ -97,7 +102,7 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[tuple[float, float], list
     bodies, lines, texts = len(room.taken), list[str](), list[str]()
     if sketch.worst is not None:  # a triangle above the place, with words
         (position, row), use = sketch.worst
-        text, colour = use.words, BAD if use.is_bad else INK
+        text, colour = use.words, BAD if use.mark else INK
         x, tip = sheet.at(position, height(row) + LETTERS)
         half, top = WIDER * GROWTH * width(text) / 2 + 1, tip - 9.0 - GROWTH * SIZE
         middle = min(max(x, half), WIDTH - half)
@@ -116,7 +121,7 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[tuple[float, float], list
         middle_of_link = (link.start[0] + link.end[0]) / 2, link.end[1]
         is_placed = _label(sheet, room, middle_of_link, _words(link), (-1,), lines, texts)
         omitted += not is_placed
-        failures += not is_placed and link.use is not None and link.use.is_bad
+        failures += not is_placed and link.use is not None and bool(link.use.mark)
     named = [disc for disc in sketch.discs if disc.label]
     ends = [disc.x for disc in named]
     # Ends of the train matter more than what lies between them.

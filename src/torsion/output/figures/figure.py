@@ -182,12 +182,7 @@ class Use:
     rank: tuple[
         float, ...
     ] = ()  # where there is no room for all words, those of the highest are left out
-    mark: str = ""  # sign of the worst limit that is not kept, this one or another
-
-    @property
-    def is_bad(self) -> bool:
-        """Whether a limit is exceeded, this one or another."""
-        return bool(self.mark)
+    mark: str = ""  # sign of the worst limit that is exceeded, this one or another; "" for none
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,13 @@
 """One mode over the train: the angle and the torque, each relative to its largest value."""
 
 from collections.abc import Sequence
-from typing import TypeVar
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Moving, Panel, Stops
 
-Item = TypeVar("Item")
-MOST_TICKS = 40  # along the train
+MOST_TICKS = 40  # along the train, about; of more, those in even steps
 MOST_DOTS = 200  # stations that are marked: more would be a line
 ROOM = 0.03  # of the train, beyond its ends
 
@@ -52,7 +50,7 @@ def mode(
         marks.append(Marks(words, across[hangs, 0], torque[hangs], "diamond", "outside"))
     room = ROOM * (float(np.ptp(x)) or 1.0)
     ends_of_axis = float(x.min()) - room, float(x.max()) + room
-    along = Axis("", "", *ends_of_axis, places=tuple(thinned(ticks, MOST_TICKS)))
+    along = Axis("", "", *ends_of_axis, places=tuple(ticks[:: -(-len(ticks) // MOST_TICKS) or 1]))
     shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
     dots = Marks("", x[shown], angle[shown], "dot", "plain")
     points = Stops(x[marked], angle[marked], tuple(stations)) if stations else None
@@ -65,11 +63,6 @@ def mode(
         y, drawn = Axis(f"{what} / largest", "", -1.1, 1.1), (tuple(lines), zero)
         panels.append(Panel(along, y, *drawn, marks=tuple(symbols), stops=stops, height=height))
     return Figure(name, caption, tuple(panels), Moving(x, row, angle, ends, marked))
-
-
-def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:
-    """Return about `most` of the items in even steps, the first among them; all where there are no more."""
-    return items[:: max(1, -(-len(items) // most))] if most else items
 
 
 def _joined(x: FloatArray, y: FloatArray, ends: IntArray) -> tuple[FloatArray, FloatArray]:
