@@ -64,13 +64,6 @@ def quoted(name: str) -> str:
     return f'"{name}"' if "," in name else name
 
 
-def about(checks: Iterable[Check]) -> Iterable[str]:
-    """Return the components of checks, each once, as names in a list; a check of several parts lists them itself."""
-    return dict.fromkeys(
-        check.where if len(check.parts) > 1 else quoted(check.where) for check in checks
-    )
-
-
 def value(check: Check) -> str:
     """Return the worst value, in words where there is none."""
     if np.isnan(check.value):
@@ -120,10 +113,11 @@ def unreached(findings: Findings) -> str:
     """Return the speeds that rules demand and that were not judged, as a sentence; empty where there are none."""
     demanded = dict[str, dict[str, None]]()
     for check in findings.need(Checks).lines:
-        if check.reach is not None and check.verdict == "not judged":
-            ends = (check.reach.first, check.reach.last, check.reach.demanded)
-            first, last, end = map(given_rpm, ends)
-            words = f"below {first}" if check.reach.lacks_begin else f"{last} to {end}"
+        reach = check.reach
+        if reach is not None and check.verdict == "not judged":
+            words = f"{given_rpm(reach.last)} to {given_rpm(reach.demanded)}"
+            if reach.demanded < reach.first:
+                words = f"below {given_rpm(reach.first)}"
             demanded.setdefault(words, {})[check.rule] = None
     ranges = (f"{ends} rpm, required by {listed(rules)}" for ends, rules in demanded.items())
     return f"Not checked: {'; '.join(ranges)}. Extend operation.speeds." if demanded else ""

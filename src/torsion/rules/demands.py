@@ -167,7 +167,7 @@ def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:
 
 def reach_words(reach: Reach, rated: float) -> str:
     """Return which speeds were judged, where the rule demands more; empty where it does not."""
-    if reach.lacks_begin:
+    if reach.demanded < reach.first:
         share = f"{reach.first / rated:.3g} of the rated speed"
         return f"judged from {in_rpm(reach.first)} only, {share}"
     return coverage(reach.last, rated, reach.demanded / rated)
@@ -225,16 +225,12 @@ def misfire_row(rule: str, study: Study, source: str) -> Iterator[Check]:
         yield unjudged(rule, MISFIRE, names[0], "Misfiring of one cylinder", note)
 
 
-def lacking_orders(strokes: int, excited: Container[Fraction]) -> list[Fraction]:
-    """Return the orders of a crankshaft that UR M53 has in its synthesis and that nothing excites, ascending."""
+def lacking_orders(strokes: int, excited: Container[Fraction], where: str = "") -> str:
+    """Return in words the orders of a crankshaft that UR M53 has in its synthesis and nothing excites; empty for none."""
     step = Fraction(2, strokes)  # an order a cycle of the engine
     orders = (step * k for k in range(1, int(LAST_ORDER[strokes] / step) + 1))
-    return [order for order in orders if order not in excited]
-
-
-def orders_words(lacking: list[Fraction], where: str = "") -> str:
-    """Return the orders that do not excite, the first of them, in words."""
-    return f"orders {listed(map(str, lacking), most=MOST_ORDERS)}{where} do not excite"
+    lacking = [str(order) for order in orders if order not in excited]
+    return f"orders {listed(lacking, most=MOST_ORDERS)}{where} do not excite" if lacking else ""
 
 
 def order_rows(rule: str, study: Study, standing: Standing = "rule text") -> Iterator[Check]:
@@ -242,8 +238,8 @@ def order_rows(rule: str, study: Study, standing: Standing = "rule text") -> Ite
     for part in study.train.parts:
         if part.engine is None:
             continue
-        if lacking := lacking_orders(2 * part.engine.revolutions, part.engine.gas_orders):
-            words = orders_words(lacking, f" of {part.name}")
+        strokes, excited = 2 * part.engine.revolutions, part.engine.gas_orders
+        if words := lacking_orders(strokes, excited, f" of {part.name}"):
             yield restriction(rule, "orders", part.name, "Orders of the synthesis", words, standing)
 
 

@@ -22,7 +22,6 @@ from torsion.rules.demands import (
     engines_of,
     lacking_orders,
     misfire_row,
-    orders_words,
     restricted,
     unjudged,
 )
@@ -51,6 +50,10 @@ RATIOS = {  # that the factors of a place have
     BORE: ("d of the oil bore",),
 }
 NOMINAL = {PIN: ("bending",), JOURNAL: ("bending", "shear"), BORE: ("bore_bending",)}
+SMOOTH_FILLETS = "fillets smooth; surface treatment only with approval"
+SMOOTH_BORE = "outlet and oil bore smooth down to 1.5 times its diameter; surface treatment only with approval"
+LARGE_JOURNAL = "journal oil bores formed like the oil bore of the pin, or with separate evidence"
+SMALL_JOURNAL = "journal oil bores with separate evidence: the journal is smaller than the pin"
 STRESS = "Equivalent alternating stress, {}"
 UNJUDGED_FITS = "section 8 of the rule: the program does not judge shrink fits of crankshafts"
 EXAMPLE = (
@@ -119,15 +122,31 @@ class M53(RuleOverSpeed[M53Settings]):
 
     def judge(self, evidence: Results) -> Iterable[Check]:
         """Yield the checks, each with its acceptability factor and its restrictions."""
-        train = evidence.study.train
+        train, settings, throw = evidence.study.train, self.settings, self.settings.throw
         cranks = {part.name: number for number, part, _ in with_role(train, "crank")}
         for check in super().judge(evidence):
             notes = [check.note]
             if check.value and math.isfinite(check.limit):
                 notes.insert(0, f"Q = {LEAST_Q * check.limit / check.value:.4g}")
             check_with_factor = replace(check, note="; ".join(filter(None, notes)))
+
+            # Conditions of a pass that the file does not answer.
+            words = list[str]()
+            if settings.built is None:
+                words.append("crankshaft in one piece (`built` is not stated)")
+            if settings.manufacture is None or abs(settings.factor - CAST) < ROUNDING:
+                source = " (`manufacture` is not stated)" if settings.manufacture is None else ""
+                words.append(f"crankshaft forged, or cast with approved cold rolling{source}")
             outer = diameters(train, cranks[check.where])[0][0] * MM
-            yield restricted(check_with_factor, *_restrictions(self.settings, check.clause, outer))
+            if outer < min(throw.pin, throw.journal) * (1 - SAME_SIZE):
+                lacks = f"the crank of the train has {outer:.4g} mm"
+                words.append(f"pin and journals as large as the rule has them: {lacks}")
+            words.append(SMOOTH_BORE if check.clause == BORE else SMOOTH_FILLETS)
+            if check.clause == BORE and settings.drilling is None:
+                words.append("oil bore drilled radially (`drilling` is not stated)")
+            if check.clause == BORE:
+                words.append(LARGE_JOURNAL if throw.journal >= throw.pin else SMALL_JOURNAL)
+            yield restricted(check_with_factor, *words)
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Yield places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
@@ -151,7 +170,7 @@ class M53(RuleOverSpeed[M53Settings]):
             strokes = settings.strokes
             if strokes is not None and (lacking := lacking_orders(strokes, excited)):
                 what = "Orders of the synthesis"
-                yield unjudged(self.name, "orders", part.name, what, orders_words(lacking))
+                yield unjudged(self.name, "orders", part.name, what, lacking)
         yield from misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)")
 
 
@@ -178,29 +197,6 @@ def _doubts(settings: M53Settings, location: str, strength: float) -> Iterator[s
         if not lowest - ROUNDING <= ratio <= highest + ROUNDING:
             words = f"at most {highest:g}" if lowest == -math.inf else f"{lowest:g} to {highest:g}"
             yield f"outside the range of the factors: {name} {ratio:.4g}, {words}"
-
-
-def _restrictions(settings: M53Settings, location: str, outer: float) -> Iterator[str]:
-    """Yield conditions of a pass that the file does not answer, in words; outer: diameter of the crank in the train, mm."""
-    throw = settings.throw
-    if settings.built is None:
-        yield "crankshaft in one piece (`built` is not stated)"
-    if settings.manufacture is None or abs(settings.factor - CAST) < ROUNDING:
-        source = " (`manufacture` is not stated)" if settings.manufacture is None else ""
-        yield f"crankshaft forged, or cast with approved cold rolling{source}"
-    smaller = min(throw.pin, throw.journal)
-    if outer < smaller * (1 - SAME_SIZE):
-        yield f"pin and journals as large as the rule has them: the crank of the train has {outer:.4g} mm"
-    if location != BORE:
-        yield "fillets smooth; surface treatment only with approval"
-        return
-    yield "outlet and oil bore smooth down to 1.5 times its diameter; surface treatment only with approval"
-    if settings.drilling is None:
-        yield "oil bore drilled radially (`drilling` is not stated)"
-    if throw.journal >= throw.pin:
-        yield "journal oil bores formed like the oil bore of the pin, or with separate evidence"
-    else:
-        yield "journal oil bores with separate evidence: the journal is smaller than the pin"
 
 
 def _places(

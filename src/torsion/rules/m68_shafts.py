@@ -8,11 +8,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Any, Literal, Self, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from torsion import fields
 from torsion.arrays import FloatArray
@@ -154,13 +154,11 @@ class Slot(Declared):
         "evenly spaced slots in one section, at most 3"
     )
 
-    @model_validator(mode="after")
-    def _is_longitudinal(self) -> Self:
+    def refuse_clashes(self) -> None:
         if self.length < self.width:
             raise refuse(
                 "the slot is shorter than it is wide", "the length runs along the shaft", "length"
             )
-        return self
 
 
 class M68Settings(RuleSettings):

@@ -59,8 +59,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         """Yield a row for each shrunk hub without `pressure` or `friction`."""
         note = "its `pressure` and `friction` are not given"
         for bar in study.train.bars:
-            record = study.train.parts[bar.part].shaft
-            for hub in record.hubs if record is not None else ():
+            for hub in study.train.shaft(bar).hubs:
                 if hub.fit == "shrink" and (hub.pressure is None or hub.friction is None):
                     about = "slip", bar.name, IN_FIT.format(hub.end), note
                     yield unjudged(self.name, *about, TO_BE_VERIFIED)
@@ -90,8 +89,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
 def fits(train: Train) -> Iterator[tuple[Bar, Hub, float]]:
     """Yield every shrunk hub whose pressure is given, and the torque (N m) at which all of its fit slips."""
     for bar in train.bars:
-        record = train.parts[bar.part].shaft
-        for hub in record.hubs if record is not None else ():
+        for hub in train.shaft(bar).hubs:
             if hub.pressure is not None and hub.friction is not None:
                 yield bar, hub, slip_torque(bar.outer[0], hub.length, hub.pressure, hub.friction)
 

@@ -6,13 +6,14 @@ Stresses in N/mm2, diameters in mm. Sources: KR Rules 2025 Part 5 Ch. 4, 201 (cr
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
+from torsion.arrays import FloatArray
 from torsion.rules.demands import BARRED_BELOW
 from torsion.rules.shaft_limits import (
-    Limit,
     LimitCurve,
     Mark,
     Piece,
@@ -142,27 +143,23 @@ def crank_curve(
     >>> [round(float(value), 4) for value in curve.continuous(np.array([0.8, 1.0, 1.05]))]
     [29.64, 21.0, 34.2487]
     """
-
-    def limit(row: Coefficients, per_mm: Coefficients, factor: float) -> Limit:
-        constant, square, root, slope = np.array(row) + diameter * np.array(per_mm)
-        return lambda ratio: (
-            factor
-            * (
-                constant
-                + square * ratio**2
-                + (root + slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
-            )
-        )
-
-    below, above = (table.below, table.below_per_mm), (table.above, table.above_per_mm)
+    below = np.array(table.below) + diameter * np.array(table.below_per_mm)
+    above = np.array(table.above) + diameter * np.array(table.above_per_mm)
     last = "tau_3" if letters == NUMBERED else letters[0]
     return LimitCurve(
         (
-            Piece(letters[0], 1.0, limit(*below, strength)),
-            Piece(last, LAST, limit(*above, strength)),
+            Piece(letters[0], 1.0, partial(_limit, below, strength)),
+            Piece(last, LAST, partial(_limit, above, strength)),
         ),
-        Piece(letters[1], BARRED_BELOW, limit(*below, PASSING * yields)),
+        Piece(letters[1], BARRED_BELOW, partial(_limit, below, PASSING * yields)),
     )
+
+
+def _limit(row: FloatArray, factor: float, ratio: FloatArray) -> FloatArray:
+    """Return the limit at speed ratios (speeds,), by a row of coefficients and a factor f_m."""
+    constant, square, root, slope = row
+    above_rated = (root + slope * (ratio - 0.8)) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+    return np.asarray(factor * (constant + square * ratio**2 + above_rated))
 
 
 def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
@@ -171,11 +168,8 @@ def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
     >>> set_curve((31.0, 118.0), 1.0).continuous(np.array([0.5, 0.9, 1.1, 1.2]))
     array([118.,  31.,  31.,  nan])
     """
-
-    def flat(value: float) -> Limit:
-        return lambda ratio: np.full(ratio.shape, factor * value)
-
     (first, last), (use, below) = SET_RANGE, limits
-    return LimitCurve(
-        (Piece("tau_2", first, flat(below), is_open=True), Piece("tau_1", last, flat(use)))
+    of_use, of_below = (
+        partial(_limit, np.array([value, 0.0, 0.0, 0.0]), factor) for value in (use, below)
     )
+    return LimitCurve((Piece("tau_2", first, of_below, is_open=True), Piece("tau_1", last, of_use)))

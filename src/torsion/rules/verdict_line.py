@@ -111,18 +111,16 @@ class BarredTime:
 
 @reported
 class Reach:
-    """The speeds that a check stands on, where its rule demands more; rad/s of the reference station."""
+    """The speeds that a check stands on, where its rule demands more; rad/s of the reference station.
+
+    Where `demanded` is below `first`, the rule demands speeds below those that were judged.
+    """
 
     first: float = result("rad/s", "lowest speed that was judged, reference speed")
     last: float = result("rad/s", "highest speed that was judged")
     demanded: float = result(
         "rad/s", "speed up to which the rule is to be judged; 0: lower speeds lack"
     )
-
-    @property
-    def lacks_begin(self) -> bool:
-        """The rule demands speeds below those that were judged."""
-        return self.demanded < self.first
 
 
 class Verified(Declared):

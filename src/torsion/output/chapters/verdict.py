@@ -4,7 +4,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -61,7 +61,22 @@ def blocks(findings: Findings) -> Iterator[Block]:
     yield box(findings)
     yield from _train(findings)
     yield from _speeds(findings)
-    yield from _shares(findings)
+    # The worst checks over all judged cases; nothing if no check has a utilisation.
+    cases = judged_cases(findings.each) if findings.cases else {"": findings}
+    rows = [
+        row
+        for row in side_by_side(cases)
+        if row.check.has_limit and (row.check.utilisation is not None or row.check.fails)
+    ]
+    shares = []
+    for row in rows[:MOST_SHARES]:
+        used = np.inf if row.check.utilisation is None else row.check.utilisation
+        clause = symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst)
+        shares.append(Share(row.check.where, clause, used, check_words.use(row.check)))
+    if shares:
+        few = f"the {MOST_SHARES} worst of {len(rows)} checks"
+        few = few if len(rows) > MOST_SHARES else "worst first"
+        yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(tuple(shares)),))
     yield PageEnd()
 
 
@@ -161,36 +176,13 @@ def strongest(findings: Findings) -> list[CriticalSpeed]:
     """Return the critical speeds in the range at which their order has the largest torque, by speed."""
     critical, loads = findings.get(CriticalSpeeds), findings.get(ComponentLoads)
     inside = [crossing for crossing in critical.crossings if crossing.is_inside] if critical else []
-    peaks = () if loads is None else loads.peaks
-
-    def strength(critical: CriticalSpeed) -> float:
-        """Return the largest torque (N m, referred) of the order at a peak of the mode."""
-        name = critical.line.named(findings.study.reference)
-        meeting = (p.referred for p in peaks if (p.order, p.mode) == (name, critical.mode))
-        return max(meeting, default=0.0)
-
-    largest = sorted(inside, key=strength, reverse=True)[:MOST_CRITICAL]
-    return sorted(largest, key=lambda crossing: crossing.speed)
-
-
-def _shares(findings: Findings) -> Iterator[Figure]:
-    """Yield the worst checks over all judged cases; nothing if no check has a utilisation."""
-    cases = judged_cases(findings.each) if findings.cases else {"": findings}
-    rows = [
-        (row.check, f" ({row.worst})" * bool(row.worst))
-        for row in side_by_side(cases)
-        if row.check.has_limit and (row.check.utilisation is not None or row.check.fails)
-    ]
-    if not rows:
-        return
-    shares = []
-    for check, case in rows[:MOST_SHARES]:
-        used = np.inf if check.utilisation is None else check.utilisation
-        clause = symbols(check.clause) + case
-        shares.append(Share(check.where, clause, used, check_words.use(check)))
-    few = f"the {MOST_SHARES} worst of {len(rows)} checks"
-    few = few if len(rows) > MOST_SHARES else "worst first"
-    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(tuple(shares)),))
+    strength = defaultdict[tuple[Any, ...], float](float)  # N m, referred, by order and mode
+    for peak in () if loads is None else loads.peaks:
+        key = peak.order, peak.mode
+        strength[key] = max(strength[key], peak.referred)
+    axis = findings.study.reference
+    largest = sorted(inside, key=lambda speed: -strength[speed.line.named(axis), speed.mode])
+    return sorted(largest[:MOST_CRITICAL], key=lambda crossing: crossing.speed)
 
 
 MOST_NAMED = 12  # components without a source that are named
@@ -292,14 +284,16 @@ def remarks(findings: Findings) -> Iterator[Block]:
 
 def _remarks(title: str, level: Literal[1, 2], checks: Iterable[Check]) -> Iterator[Block]:
     """Yield each remark once, with the components that it is about; nothing where there is none."""
-    about: dict[str, list[Check]] = {}
+    about: dict[str, list[str]] = {}
     for check in checks:
         if check.note:
-            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(check)
+            # A check of several parts lists them itself.
+            name = check.where if len(check.parts) > 1 else quoted(check.where)
+            about.setdefault(f"{check.what}: {symbols(check.note)}", []).append(name)
     if about:
         yield Heading(title, level)
         yield Points(
-            tuple(f"{listed(check_words.about(some))}: {note}" for note, some in about.items())
+            tuple(f"{listed(dict.fromkeys(names))}: {note}" for note, names in about.items())
         )
 
 
