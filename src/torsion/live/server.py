@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from torsion.live.session import Session
-from torsion.output.html import script, style
+from torsion.output.html import script, style, template_text
 
 FILES = Path(__file__).parent
 NOTHING = '{"lengths":[],"names":[],"doubles":"eJwDAAAAAAE="}'  # numbers of a page without figures
@@ -28,25 +28,28 @@ POLICY = (  # of the page and, as it has no address of its own, of its frames
 def page() -> str:
     """Return the page, in which `@NONCE@` stands for what its policy allows to run."""
     frame = _filled(
-        "frame.html", STYLE=style(), SCRIPT=f"{script()}\n{_text('frame.js')}", NUMBERS=NOTHING
+        "frame.html",
+        STYLE=style(),
+        SCRIPT=f"{script()}\n{template_text('frame.js', FILES)}",
+        NUMBERS=NOTHING,
     )
     shell = json.dumps(frame, ensure_ascii=False).replace("<", "\\u003c")
+    look = f"{style()}\n{template_text('live.css', FILES)}"
     return _filled(
-        "live.html", STYLE=f"{style()}\n{_text('live.css')}", SCRIPT=_text("live.js"), FRAME=shell
+        "live.html",
+        STYLE=look,
+        SCRIPT=template_text("live.js", FILES),
+        FRAME=shell,
     )
 
 
 def _filled(name: str, **texts: str) -> str:
     """Return the text of a file with `@KEY@` replaced; nothing is replaced in what was put there."""
-    first, *parts = _text(name).split("@")
+    first, *parts = template_text(name, FILES).split("@")
     return first + "".join(
         texts.get(part, f"@{part}@" if position % 2 == 0 else part)
         for position, part in enumerate(parts)
     )
-
-
-def _text(name: str) -> str:
-    return (FILES / name).read_text(encoding="utf-8")
 
 
 MOST = 1_000_000  # bytes of a request

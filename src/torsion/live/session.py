@@ -14,7 +14,7 @@ from torsion.analyses import ANALYSES
 from torsion.analyses.undamped_modes import Modes
 from torsion.commands import one_case
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import Findings, Progress, silent
+from torsion.findings import Progress, silent
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
 from torsion.output.chapters import critical_speeds, forced_response, natural_frequencies, verdict
 from torsion.output.document import numbered
@@ -88,23 +88,17 @@ def drawn(
         *forced_response.without_tables(findings),
     ]
     page = fragment([*numbered([block for block in blocks if not isinstance(block, PageEnd)])])
-    return _modes(findings), page
-
-
-def _modes(findings: Findings) -> Fragment:
     modes = findings.get(Modes)
     if modes is None or not modes.frequency.size:
-        reason = next(
-            (why for what, why in findings.plan.left_out if what == ANALYSES["modes"].title),
-            "there are none",
-        )
-        return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
-    # The Campbell diagram, where an order excites.
-    of_critical_speeds = "critical_speeds" in findings.results
-    chapter = critical_speeds.chapter(findings) if of_critical_speeds else ()
-    blocks: list[Block] = [block for block in chapter if isinstance(block, Heading | Figure)]
-    blocks += [Heading("Natural frequencies"), natural_frequencies.frequencies(modes)]
-    return fragment([*numbered(blocks)])
+        why = dict(findings.plan.left_out).get(ANALYSES["modes"].title, "there are none")
+        above: list[Block] = [Paragraph(f"No natural frequencies: {why}.", "note")]
+    else:
+        # The Campbell diagram, where an order excites.
+        of_critical_speeds = "critical_speeds" in findings.results
+        chapter = critical_speeds.chapter(findings) if of_critical_speeds else ()
+        above = [block for block in chapter if isinstance(block, Heading | Figure)]
+        above += [Heading("Natural frequencies"), natural_frequencies.frequencies(modes)]
+    return fragment([*numbered(above)]), page
 
 
 STEPS = 100  # of a slider without steps of its own, about
@@ -179,7 +173,17 @@ def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str
     """Return every slider as the page shows it, with the figure of the file in words."""
     sliders = []
     for name, slider in sliders_of(variation).items():
-        position = positions.get(name, slider.nominal)
+        first, position = slider.figures[0], positions.get(name, slider.nominal)
+        # What the file states, or would state with the slider at its position.
+        nominal = variation.source.at(first.paths[0][0]) if first.paths else None
+        text = "as in the file" if nominal is None else in_words(nominal.value)
+        if name in positions:
+            value = slider.value(positions[name])
+            text = first.words(value)
+            if not first.rows:
+                _, node = next(first.puts(value, variation.source))
+                text = in_words(node.value)
+                text += f" ({100.0 * (value - 1.0):+.3g} %)" if first.law.first is None else ""
         sliders.append(
             {
                 "name": name,
@@ -189,24 +193,10 @@ def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str
                 "nominal": slider.nominal,
                 "now": slider.low if position is None else position,
                 "moved": name in positions,
-                "text": _words(slider, positions.get(name), variation),
+                "text": text,
             }
         )
     return sliders
-
-
-def _words(slider: Slider, position: float | None, variation: Variation) -> str:
-    """Return what the file states, or would state with the slider at a position."""
-    first = slider.figures[0]
-    if position is None:
-        nominal_node = variation.source.at(first.paths[0][0]) if first.paths else None
-        return "as in the file" if nominal_node is None else in_words(nominal_node.value)
-    value = slider.value(position)
-    if first.rows:
-        return first.words(value)
-    _, node = next(first.puts(value, variation.source))
-    share = f" ({100.0 * (value - 1.0):+.3g} %)" if first.law.first is None else ""
-    return f"{in_words(node.value)}{share}"
 
 
 TICK = 0.025  # s between two looks at the files
@@ -294,8 +284,18 @@ class Session:
                 self._draw(turn, positions, start + LIMIT)
             except OvertakenError:
                 continue
+            except InputError as error:
+                faults = str(error)
+            except SolveError as error:
+                faults = error.located or str(error)
+            except LateError:
+                limit = "(`torsion solve` has no such limit)"
+                faults = f"{self.file}: there is no picture within {LIMIT:.0f} s {limit}"
+            except MemoryError:
+                faults = "this machine has too little memory for it; request fewer speeds, orders or modes"
             except Exception as error:  # the page outlives what is our fault
-                faults = self._in_words(error)
+                words = f"{type(error).__name__}: {error}"
+                faults = f"torsion has failed: {words}; please report it"
             took = f"solved and drawn in {1e3 * (time.monotonic() - start):.0f} ms"
             with self._lock:
                 if turn == self._turn:
@@ -333,20 +333,6 @@ class Session:
             return study, movable(study, *reread(study))
         finally:
             self._files = opened
-
-    def _in_words(self, error: Exception) -> str:
-        """Return what keeps a picture from being made, as the commands say it."""
-        match error:
-            case InputError():
-                return str(error)
-            case SolveError():
-                return error.located or str(error)
-            case LateError():
-                limit = "(`torsion solve` has no such limit)"
-                return f"{self.file}: there is no picture within {LIMIT:.0f} s {limit}"
-            case MemoryError():
-                return "this machine has too little memory for it; request fewer speeds, orders or modes"
-        return f"torsion has failed: {type(error).__name__}: {error}; please report it"
 
     def _watch(self) -> None:
         """Request a picture when a file has changed and is settled."""
