@@ -17,7 +17,7 @@ from torsion.analyses import ANALYSES, Analysis
 from torsion.model import KINDS
 from torsion.output import renderers
 from torsion.output.blocks import Heading, KeyValues, Table
-from torsion.output.chapters.plant import _points
+from torsion.output.chapters.plant import sketch
 from torsion.output.document import document
 from torsion.output.renderers import Output
 from torsion.output.terminal import show
@@ -127,7 +127,7 @@ def test_a_component_is_in_the_train_its_sketch_its_data_sheet_and_both_manuals(
     made = document(found)
     sheets = [item.block.pairs for item in made.body if isinstance(item.block, KeyValues)]
     assert (("Component", "near"), ("Diameter", "300 mm")) in sheets
-    (disc,) = [disc for disc in _points(found) if disc.label == "1 near"]
+    (disc,) = [disc for disc in sketch(found).discs if disc.label == "1 near"]
     assert disc.role == "load"
     assert "diameter of every solid disc" in manual.pages()["components/solid-disc.md"]
     assert "diameter of every solid disc" in json.dumps(json_schema())

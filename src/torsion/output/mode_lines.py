@@ -34,7 +34,16 @@ def vtu(_document: Document, findings: Findings) -> bytes:
         hint = "name `modes` in `analyses`" if modes is None and findings.study.analyses else ""
         raise InputError([Fault((section,), f"no mode shape to write: {why}", hint)])
     ends = np.column_stack([system.driving, system.driven])
-    radius = radii(system)
+    points = coordinates(system)
+    # The radius (spans, 2) at both ends of every span in m.
+    bars = {bar.part: bar for bar in system.train.bars}
+    mean = sum(sum(bar.outer) / 4 for bar in bars.values()) / len(bars) if bars else LENGTH / 4
+    radius = np.full(ends.shape, THIN * mean)
+    for span, stations in enumerate(ends):
+        bar = bars.get(int(system.span_part[span]))
+        if bar is not None:
+            share = (points[stations, 0] - points[bar.driving, 0]) / bar.length
+            radius[span] = (bar.outer[0] + (bar.outer[1] - bar.outer[0]) * share) / 2
     cells = [("line", np.arange(ends.size).reshape(-1, 2))]
 
     at_points: dict[str, FloatArray] = {"radius": radius.ravel()}
@@ -48,8 +57,9 @@ def vtu(_document: Document, findings: Findings) -> bytes:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
-        points = coordinates(system)[ends].reshape(-1, 3)
-        mesh = meshio.Mesh(points, cells, point_data=at_points, cell_data=at_cells)
+        mesh = meshio.Mesh(
+            points[ends].reshape(-1, 3), cells, point_data=at_points, cell_data=at_cells
+        )
         mesh.write(path, file_format="vtu")
         return path.read_bytes()
 
@@ -62,17 +72,3 @@ def coordinates(system: System) -> FloatArray:
         unit = sum(bar.length for bar in bars) / len(bars) / width
     places = layout(system, {bar.part: bar.length / unit for bar in bars})
     return unit * np.column_stack([places.x, -places.row, np.zeros(places.x.size)])
-
-
-def radii(system: System) -> FloatArray:
-    """Return the radius (spans, 2) at both ends of every span in m."""
-    bars = {bar.part: bar for bar in system.train.bars}
-    mean = sum(sum(bar.outer) / 4 for bar in bars.values()) / len(bars) if bars else LENGTH / 4
-    radius = np.full((len(system.spans), 2), THIN * mean)
-    x = coordinates(system)[:, 0]
-    for span, (driving, driven) in enumerate(zip(system.driving, system.driven, strict=True)):
-        bar = bars.get(int(system.span_part[span]))
-        if bar is not None:
-            share = (x[[driving, driven]] - x[bar.driving]) / bar.length
-            radius[span] = (bar.outer[0] + (bar.outer[1] - bar.outer[0]) * share) / 2
-    return radius

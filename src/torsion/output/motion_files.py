@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.scene import elements
 from torsion.output.table_text import inert, one_line
-
-if TYPE_CHECKING:
-    from torsion.analyses.motion.transient_motion import TransientMotion
 
 
 def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path]] | None:
@@ -31,7 +28,14 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
         """Write the files and return their paths; arrays of all motions stand in one."""
         files, arrays = list[Path](), dict[str, Any]()
         for motion in exported:
-            columns = _columns(findings, motion)
+            # The time, speeds of the points, torques of the elements, each where it is largest.
+            columns: dict[str, FloatArray] = {"time [s]": motion.time}
+            for k, station in enumerate(findings.study.train.stations):
+                if not station.is_ground:
+                    columns[f"speed of {station.name} [rad/s]"] = motion.speed[k]
+            for element in elements(findings.system):
+                span = max(element.spans, key=motion.peak.__getitem__)
+                columns[f"torque in {element.name} [N*m]"] = motion.torque[span]
             if forms[motion.name] == "npz":
                 mark = f"{motion.name}: " if motion.name else ""
                 arrays |= {mark + title: values for title, values in columns.items()}
@@ -50,15 +54,3 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
         return files
 
     return write if exported and not document.report.keys else None
-
-
-def _columns(findings: Findings, motion: "TransientMotion") -> dict[str, FloatArray]:
-    """Samples by their title: the time, speeds of the points, torques of the elements, each where it is largest."""
-    columns = {"time [s]": motion.time}
-    for k, station in enumerate(findings.study.train.stations):
-        if not station.is_ground:
-            columns[f"speed of {station.name} [rad/s]"] = motion.speed[k]
-    for element in elements(findings.system):
-        span = max(element.spans, key=motion.peak.__getitem__)
-        columns[f"torque in {element.name} [N*m]"] = motion.torque[span]
-    return columns

@@ -132,10 +132,6 @@ class Scale:
     unit: str
     factor: float
 
-    def text(self, value: float | None, digits: int = DIGITS) -> str:
-        """Return an SI value in this unit."""
-        return number(None if value is None else value * self.factor, digits)
-
 
 def scale(unit: str, values: Iterable[float]) -> Scale:
     """Return the prefix that suits the largest finite value of a column or a figure: 'N m', 'kN m', 'MN m'."""

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -180,6 +181,7 @@ NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one 
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
 
 
+@dataclass(eq=False)
 class Selection:
     """Reduces the axes of declared arrays to what is reported.
 
@@ -188,8 +190,7 @@ class Selection:
     reported.
     """
 
-    def __init__(self, system: System) -> None:
-        self.system = system
+    system: System
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -89,12 +89,12 @@ def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout
     return Layout(x, row)
 
 
+@dataclass(frozen=True)
 class _Rows:
     """Which row each branch of the file stands on, and how far every row is filled."""
 
-    def __init__(self) -> None:
-        self._row: dict[Path, int] = {}
-        self.end: dict[int, float] = {}
+    _row: dict[Path, int] = field(default_factory=dict)
+    end: dict[int, float] = field(default_factory=dict)
 
     def of(self, branch: Path, start: float, beside: int) -> int:
         """Return the row of a branch, which begins at `start` beside a row.

@@ -1,7 +1,7 @@
 """Chapters: all cases of a file side by side, their checks, frequencies and curves; and what one case changes."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,9 +133,29 @@ def _checks(cases: Cases) -> Iterator[Block]:
         shown = names[first : first + MOST_COLUMNS]
         columns = ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case")
         part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}"
+        lines = list[tuple[str, ...]]()
+        for row in rows:
+            check, cells = next(iter(row.checks.values())), list[str]()
+            limits = {check_words.limit(check) for check in row.checks.values()}
+            for name in shown:
+                if (judged := row.checks.get(name)) is None:
+                    named = dict(cases[name].study.rules)
+                    is_omitted = check.rule in RULES and check.rule not in named
+                    cells.append(NOT_JUDGED if is_omitted else NONE)
+                    continue
+                text = check_words.value(judged)
+                text += f" / {check_words.limit(judged)}" * (len(limits) > 1)
+                text += "" if judged.speed is None else f" at {rpm(judged.speed)} rpm"
+                text += "" if judged.order is None else f" ({cell(judged.order)})"
+                text += f" {WORDS[judged.verdict]}" * (judged.verdict != "pass")
+                cells.append(text)
+            limit = BY_CASE if len(limits) > 1 else limits.pop()
+            about = f"{check.what} ({check.rule})", check.where, symbols(check.clause)
+            worst = f"{row.worst}: {WORDS[row.check.verdict]}"
+            lines.append((*about, limit, symbols(check.unit), *cells, worst))
         yield table(
             tuple(Column(title, align="left") for title in columns),
-            [_cells(cases, row, shown) for row in rows],
+            lines,
             "Checks by case, worst first: value, speed of the reference and, in brackets, the order with the largest "
             "contribution; value / limit if the limit differs by case"
             + part
@@ -144,32 +164,6 @@ def _checks(cases: Cases) -> Iterator[Block]:
         )
     if omitted := len(ranked) - len(rows):
         yield check_words.omitted(omitted)
-
-
-def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
-    first = next(iter(row.checks.values()))
-    limits = {check_words.limit(check) for check in row.checks.values()}
-    cells = []
-    for name in shown:
-        if (check := row.checks.get(name)) is None:
-            is_omitted = first.rule in RULES and first.rule not in dict(cases[name].study.rules)
-            cells.append(NOT_JUDGED if is_omitted else NONE)
-            continue
-        text = check_words.value(check)
-        text += f" / {check_words.limit(check)}" * (len(limits) > 1)
-        text += "" if check.speed is None else f" at {rpm(check.speed)} rpm"
-        text += "" if check.order is None else f" ({cell(check.order)})"
-        text += f" {WORDS[check.verdict]}" * (check.verdict != "pass")
-        cells.append(text)
-    return (
-        f"{first.what} ({first.rule})",
-        first.where,
-        symbols(first.clause),
-        BY_CASE if len(limits) > 1 else limits.pop(),
-        symbols(first.unit),
-        *cells,
-        f"{row.worst}: {WORDS[row.check.verdict]}",
-    )
 
 
 def _loads(cases: Cases) -> Iterator[Figure]:

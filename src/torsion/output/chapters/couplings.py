@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
 from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
-from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeaks
 from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
 from torsion.analyses.response.pendulums import Pendulums
 from torsion.analyses.response.vibratory_couplings import VibratoryTorques
@@ -304,6 +303,7 @@ def pendulums(findings: Findings) -> Iterator[Block]:
         )
 
 
+REMEDY = "Compute the transient response at this speed."
 DIFFERS = 0.10  # of the exact amplitude: more is pointed at
 METHOD = (
     "The response models backlash, stages and dry friction by harmonic balance: each coupling has one "
@@ -342,21 +342,19 @@ def nonlinear_at_peaks(findings: Findings) -> Iterator[Block]:
                 f"Between {rpm(peak.several_from)} and {rpm(peak.several_to)} rpm the response has several solutions, "
                 "and the amplitude can jump between them. The report shows the largest."
             )
-        notes += chain.from_iterable(map(_notes, peaks_of_coupling))
+        for peak in peaks_of_coupling:
+            at_speed = f"At {rpm(peak.speed)} rpm"
+            if peak.from_rest is not None:
+                reached = f"reaches {number(peak.from_rest)} N m."
+                notes.append(f"{at_speed} the exact motion that starts without vibration {reached}")
+            if not peak.ended:
+                notes.append(f"{at_speed} the exact motion needs too much computing time. {REMEDY}")
+            elif peak.exact is None:
+                unsettled = "the motion that starts from the response does not settle."
+                notes.append(f"{at_speed} {unsettled} {REMEDY}")
+            elif peak.difference is not None and abs(peak.difference) > DIFFERS:
+                text = f"{at_speed} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
+                leaves = peak.solutions > 1 and peak.response > peak.exact
+                notes.append(text + (", which leaves the largest solution." if leaves else "."))
         if notes:
             yield Paragraph(f"{name}: {' '.join(notes)}", "note")
-
-
-def _notes(peak: NonlinearPeak) -> Iterator[str]:
-    """What a reader must know of a comparison."""
-    at_speed, remedy = f"At {rpm(peak.speed)} rpm", "Compute the transient response at this speed."
-    if peak.from_rest is not None:
-        yield f"{at_speed} the exact motion that starts without vibration reaches {number(peak.from_rest)} N m."
-    if not peak.ended:
-        yield f"{at_speed} the exact motion needs too much computing time. {remedy}"
-    elif peak.exact is None:
-        yield f"{at_speed} the motion that starts from the response does not settle. {remedy}"
-    elif peak.difference is not None and abs(peak.difference) > DIFFERS:
-        text = f"{at_speed} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
-        leaves = peak.solutions > 1 and peak.response > peak.exact
-        yield text + (", which leaves the largest solution." if leaves else ".")

@@ -1,8 +1,7 @@
 """Chapters: engines and reciprocating compressors: data sheet, pressures, balance, harmonics, inertia, misfires."""
 
 import math
-from collections.abc import Callable, Iterator
-from typing import TypeVar
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.numbers import RPM, given, number, rpm, scale
 from torsion.results import listed
 
-Machine = TypeVar("Machine", EngineFound, CompressorFound)
 BAR = 1e-5  # of 1 Pa
 SAME_LOAD = (
     0.05  # relative: how far pressure or torque of the data may be from those of the operation
@@ -46,8 +44,9 @@ POLAR = "{0}: {1}, amplitude [N m]:s | {0}: phase [deg]:gsp"
 def engines(findings: Findings) -> Iterator[Block]:
     """Yield the chapter of all engines; nothing without one."""
     result = findings.get(Engines)
-
-    def engine_blocks(engine: EngineFound, number_of_machine: int) -> Iterator[Block]:
+    machines = () if result is None else result.each
+    for number_of_machine, engine in enumerate(machines, 1):
+        yield from _headings("Engine", machines, engine)
         pairs = [("Engine", engine.name), *engine.words, ("Gas torque", engine.gas_words)]
         pairs.append(("Mechanical efficiency", f"{given(100 * engine.efficiency)} %"))
         if engine.inertia:
@@ -79,13 +78,66 @@ def engines(findings: Findings) -> Iterator[Block]:
         if engine.remarks:
             yield Paragraph(" ".join(engine.remarks), "note")
 
-    yield from _machines("Engine", () if result is None else result.each, engine_blocks)
-
 
 def compressors(findings: Findings) -> Iterator[Block]:
     """Yield the chapter of all compressors; nothing without one."""
     result = findings.get(Compressors)
-    yield from _machines("Compressor", () if result is None else result.each, _compressor_blocks)
+    machines = () if result is None else result.each
+    for number_of_machine, compressor in enumerate(machines, 1):
+        yield from _headings("Compressor", machines, compressor)
+        balance = _balance(
+            compressor,
+            ("Mean torque absorbed by the gas", compressor.indicated, "N m"),
+            ("Shaft torque for it, with the mechanical efficiency", compressor.needed, "N m"),
+            ("Mean torque of the operation", compressor.mean_torque, "N m"),
+        )
+        efficiency = "Mechanical efficiency", f"{given(100 * compressor.efficiency)} %"
+        yield KeyValues((("Compressor", compressor.name), *compressor.words, efficiency, *balance))
+        yield table(
+            "number: < Throw | station: < Station | angle: Outer dead centre at [deg]:g | "
+            "inertia: Moving masses, mean inertia [kg m²] | mean_torque: Mean gas torque [N m]",
+            compressor.throws,
+            f"Throws of {compressor.name}; the gas absorbs the mean torque",
+        )
+        ends = [(throw, end) for throw in compressor.throws for end in throw.ends]
+        if ends:
+            yield table(
+                "number: < Throw | end: < End | given: < Pressures | area: Area [cm²] | clearance: Clearance [%] | "
+                "lowest: Lowest [bar] | highest: Highest [bar] | imep: imep [bar] | power: Indicated power [kW]",
+                ends,
+                f"Ends of the cylinders of {compressor.name}; absolute pressures; positive imep: the gas absorbs work",
+            )
+            # How the torque of the operation differs from the torque that the pressures need.
+            if compressor.mean_torque is None:
+                text = "The operation has no mean torque to compare with the pressures."
+                yield Paragraph(text, "note")
+            else:
+                needed = compressor.needed
+                excess = compressor.mean_torque / needed - 1.0 if needed else math.inf
+                text = f"The torque of the operation is {abs(100 * excess):.3g} % "
+                text += f"{'more' if excess > 0 else 'less'} than the pressures need."
+                is_same = abs(excess) <= SAME_LOAD
+                yield Paragraph(
+                    text if is_same else text + OTHER_LOAD, "plain" if is_same else "note"
+                )
+            lines = []
+            for pen, (throw, end) in enumerate(ends):
+                angle, words = np.degrees(end.angle), f"throw {throw.number}, {end.end}"
+                lines.append(Line(words, angle, end.pressure * BAR, pen, weight=1.5))
+            x = Axis("crank angle from the dead centre of the head end", "deg")
+            panel = Panel(
+                span(x, np.concatenate([line.x for line in lines])), PRESSURE, tuple(lines)
+            )
+            caption = f"Pressures of {compressor.name}"
+            yield Figure(f"compressor-{number_of_machine}-pressure", caption, (panel,))
+        yield _effort(compressor, number_of_machine)
+        yield table(
+            "number: Throw | order: Order | gas: Gas [N m]:s | masses: Masses [N m]:s | total: Both [N m]:s | "
+            "total: Phase [deg]:gsp",
+            [(throw, harmonic) for throw in compressor.throws for harmonic in throw.harmonics],
+            f"Harmonics of {compressor.name}{_at_speed(compressor)}: amplitudes by throw; phase from its dead centre",
+        )
+        yield from _varying_inertia(compressor)
 
 
 def engine_harmonics(findings: Findings) -> Iterator[Block]:
@@ -257,58 +309,6 @@ def _misfires(findings: Findings, engine: EngineFound, number_of_machine: int) -
         yield Figure(name, caption, (Panel(x, y, tuple(lines)),))
 
 
-def _compressor_blocks(compressor: CompressorFound, number_of_machine: int) -> Iterator[Block]:
-    balance = _balance(
-        compressor,
-        ("Mean torque absorbed by the gas", compressor.indicated, "N m"),
-        ("Shaft torque for it, with the mechanical efficiency", compressor.needed, "N m"),
-        ("Mean torque of the operation", compressor.mean_torque, "N m"),
-    )
-    efficiency = "Mechanical efficiency", f"{given(100 * compressor.efficiency)} %"
-    yield KeyValues((("Compressor", compressor.name), *compressor.words, efficiency, *balance))
-    yield table(
-        "number: < Throw | station: < Station | angle: Outer dead centre at [deg]:g | "
-        "inertia: Moving masses, mean inertia [kg m²] | mean_torque: Mean gas torque [N m]",
-        compressor.throws,
-        f"Throws of {compressor.name}; the gas absorbs the mean torque",
-    )
-    ends = [(throw, end) for throw in compressor.throws for end in throw.ends]
-    if ends:
-        yield table(
-            "number: < Throw | end: < End | given: < Pressures | area: Area [cm²] | clearance: Clearance [%] | "
-            "lowest: Lowest [bar] | highest: Highest [bar] | imep: imep [bar] | power: Indicated power [kW]",
-            ends,
-            f"Ends of the cylinders of {compressor.name}; absolute pressures; positive imep: the gas absorbs work",
-        )
-        # How the torque of the operation differs from the torque that the pressures need.
-        if compressor.mean_torque is None:
-            text = "The operation has no mean torque to compare with the pressures."
-            yield Paragraph(text, "note")
-        else:
-            needed = compressor.needed
-            excess = compressor.mean_torque / needed - 1.0 if needed else math.inf
-            text = f"The torque of the operation is {abs(100 * excess):.3g} % "
-            text += f"{'more' if excess > 0 else 'less'} than the pressures need."
-            is_same = abs(excess) <= SAME_LOAD
-            yield Paragraph(text if is_same else text + OTHER_LOAD, "plain" if is_same else "note")
-        lines = []
-        for pen, (throw, end) in enumerate(ends):
-            angle, words = np.degrees(end.angle), f"throw {throw.number}, {end.end}"
-            lines.append(Line(words, angle, end.pressure * BAR, pen, weight=1.5))
-        x = Axis("crank angle from the dead centre of the head end", "deg")
-        panel = Panel(span(x, np.concatenate([line.x for line in lines])), PRESSURE, tuple(lines))
-        caption = f"Pressures of {compressor.name}"
-        yield Figure(f"compressor-{number_of_machine}-pressure", caption, (panel,))
-    yield _effort(compressor, number_of_machine)
-    yield table(
-        "number: Throw | order: Order | gas: Gas [N m]:s | masses: Masses [N m]:s | total: Both [N m]:s | "
-        "total: Phase [deg]:gsp",
-        [(throw, harmonic) for throw in compressor.throws for harmonic in throw.harmonics],
-        f"Harmonics of {compressor.name}{_at_speed(compressor)}: amplitudes by throw; phase from its dead centre",
-    )
-    yield from _varying_inertia(compressor)
-
-
 def _effort(compressor: CompressorFound, number_of_machine: int) -> Figure:
     """Draw the torque of every throw, and their sum with its mean, over the crank angle."""
     unit = scale("N m", [float(np.abs(compressor.effort).max())])
@@ -328,13 +328,13 @@ def _effort(compressor: CompressorFound, number_of_machine: int) -> Figure:
     return Figure(name, caption, (panel,))
 
 
-def _machines(
-    title: str, machines: tuple[Machine, ...], blocks: Callable[[Machine, int], Iterator[Block]]
-) -> Iterator[Block]:
-    """Yield the heading and the blocks of every machine, under its name where there are several."""
-    if machines:
+def _headings(
+    title: str,
+    machines: Sequence[EngineFound | CompressorFound],
+    machine: EngineFound | CompressorFound,
+) -> Iterator[Heading]:
+    """Yield that of the chapter before the first machine, and its name where there are several."""
+    if machine is machines[0]:
         yield Heading(title if len(machines) == 1 else f"{title}s")
-    for number_of_machine, machine in enumerate(machines, 1):
-        if len(machines) > 1:
-            yield Heading(machine.name, 2)
-        yield from blocks(machine, number_of_machine)
+    if len(machines) > 1:
+        yield Heading(machine.name, 2)

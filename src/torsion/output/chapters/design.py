@@ -27,10 +27,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
     kept = f"; constraints: {'; '.join(design.kept)}" if design.kept else ""
     trains = f", {design.solves:,} trains" if design.solves != design.evaluations else ""
     over = _over_cases(design, findings).removeprefix("; ")
+    is_margin = not design.best or design.best[0].frequency is None
     yield Paragraph(
         (f"{over[:1].upper()}{over[1:]}. " if over else "")
         + f"Objective: {design.aim}{kept}. {counted(design.evaluations, 'candidate')}{trains}: {design.method}."
-        + (f" {WHAT}" if not _is_frequency(design) else "")
+        + (f" {WHAT}" if is_margin else "")
     )
     chosen = None if design.chosen is None else design.best[design.chosen - 1]
     numbered = list(enumerate(design.best, start=1))
@@ -64,7 +65,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         marks=["pass" if k == design.chosen else "" for k, _ in numbered],
         short="Best candidates",
     )
-    yield from _figures(design)
+    yield from _figures(design, is_margin=is_margin)
 
 
 def conclusion(design: Design) -> str:
@@ -113,13 +114,8 @@ def _over_cases(design: Design, findings: Findings) -> str:
     return f"; searched for the nominal case, solved over {names}{without}"
 
 
-def _is_frequency(design: Design) -> bool:
-    return bool(design.best) and design.best[0].frequency is not None
-
-
-def _figures(design: Design) -> Iterator[Figure]:
+def _figures(design: Design, *, is_margin: bool) -> Iterator[Figure]:
     """Yield the objective over one variable, as a map over two, and against mass or cost."""
-    is_margin = not _is_frequency(design)
     title = "minimum margin" if is_margin else "distance from the target, −|ln(f / target)|"
     objective, name = Axis(title), design.aim[0].upper() + design.aim[1:]
     limit = (Level("limit", 0.0, is_reached=True),) if is_margin else ()

@@ -1,7 +1,7 @@
 """Chapter: transient responses."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -92,6 +92,7 @@ def orders(tracking: OrderTracking | None, name: str) -> Iterator[Block]:
 
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
+MOST_NAMED = 4  # components in a sentence
 MOST_PASSAGES = 20  # lines of a table
 MOST_EVENTS = 20  # of the changes of regime that are listed
 METHOD = (
@@ -103,6 +104,10 @@ FROM_EVENT_TO_EVENT = (
     "root of the exact motion. Material damping acts as modal damping by energy share."
 )
 DRIVEN = METHOD.replace("to the events", "to the torques of every step")
+UNRESOLVED = (
+    "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
+    "peak. To resolve these modes, increase `samples`."
+)
 TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
 
 
@@ -112,57 +117,43 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if transients is None:
         return
     yield Heading("Transient response")
-    settings = {case.name: case for case, _ in cases(findings.study)}
+    settings_of = {case.name: case for case, _ in cases(findings.study)}
     for motion in transients.each:
+        settings = settings_of[motion.name]
         if len(transients.each) > 1:
             yield Heading(f"Transient: {motion.name}", 2)
-        yield from _section(findings, motion, settings[motion.name])
-
-
-def _first(names: Iterable[str]) -> str:
-    """Return the first few names, each of them once."""
-    return listed(dict.fromkeys(names), most=4)
-
-
-def _section(
-    findings: Findings, motion: TransientMotion, settings: TransientSettings
-) -> Iterator[Block]:
-    yield Paragraph(_introduction(motion, settings))
-    yield Paragraph(ActingTorques(motion.acting, motion.not_acting).words, brief=True)
-    yield from _faults(motion, settings)
-    yield from _steady_begin(findings, motion, settings)
-    if motion.status != "ok":
-        yield Paragraph(f"Not reliable: {motion.status}.", "fail", brief=True)
-    events = [
-        (event.at, event.body.key, event.time, settings_in_words(event.body))
-        for event in settings.events
-    ]
-    if events:
-        titles = "< Component | < Event | Start [s] | < Settings"
-        yield table(titles, events, "Events; torques at the speed of the component")
-    yield from _ice(motion, settings)
-    yield table(
-        "component: < Component -> | maximum: Maximum torque [~N m] -> maximum, ~ | maximum_at: Time [s] -> at, s | "
-        "minimum: Minimum torque [~N m] -> minimum, ~ | minimum_at: Time [s] | before: Initial [~N m] | "
-        "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
-        "unresolved: Not sampled [~N m]:s",
-        motion.elements,
-        "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
-        short=f"Transient: {motion.name}" if motion.name else "Transient response",
-        rows_in_summary=3,
-    )
-    if motion.switching is not None:
-        yield from _switching(motion.switching)
-    yield from _following(motion)
-    yield from _loads(motion, settings)
-    if motion.unresolved.any():
-        text = (
-            "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
-            "peak. To resolve these modes, increase `samples`."
+        yield Paragraph(_introduction(motion, settings))
+        yield Paragraph(ActingTorques(motion.acting, motion.not_acting).words, brief=True)
+        yield from _faults(motion, settings)
+        yield from _steady_begin(findings, motion, settings)
+        if motion.status != "ok":
+            yield Paragraph(f"Not reliable: {motion.status}.", "fail", brief=True)
+        events = [
+            (event.at, event.body.key, event.time, settings_in_words(event.body))
+            for event in settings.events
+        ]
+        if events:
+            titles = "< Component | < Event | Start [s] | < Settings"
+            yield table(titles, events, "Events; torques at the speed of the component")
+        yield from _ice(motion, settings)
+        yield table(
+            "component: < Component -> | maximum: Maximum torque [~N m] -> maximum, ~ | maximum_at: Time [s] -> at, s | "
+            "minimum: Minimum torque [~N m] -> minimum, ~ | minimum_at: Time [s] | before: Initial [~N m] | "
+            "of_before: Peak / initial:3 -> times | of_rated: Peak / rated:3? | reversals: Reversals -> | "
+            "unresolved: Not sampled [~N m]:s",
+            motion.elements,
+            "Torques over time including the mean torque; a torque reversal in a gear separates its teeth",
+            short=f"Transient: {motion.name}" if motion.name else "Transient response",
+            rows_in_summary=3,
         )
-        yield Paragraph(text, "note")
-    yield from _figures(findings, motion, settings)
-    yield from orders(motion.orders, motion.name)
+        if motion.switching is not None:
+            yield from _switching(motion.switching)
+        yield from _following(motion)
+        yield from _loads(motion, settings)
+        if motion.unresolved.any():
+            yield Paragraph(UNRESOLVED, "note")
+        yield from _figures(findings, motion, settings)
+        yield from orders(motion.orders, motion.name)
 
 
 def _faults(motion: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
@@ -249,15 +240,16 @@ def _following(motion: TransientMotion) -> Iterator[Block]:
     """How torques that follow the motion were found, when their laws changed, and what resonances were passed."""
     if not motion.steps:
         return
+    following = listed(dict.fromkeys(motion.following), most=MOST_NAMED)
     yield Paragraph(
-        f"These torques depend on the speed or angle: {_first(motion.following)}. The program computes them by "
+        f"These torques depend on the speed or angle: {following}. The program computes them by "
         f"exponential collocation in {counted(motion.steps, 'step')}; the modes are exact in each step. The last series "
         f"term is at most {number(motion.left_in_series, 2)} of the largest torque and bounds the error. Periodic "
         "torques "
         "follow the angle of their component, starting at angle 0."
     )
     if motion.undamped:
-        text = f"The load law replaces the damping of {_first(motion.undamped)}."
+        text = f"The load law replaces the damping of {listed(dict.fromkeys(motion.undamped), most=MOST_NAMED)}."
         yield Paragraph(text, "note")
     if motion.phases_computed:
         shown = ", ".join(f"{number(math.degrees(phase), 3)} deg" for phase in motion.slip_phase)

@@ -36,11 +36,6 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def sketch(findings: Findings) -> Sketch:
     """Return the train as a sketch."""
-    return Sketch(tuple(_points(findings)), tuple(_links(findings)))
-
-
-def _points(findings: Findings) -> list[Disc]:
-    """Everything that the sketch draws as a disc."""
     system, positions = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
@@ -67,7 +62,7 @@ def _points(findings: Findings) -> list[Disc]:
                 ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
             )
         )
-    return discs
+    return Sketch(tuple(discs), tuple(_links(findings)))
 
 
 def _size(inertia: float, finite: FloatArray) -> float:

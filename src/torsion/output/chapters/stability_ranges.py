@@ -68,7 +68,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
             text = f"The train is unstable in {speeds}: maximum growth {fastest}."
         yield Paragraph(text, "pass" if check.verdict == "pass" else "fail")
         if drift := mean_speed_words(growth_map, findings.study):
-            yield Paragraph(_sentence(drift), "note")
+            yield Paragraph(f"{drift.removesuffix('.')}.", "note")
         if growth_map.ranges:
             rows = [("", band) for band in growth_map.ranges]
             yield _range_table(findings, rows, caption := "Unstable ranges of speed", caption)
@@ -81,10 +81,6 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield of_torsion(findings, figure)
     if mapped is not None:
         yield from _map(findings, mapped)
-
-
-def _sentence(text: str) -> str:
-    return text if text.endswith(".") else f"{text}."
 
 
 def _introduction(findings: Findings, stability: Stability) -> Paragraph:
@@ -148,7 +144,7 @@ def restrictions(findings: Findings, stability: Stability) -> list[str]:
     """Return restrictions of the speed: the unstable ranges, and where it could not be said whether there is one."""
     stated = [_restriction(band, stability.speed) for band in stability.ranges]
     if drift := mean_speed_words(stability, findings.study):
-        stated.append(_sentence(drift))
+        stated.append(f"{drift.removesuffix('.')}.")
     nothing = [
         f"Stability of the {check.where} not computed: {check.note}."
         for check in findings.need(Checks).lines

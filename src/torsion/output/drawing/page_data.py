@@ -4,7 +4,7 @@ import json
 import zlib
 from base64 import b64encode
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -24,12 +24,12 @@ TOO_LONG = f"more than {MOST_POINTS:,} stations or elements"
 LEFT_OUT = "# a map of more numbers than a page should hold is omitted; --csv writes all\n"
 
 
+@dataclass(frozen=True)
 class Page:
     """The numbers of all figures of a page, each list once and in full, and the names of their points."""
 
-    def __init__(self) -> None:
-        self._arrays: dict[bytes, int] = {}
-        self._names: dict[tuple[str, ...], int] = {}
+    _arrays: dict[bytes, int] = field(default_factory=dict)
+    _names: dict[tuple[str, ...], int] = field(default_factory=dict)
 
     def figure(self, figure: Figure, frames: Sequence[Frame]) -> str:
         """Return JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""

@@ -10,7 +10,6 @@ from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
 from torsion.output.drawing.words import GROWTH, clean, plain, shown, width, words
 from torsion.output.figures.figure import (
     Band,
-    Cells,
     Figure,
     Level,
     Line,
@@ -76,7 +75,7 @@ def description(figure: Figure) -> str:
                 if link.use is not None and link.label
             ]
         if isinstance(panel, Shares):
-            sentences += [f"{row.label}: {row.use.words}." for row in panel.rows]
+            sentences += [f"{row.name}, {row.clause}: {row.use.words}." for row in panel.rows]
     for panel in figure.plots:
         sentences.append(f"{panel.y.title} over {panel.x.title}.")
         for line in panel.lines:
@@ -109,8 +108,21 @@ def _key(frames: list[Frame], foot: float) -> tuple[str, float]:
                 unit = (panel.y if entry.axis == "y" else panel.x).unit
                 name = f"{name}: {number(entry.value, 4)} {unit}, not on this scale"
             entries.setdefault(name, (SAMPLE, _sample(entry)))
-        if panel.cells is not None:
-            entries.setdefault(*_colours(panel.cells))
+        if (cells := panel.cells) is not None:  # the scale of the colours of an image
+            shades, step = palette(is_log=bool(cells.decades))[::2].tolist(), 4.0
+            ends, low = number(cells.largest, 2), f"−{number(cells.largest, 2)}"
+            if cells.decades:
+                low = f"≤ {number(cells.largest * 10.0**-cells.decades, 2)}"
+            left = 8 + GROWTH * width(low)
+            parts = [  # rgb(), not #: colours that stay on a dark screen
+                f'<rect x="{shown(left + k * step)}" y="-5" width="{step + 0.3}" height="10" fill="rgb({r},{g},{b})"/>'
+                for k, (r, g, b) in enumerate(shades)
+            ]
+            long = left + step * len(shades)
+            parts += [words(left - 4, 3.7, low, ' text-anchor="end"'), words(long + 4, 3.7, ends)]
+            name = ", ".join(filter(None, (cells.quantity, cells.unit)))
+            name += ", logarithmic" if cells.decades else ""
+            entries.setdefault(name, (long + 8 + GROWTH * width(ends), "".join(parts)))
     if not entries:
         return "", foot + 2.0
     rows = [(wide, sample, name) for name, (wide, sample) in entries.items()]
@@ -138,20 +150,3 @@ def _sample(entry: Keyed) -> str:
         dot = symbols(entry.symbol, entry.pen, middle, 0 * middle)
         text += f'<g transform="scale(.1)">{dot}</g>'
     return text
-
-
-def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
-    """Return the scale of the colours of an image as an entry of the key."""
-    shades, step = palette(is_log=bool(cells.decades))[::2].tolist(), 4.0
-    ends = number(cells.largest, 2)
-    low = f"≤ {number(cells.largest * 10.0**-cells.decades, 2)}" if cells.decades else f"−{ends}"
-    left = 8 + GROWTH * width(low)
-    parts = [  # rgb(), not #: colours that stay on a dark screen
-        f'<rect x="{shown(left + k * step)}" y="-5" width="{step + 0.3}" height="10" fill="rgb({r},{g},{b})"/>'
-        for k, (r, g, b) in enumerate(shades)
-    ]
-    long = left + step * len(shades)
-    parts += [words(left - 4, 3.7, low, ' text-anchor="end"'), words(long + 4, 3.7, ends)]
-    name = ", ".join(filter(None, (cells.quantity, cells.unit)))
-    name += ", logarithmic" if cells.decades else ""
-    return name, (long + 8 + GROWTH * width(ends), "".join(parts))

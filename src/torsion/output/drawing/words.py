@@ -124,8 +124,28 @@ class Room:
         cost = np.where(rank > 0, elsewhere + 0.3 * rank, 0.0)[:, None] + 0.3 * np.arange(len(ways))
         best, lowest = None, np.inf
         for row in range(reach):
-            feet = points if row == 0 else points[:1]
-            covered, boxes = self._tried(feet, half, gap + 2.0 * half[1] * row, allowed)
+            # For every point and direction the box, and the covered points of curves, infinite without room.
+            feet, away = points if row == 0 else points[:1], gap + 2.0 * half[1] * row
+            sideways = np.where(allowed[:, 1] == 0, away, 0.0)
+            size = np.column_stack([half[0] + sideways, np.full(len(allowed), half[1] + away)])
+            middle = (feet[:, None, :] + allowed * size).reshape(-1, 2)
+            boxes = np.hstack([middle - half, middle + half])
+            free = ((boxes[:, :2] >= self.box[:2]) & (boxes[:, 2:] <= self.box[2:])).all(axis=1)
+            if self.taken:
+                placed = np.array(self.taken)
+                clear = boxes[:, None, :2] >= placed[:, 2:]
+                clear |= boxes[:, None, 2:] <= placed[:, :2]
+                free &= np.logical_and.reduce(clear.any(axis=2), axis=1)
+            # Points of curves between two corners, to a mesh.
+            before, inner = self.before, half / GROWTH
+            (x0, y0), (x1, y1) = (
+                np.clip(np.rint((corner - self.box[:2]) / MESH), 0, np.array(before.shape) - 1)
+                .astype(np.int64)
+                .T
+                for corner in (middle - inner, middle + inner)
+            )
+            covered = before[x1, y1] - before[x0, y1] - before[x1, y0] + before[x0, y0]
+            covered = np.where(free, covered, np.inf)
             costs = COVERED * covered + cost[: len(feet)].ravel() + APART * row
             choice = int(np.argmin(costs))
             if costs[choice] < lowest:
@@ -137,31 +157,6 @@ class Room:
         if best is not None:
             self.taken.append(best.box)
         return best
-
-    def _tried(
-        self, feet: FloatArray, half: FloatArray, away: float, ways: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return for every point and direction the covered points of curves, infinite without room, and the box."""
-        sideways = np.where(ways[:, 1] == 0, away, 0.0)
-        offset = ways * np.column_stack([half[0] + sideways, np.full(len(ways), half[1] + away)])
-        middle = (feet[:, None, :] + offset).reshape(-1, 2)
-        boxes = np.hstack([middle - half, middle + half])
-        free = ((boxes[:, :2] >= self.box[:2]) & (boxes[:, 2:] <= self.box[2:])).all(axis=1)
-        if self.taken:
-            placed = np.array(self.taken)
-            clear = (boxes[:, None, :2] >= placed[:, 2:]) | (boxes[:, None, 2:] <= placed[:, :2])
-            free &= np.logical_and.reduce(clear.any(axis=2), axis=1)
-
-        # Points of curves between two corners, to a mesh.
-        before = self.before
-        (x0, y0), (x1, y1) = (
-            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, np.array(before.shape) - 1)
-            .astype(np.int64)
-            .T
-            for corner in (middle - half / GROWTH, middle + half / GROWTH)
-        )
-        covered = before[x1, y1] - before[x0, y1] - before[x1, y0] + before[x0, y0]
-        return np.where(free, covered, np.inf), boxes
 
 
 SUBSCRIPT = re.compile(r"_\{([^{}]*)\}")

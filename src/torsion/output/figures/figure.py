@@ -219,11 +219,6 @@ class Share:
     share: float  # infinite where no value is known
     use: Use
 
-    @property
-    def label(self) -> str:
-        """What is judged by which clause."""
-        return f"{self.name}, {self.clause}"
-
 
 @dataclass(frozen=True)
 class Shares:

@@ -41,7 +41,16 @@ def mode(
         mine = (line == number) & ~hangs
         words = "" if len(numbers) == 1 else "main line" if number == 0 else f"branch {index}"
         upper.append(Line(words, *_joined(x, angle, ends[mine]), index))
-        edges, size = _steps(across[mine], torque[mine])
+        # The torque of each span as a step over its length, broken where no span is.
+        left, right = across[mine].min(axis=1), across[mine].max(axis=1)
+        order = np.argsort(left, kind="stable")
+        edges, size = (
+            np.column_stack([left, right])[order].ravel(),
+            np.repeat(torque[mine][order], 2),
+        )
+        gaps = np.flatnonzero(np.diff(edges) > 1e-9 * max(float(np.ptp(edges)), 1.0))
+        gaps = gaps[gaps % 2 == 1] + 1  # between one span's end and the next one's start
+        edges, size = np.insert(edges, gaps, np.nan), np.insert(size, gaps, np.nan)
         lower.append(Line(words, edges, size, index, base=0.0 * size))
     marks = list[Marks]()
     if hangs.any():
@@ -72,14 +81,3 @@ def _joined(x: FloatArray, y: FloatArray, ends: IntArray) -> tuple[FloatArray, F
     stations = np.insert(ends[:, 1], np.flatnonzero(first), ends[first, 0])
     starts = np.flatnonzero(first) + np.arange(int(first.sum()))
     return np.insert(x[stations], starts[1:], np.nan), np.insert(y[stations], starts[1:], np.nan)
-
-
-def _steps(across: FloatArray, torque: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return torque of each span as a step over its length, broken where no span is."""
-    left, right = across.min(axis=1), across.max(axis=1)
-    order = np.argsort(left, kind="stable")
-    edges = np.column_stack([left, right])[order].ravel()
-    size = np.repeat(torque[order], 2)
-    gaps = np.flatnonzero(np.diff(edges) > 1e-9 * max(float(np.ptp(edges)), 1.0))
-    gaps = gaps[gaps % 2 == 1] + 1  # gaps between one span's end and the next one's start
-    return np.insert(edges, gaps, np.nan), np.insert(size, gaps, np.nan)
