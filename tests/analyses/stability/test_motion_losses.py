@@ -187,7 +187,7 @@ def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time(in_t
     def after_a_period(state: np.ndarray) -> np.ndarray:
         slope = in_time(ask.mechanism.layout, loading, here.balance.load)
         return solve_ivp(
-            slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13
+            slope, (0.0, 2.0 * np.pi / loading.w0), state, method="DOP853", rtol=1e-11, atol=1e-13
         ).y[:, -1]
 
     assert after_a_period(start) == pytest.approx(start, abs=1e-9 * np.abs(motion.speed).max())

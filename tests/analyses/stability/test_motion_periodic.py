@@ -82,7 +82,7 @@ def departure(
 ) -> float:
     """Largest difference (rad) over one period between the orbit and an integration in time that starts on it."""
     here, at = found.orbits[0], scene(study, system)
-    times, period = points_in_time(here.balance.count), here.operation.loading.period
+    times, period = points_in_time(here.balance.count), 2.0 * np.pi / here.operation.loading.w0
     motion = motion_of(here.balance.harmonic, here.operation.loading.w0, times)
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
 

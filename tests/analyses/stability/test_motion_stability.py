@@ -93,7 +93,7 @@ def about_constant_speed(study: Study, system: System, speed: float) -> tuple[Va
         if own < at.layout.free:
             stiffness[:, own, own] -= bent.turning.second[body] * bent.residual[body]
     none = np.zeros((0, 2 * at.layout.free, 193))
-    return Variation(mass, damping, stiffness, now.loading.period, none), shapes
+    return Variation(mass, damping, stiffness, 2.0 * np.pi / now.loading.w0, none), shapes
 
 
 def growth_about_constant_speed(train_of: tuple[Study, System], speed: float) -> float:

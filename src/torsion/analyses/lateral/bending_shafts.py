@@ -227,11 +227,6 @@ class Planes:
         """The supports are alike in both planes, which are then one."""
         return self.y is self.z
 
-    @property
-    def is_damped(self) -> bool:
-        """A support of the shaft has a damper."""
-        return any(any(point.damping) for point in self.system.beam.points)
-
 
 def planes(system: LateralSystem) -> Planes:
     """Return the modal coordinates of a shaft on its joints and supports; raises SolveError where it is not supported."""

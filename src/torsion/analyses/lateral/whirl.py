@@ -130,9 +130,8 @@ def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     for k, omega in enumerate(speeds.tolist()):
         # By ascending modulus; at least the lowest that oscillate.
         roots = None
-        if planes.is_damped:
-            rough = roots_among(planes, omega, lowest(planes, 2 * modes))
-            roots = refined(planes, omega, rough, 2 * modes)
+        if planes.damping.any():
+            roots = refined(planes, omega, 2 * modes)
         root, shape = roots or roots_among(planes, omega, np.arange(len(planes.square)))
         turns = [-1.0, 1.0] if planes.is_isotropic else [1.0]
         wanted = 2 * modes // len(turns)
@@ -159,11 +158,6 @@ def _both(planes: Planes, p: ComplexArray, sign: float) -> ComplexArray:
     return np.asarray(np.vstack([p, sign * p]) / math.sqrt(2.0), dtype=np.complex128)
 
 
-def lowest(planes: Planes, modes: int) -> IntArray:
-    """Return the coordinates of the lowest modes at rest, some more than are reported."""
-    return np.argsort(-planes.square, kind="stable")[: SPARE_MODES + modes]
-
-
 def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexArray, ComplexArray]:
     """Return all roots s, by ascending modulus, and shapes (coordinates, roots) of the coordinates that are kept."""
     square = planes.square[kept]
@@ -175,7 +169,7 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
     symmetric[moving, n + np.arange(m)] = symmetric[n + np.arange(m), moving] = -np.sqrt(
         square[moving]
     )
-    if planes.is_damped:  # i v = z
+    if planes.damping.any():  # i v = z
         damped = -1j * symmetric
         damped[:n, :n] -= planes.damping[np.ix_(kept, kept)]
         inverse, vectors = np.linalg.eig(damped)
@@ -191,14 +185,14 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
     return 1.0 / inverse[last], shape
 
 
-def refined(
-    planes: Planes, speed: float, rough: tuple[ComplexArray, ComplexArray], modes: int
-) -> tuple[ComplexArray, ComplexArray] | None:
+def refined(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, ComplexArray] | None:
     """Return the `modes` lowest oscillating roots of either sense, refined, by modulus; None where they are in doubt.
 
     The equation (1 + s2 M + s C - i s Omega G) p = 0 has complex symmetric matrices, so that p is also its left vector.
     """
-    root, shape = rough
+    # Roughly they are those of the lowest modes at rest, some more than are reported.
+    kept = np.argsort(-planes.square, kind="stable")[: SPARE_MODES + modes]
+    root, shape = roots_among(planes, speed, kept)
     chosen = np.concatenate(
         [np.flatnonzero(sense * root.imag > OVERDAMPED * np.abs(root))[:modes] for sense in (-1, 1)]
     )

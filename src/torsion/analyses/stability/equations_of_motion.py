@@ -31,11 +31,6 @@ class Loading:
     order: float  # of the common period, per turn of the reference station
 
     @property
-    def period(self) -> float:
-        """Length of the common period, s."""
-        return 2.0 * np.pi / (self.order * self.speed)
-
-    @property
     def w0(self) -> float:
         """Frequency of the common period, rad/s."""
         return self.order * self.speed

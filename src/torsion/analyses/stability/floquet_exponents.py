@@ -125,7 +125,7 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
         mass,
         damping,
         stiffness,
-        loading.period,
+        2.0 * np.pi / loading.w0,
         np.reshape(repeated, (-1, 2 * free, times)),
         bool(layout.floating),
     )

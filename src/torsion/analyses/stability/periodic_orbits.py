@@ -122,10 +122,8 @@ class PeriodicResponse:
     def is_unstable(self) -> BoolArray:
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)
-        periods = [
-            np.nan if orbit is None else orbit.operation.loading.period for orbit in self.orbits
-        ]
-        return np.asarray(np.nan_to_num(self.growth * np.array(periods)) > GROWS)
+        w0 = [np.nan if orbit is None else orbit.operation.loading.w0 for orbit in self.orbits]
+        return np.asarray(np.nan_to_num(self.growth * 2.0 * np.pi / np.array(w0)) > GROWS)
 
 
 def continued(mechanism: Scene, speed: float, orbits: Iterable[Orbit]) -> tuple[Orbit | None, str]:
