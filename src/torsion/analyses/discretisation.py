@@ -14,6 +14,7 @@ from torsion.analyses.undamped_modes import (
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import System
+from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.results import listed
 from torsion.study import Study
@@ -99,10 +100,15 @@ def run_assembly(work: Work) -> None:
         }[system.model]
         step.size = f"{len(system.stations)} stations, {len(system.spans)} spans"
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
-    if system.tables:
-        from torsion.analyses.modes.coupling_tables import refuse_loops
+    # Rings of dampers and pendulums close no loop.
+    parts = system.train.parts
+    links = [span for span in system.tables if not parts[system.spans[span].part].is_point]
+    if links and system.condensed.extra.size:
+        from torsion.analyses.modes.coupling_tables import HINT
+        from torsion.assembly.tabled_spans import table_path
 
-        refuse_loops(system)
+        message = "a train with closed loops, or grounded through rigid spans at several points, does not support a table"
+        raise InputError([Fault(table_path(system, min(links)), message, HINT)])
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
             why = f"its {100 * part.ratings.tolerance:.3g} % change only the frequencies"

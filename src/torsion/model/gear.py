@@ -188,7 +188,7 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
     ) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures count at the station of `arrival`."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else arrival.scale / wheel.mesh_stiffness
-        teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
+        teeth = self._teeth_with(wheel)
 
         # A driving gear of its own beside the first one has the size of the module alone.
         helix, toothing = self.helix_angle or 0.0, None
@@ -212,14 +212,12 @@ class Gear(Component, keyword="gear", sort="link", symbol=Symbol(width=0.45)):
 
     def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
         """Speed after / speed before, of a wheel on this gear."""
-        if wheel.ratio is not None:
-            return 1 / wheel.ratio
-        return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])
+        return Fraction(*self._teeth_with(wheel)) if wheel.ratio is None else 1 / wheel.ratio
 
-    def _driving_teeth(self, wheel: "Gear | GearBranch") -> int:
-        """Return the number of teeth of the driving gear where it meshes with a wheel that has teeth."""
-        teeth = wheel.teeth or (1,)
-        return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
+    def _teeth_with(self, wheel: "Gear | GearBranch") -> tuple[int, ...]:
+        """Return the teeth of the driving gear and of a wheel on it; none of a wheel by its ratio."""
+        teeth = wheel.teeth or ()
+        return ((self.teeth or (1, 1))[0], *teeth) if len(teeth) == 1 else teeth
 
 
 def _with_planets(

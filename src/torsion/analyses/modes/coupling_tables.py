@@ -6,9 +6,8 @@ import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
-from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import WORDS, table_path
-from torsion.errors import Fault, InputError
+from torsion.assembly.tabled_spans import WORDS
+from torsion.errors import Fault
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Study
@@ -110,20 +109,6 @@ def run(work: Work) -> None:
     speed = work.study.operation.speed if system.tables_over("mean torque") else None
     result = CouplingTables(tuple(tables), speed, tuple(at_modes), modal)
     work.put(coupling_tables=result)
-
-
-def refuse_loops(system: System) -> None:
-    """Raise InputError where a coupling by table stands in a train with closed loops, or grounded at several points.
-
-    Rings of dampers and pendulums close no loop.
-    """
-    links = [
-        span for span in system.tables if not system.train.parts[system.spans[span].part].is_point
-    ]
-    if links and system.condensed.extra.size:
-        path = table_path(system, min(links))
-        message = "a train with closed loops, or grounded through rigid spans at several points, does not support a table"
-        raise InputError([Fault(path, message, HINT)])
 
 
 def table_faults(study: Study) -> list[Fault]:
