@@ -109,15 +109,15 @@ def _linear(
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
         raise SolveError(message, "fewer `samples`, or run with more `memory`", (*path, "samples"))
 
-    def solve(modes: Modes, *, is_band: bool) -> TransientMotion:
+    is_band, motions = system.bars is not None or kept is not twice, list[TransientMotion]()
+    has_more = kept is not twice and len(twice.frequency) > len(kept.frequency)
+    for modes_chosen in (kept, twice) if has_more else (kept,):
         loaded = load_train(
-            study, system, settings, path, before, modes, damping_ratio=damping_ratio
+            study, system, settings, path, before, modes_chosen, damping_ratio=damping_ratio
         )
-        return _modal_motion(study, system, loaded, progress, is_band=is_band)
-
-    moved = solve(kept, is_band=system.bars is not None or kept is not twice)
-    if kept is not twice and len(twice.frequency) > len(kept.frequency):
-        finer = solve(twice, is_band=True)
+        motions.append(_modal_motion(study, system, loaded, progress, is_band=is_band))
+    moved, finer = motions[0], motions[-1]
+    if has_more:
         ends = ((finer.greatest, moved.greatest), (finer.least, moved.least))
         change = np.max([np.abs(fine - coarse) for fine, coarse in ends], axis=0)
         moved = replace(moved, change=float((change / (finer.peak + TINY)).max(initial=0.0)))

@@ -9,7 +9,7 @@ from torsion.analyses.motion.events.transient_settings import DEFAULT_MOST
 from torsion.analyses.response.amplitudes import spans_by_name
 from torsion.analyses.response.component_loads import NOTHING
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.elements import Element, elements
+from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.results import by_name, derived, reported, result
 
@@ -250,9 +250,37 @@ class TransientMotion:
 
     @derived("peaks of every elastic element")
     def elements(self) -> tuple[ElementPeak, ...]:
-        every = () if self.system is None else elements(self.system)
-        nothing = NOTHING * self.peak.max(initial=0.0)
-        return tuple(_element_peak(self, element, nothing) for element in every)
+        peaks = list[ElementPeak]()
+        nothing = NOTHING * self.peak.max(initial=0.0)  # N m: torques below it are rounding
+        for element in () if self.system is None else elements(self.system):
+            spans, first = list(element.spans), element.spans[0]
+            high, low = spans[self.greatest[spans].argmax()], spans[self.least[spans].argmin()]
+            torques = self.greatest[high], self.least[low], self.before[first]
+            greatest, least, before = (
+                float(torque) if abs(torque) >= nothing else 0.0 for torque in torques
+            )
+            largest = [
+                None if values is None else float(element.largest(values))
+                for values in (self.stress, self.damage)
+            ]
+            stress, damage = (
+                None if value is None or np.isnan(value) else value for value in largest
+            )
+            peak = ElementPeak(
+                element.name,
+                greatest,
+                float(self.greatest_at[high]),
+                least,
+                float(self.least_at[low]),
+                before,
+                0.0 if self.rated is None else float(self.rated[first]),
+                int(self.reversals[spans].max()),
+                float(element.largest(self.unresolved)),
+                stress,
+                damage,
+            )
+            peaks.append(peak)
+        return tuple(peaks)
 
     @derived("ok, or what makes the peaks doubtful and what to do")
     def status(self) -> str:
@@ -303,30 +331,3 @@ class Transients:
     """Every motion over time that the file names."""
 
     each: tuple[TransientMotion, ...] = result("every motion over time", key="")
-
-
-def _element_peak(motion: TransientMotion, element: Element, nothing: float) -> ElementPeak:
-    """The peaks of an element; torques below `nothing` (N m) are rounding."""
-    spans, first = list(element.spans), element.spans[0]
-    high, low = spans[motion.greatest[spans].argmax()], spans[motion.least[spans].argmin()]
-
-    def torque(values: FloatArray, span: int) -> float:
-        return float(values[span]) if abs(values[span]) >= nothing else 0.0
-
-    def largest(values: FloatArray | None) -> float | None:
-        value = None if values is None else float(element.largest(values))
-        return None if value is None or np.isnan(value) else value
-
-    return ElementPeak(
-        element.name,
-        torque(motion.greatest, high),
-        float(motion.greatest_at[high]),
-        torque(motion.least, low),
-        float(motion.least_at[low]),
-        torque(motion.before, first),
-        0.0 if motion.rated is None else float(motion.rated[first]),
-        int(motion.reversals[spans].max()),
-        float(element.largest(motion.unresolved)),
-        largest(motion.stress),
-        largest(motion.damage),
-    )

@@ -7,7 +7,7 @@ each, for what dies away fast.
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -107,15 +107,10 @@ class Extremes:
 
     near: float  # of the range of a curve: how far below the highest a sampled peak is looked at exactly
     best: FloatArray  # (curves,) of the samples and of the cubics through them
-    curve: IntArray
+    curve: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     # (candidates, 5) of the intervals between samples that may hold the greatest value: begin and end (s), height of the
     # cubic there, rate at the begin, and at the end
-    interval: FloatArray
-
-    @classmethod
-    def none(cls, curves: int, near: float) -> "Extremes":
-        """Return extremes for which no sample was taken in yet."""
-        return cls(near, np.full(curves, -np.inf), np.empty(0, dtype=np.int64), np.empty((0, 5)))
+    interval: FloatArray = field(default_factory=lambda: np.empty((0, 5)))
 
     def add(self, time: FloatArray, value: FloatArray, rate: FloatArray) -> None:
         """Take in samples (curves, times) with their rates of change, a block that begins with the last sample."""

@@ -48,19 +48,6 @@ class Curves:
         return self.built.loaded
 
     @cached_property
-    def cuts(self) -> FloatArray:
-        """(cuts,) s, times at which a torque may jump or has a kink."""
-        motion = self.motion
-        steps = motion.begin if self.loaded.follows is not None else np.empty(0)
-        events = [event.time for event in motion.events]
-        return np.unique([*motion.train.history.begin, *events, *steps])
-
-    @cached_property
-    def quickest(self) -> float:
-        """1/s of the fastest that vibrates or dies away."""
-        return max(regime.fastest for regime in self.motion.regimes)
-
-    @cached_property
     def regimes(self) -> tuple[Wave, ...]:
         """Every regime of the couplings while it lasts, with its fastest vibration; none of a linear train."""
         motion = self.motion
@@ -200,7 +187,7 @@ def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: boo
     torque, turning = np.empty((spans, len(sample))), np.empty((stations, len(sample)))
     # The error of a cubic of values and rates.
     near = min(max(SAFETY * chosen.turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)
-    extremes = Extremes.none(spans, near), Extremes.none(spans, near)
+    extremes = [Extremes(near, np.full(spans, -np.inf)) for _ in range(2)]
     best, when = np.full((2, spans), -np.inf), np.zeros((2, spans))
     turns = list[tuple[IntArray, FloatArray]]()
     size = max(2, BLOCK // max(motions, spans, stations))
@@ -250,11 +237,17 @@ def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: boo
 
 def _choose_times(curves: Curves, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:
     """The times at which curves are chosen at, and how many times finer than samples the modes are: as it pays."""
-    modes = curves.loaded.modes
+    modes, motion = curves.loaded.modes, curves.motion
+    # 1/s of the fastest that vibrates or dies away.
+    quickest = max(regime.fastest for regime in motion.regimes)
+    # Times (s) at which a torque may jump or has a kink.
+    steps = () if curves.loaded.follows is None else motion.begin
+    events = (event.time for event in motion.events)
+    cuts = np.unique([*motion.train.history.begin, *events, *steps])
     step, per_period = float(time[1] - time[0]), PER_PERIOD_COUNTED if counts else PER_PERIOD
     most = MOST_SUMS / (modes.torque.size + EXPONENTIAL * len(modes.frequency) + 1)
     needed = np.ceil(per_period * step * modes.frequency.max(initial=0.0))
     finer = int(np.clip(needed, 1, max(most / len(time), 1)))
     finer = max(1, min(finer, MOST_TIMES // len(time)))
-    chosen = looked_at(time, finer, curves.cuts, curves.waves, curves.quickest, most, per_period)
-    return replace(chosen, turn=max(chosen.turn, step / finer * curves.quickest)), finer
+    chosen = looked_at(time, finer, cuts, curves.waves, quickest, most, per_period)
+    return replace(chosen, turn=max(chosen.turn, step / finer * quickest)), finer

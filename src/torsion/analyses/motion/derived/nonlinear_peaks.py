@@ -201,7 +201,7 @@ def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
         int(amplitude.argmax()),
         band.study.train.parts[int(response.system.span_part[span])],
     )
-    speed, w = float(response.speed[index]), _rates(response, index)[component]
+    speed, w = float(response.speed[index]), 2.0 * math.pi * response.frequency[index, component]
     window = _window(response, speed, w)
     motion = _in_band(band, span, index, w, window)
     balance, exact = float(amplitude[component]), motion.amplitude
@@ -235,11 +235,6 @@ def _peak(band: Band, span: int, index: int) -> NonlinearPeak:
         half_ranges=motion.half_range * wider,
         greatests=motion.greatest * wider,
     )
-
-
-def _rates(response: Response, index: int) -> FloatArray:
-    """Circular frequencies of the components at a speed, (components,) rad/s."""
-    return np.asarray(2.0 * math.pi * response.frequency[index])
 
 
 def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
@@ -339,7 +334,7 @@ def _vibrating(built: Built, response: Response, index: int) -> Built:
     balanced, loaded, system = response.balanced, built.loaded, built.loaded.system
     if balanced is None:
         return built
-    rate, angle = 1j * _rates(response, index)[:, None], response.angle[index]
+    rate, angle = 2j * math.pi * response.frequency[index][:, None], response.angle[index]
     inertia = np.where(system.held, 0.0, system.lumped_inertia)
     position, speed = (
         loaded.shape.T @ (inertia * part.sum(axis=0).real) for part in (angle, rate * angle)

@@ -267,7 +267,7 @@ def standing_angles(
             forward = int(part[cut.front]) in settled
             source, target = (cut.front, cut.behind) if forward else (cut.behind, cut.front)
             angle = float(ratio[source] * offset[source])
-            angle, factor = _driven(cut.joint, angle) if forward else _driving(cut.joint, angle)
+            angle, factor = _beyond(cut.joint, angle, forward=forward)
             members = part == part[target]
             offset[members] = angle / ratio[target]
             rate[members] = rate[source] * ratio[source] * factor / ratio[target]
@@ -275,18 +275,13 @@ def standing_angles(
     return offset * ratio, speed * rate * ratio
 
 
-def _driven(joint: JointMap, angle: float) -> tuple[float, float]:
-    """Driven angle, and driven speed / driving speed."""
-    f0, f1, _, _ = turned(joint, np.array([angle]))
-    return float(f0[0]), float(f1[0])
-
-
-def _driving(joint: JointMap, driven: float) -> tuple[float, float]:
-    """Driving angle, and driving speed / driven speed."""
-    angle = driven
-    for _ in range(NEWTON):
-        reached, slope = _driven(joint, angle)
-        angle -= (reached - driven) / slope
-        if abs(reached - driven) < 1e-15 * max(1.0, abs(driven)):
+def _beyond(joint: JointMap, angle: float, *, forward: bool) -> tuple[float, float]:
+    """Angle and speed factor of the driven side at a driving angle; forward: else the other way round."""
+    sought = angle
+    for _ in range(0 if forward else NEWTON):
+        reached, slope = (float(column[0]) for column in turned(joint, np.array([angle]))[:2])
+        angle -= (reached - sought) / slope
+        if abs(reached - sought) < 1e-15 * max(1.0, abs(sought)):
             break
-    return angle, 1.0 / _driven(joint, angle)[1]
+    driven, slope = (float(column[0]) for column in turned(joint, np.array([angle]))[:2])
+    return (driven, slope) if forward else (angle, 1.0 / slope)

@@ -186,7 +186,11 @@ def point(
     rated_speed = 0.0 if rated is None else rated.speed * ratio
     torque = None if part.machine is None else part.machine.rated_torque(rated_speed)
     if torque is None and rated is not None and study.has_mean_torque:
-        torque = _share_of_full_torque(study, station, rated.speed) / ratio
+        # Its share of the torque when every cylinder fires.
+        balance = power_balance(study.train, study.operation)
+        if balance.delivered:
+            applied = abs(float(balance.applied(station, np.array([rated.speed]))[0]))
+            torque = applied / float(balance.delivered) / ratio
     if not torque:
         torque = 0.0 if rated is None or rated.power is None else rated.power / rated_speed
     return Point(
@@ -200,11 +204,3 @@ def point(
         is_clutch=part.is_clutch,
         propeller=part.propeller,
     )
-
-
-def _share_of_full_torque(study: Study, station: int, speed: float) -> float:
-    """Return the torque (N m, of the reference) at a station when every cylinder fires."""
-    balance = power_balance(study.train, study.operation)
-    if not balance.delivered:
-        return 0.0
-    return abs(float(balance.applied(station, np.array([speed]))[0])) / float(balance.delivered)
