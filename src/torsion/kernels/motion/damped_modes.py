@@ -54,23 +54,18 @@ class Roots:
 def roots_of(w: FloatArray, damping: FloatArray, *, settles: bool = True) -> Roots:
     """The roots of modes of natural frequencies w (modes,) rad/s under a damping (modes, modes) 1/s.
 
-    settles: shapes are improved where damping couples them; else only their roots, which takes less time.
+    Where damping couples modes, roots r and shapes x answer (r**2 + r damping + w**2) x = 0. Their rough values are
+    eigenvalues of the first-order form in speeds and w times positions; each is then settled by inverse iteration with
+    the Rayleigh quotient of the second-order form, which keeps the digits of slow ones. settles: shapes are improved too;
+    else only the roots, which takes less time.
     """
     half = np.diag(damping) / 2.0
     is_coupled = bool((damping - np.diag(2.0 * half)).any())
-    if is_coupled or (half >= NEARLY_CRITICAL * w).any():
-        return _coupled_roots(w, damping, settles=settles)
-    vibrating = np.sqrt(w**2 - half**2)
-    root = -half + 1j * vibrating
-    return Roots(root, -1j / vibrating, np.ones_like(root), -root.conj())
+    if not is_coupled and (half < NEARLY_CRITICAL * w).all():
+        vibrating = np.sqrt(w**2 - half**2)
+        root = -half + 1j * vibrating
+        return Roots(root, -1j / vibrating, np.ones_like(root), -root.conj())
 
-
-def _coupled_roots(w: FloatArray, damping: FloatArray, *, settles: bool) -> Roots:
-    """Roots r and shapes x that answer (r**2 + r damping + w**2) x = 0.
-
-    Their rough values are eigenvalues of the first-order form in speeds and w times positions; each is then settled by
-    inverse iteration with the Rayleigh quotient of the second-order form, which keeps the digits of slow ones.
-    """
     size, scale = len(w), np.where(w > 0.0, w, 1.0)
     first_order_form = np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
     roots, vectors = np.linalg.eig(first_order_form)
@@ -102,15 +97,13 @@ def _settle(
             except np.linalg.LinAlgError:
                 break  # the root is exact
             shape = np.asarray(shape / np.abs(shape).max())
-        sums = shape @ shape, shape @ damping @ shape, (w * shape) @ (w * shape)
-        root = _nearest_root(root, *map(complex, sums))
+        # The solution of a r**2 + b r + c = 0 that is nearest to the root, without cancellation; real where it was.
+        a, b = complex(shape @ shape), complex(shape @ damping @ shape)
+        c = complex((w * shape) @ (w * shape))
+        split = np.sqrt(complex(b * b - 4.0 * a * c))
+        far = -(b + split if abs(b + split) >= abs(b - split) else b - split) / 2.0
+        solutions, real = [far / a, c / far] if far != 0 else [root], root.imag == 0.0
+        distances = [abs(solution - root) for solution in solutions]
+        root = complex(solutions[int(np.argmin(distances))])
+        root = complex(root.real) if real else root
     return root, shape
-
-
-def _nearest_root(root: complex, a: complex, b: complex, c: complex) -> complex:
-    """The solution of a r**2 + b r + c = 0 that is nearest to `root`, without cancellation; real where it was."""
-    split = np.sqrt(complex(b * b - 4.0 * a * c))
-    far = -(b + split if abs(b + split) >= abs(b - split) else b - split) / 2.0
-    solutions = [far / a, c / far] if far != 0 else [root]
-    nearest = complex(min(solutions, key=lambda solution: abs(solution - root)))
-    return complex(nearest.real) if root.imag == 0.0 else nearest

@@ -17,7 +17,7 @@ from torsion.analyses.motion.events.event_kind import Kind
 from torsion.analyses.motion.events.following_events import WORST, Start
 from torsion.analyses.motion.events.short_circuit import FINER, ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings
-from torsion.analyses.motion.transient_motion import Switching, TransientMotion
+from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault, InputError, Path
 
@@ -202,6 +202,8 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
 
     highest = column("peak").argmax(axis=0).tolist()
     switchings = [motion.switching for motion in motions if motion.switching is not None]
+    scatters = [item.scatter for item in switchings if item.scatter is not None]
+    times = [item.sensitive_after for item in switchings if item.sensitive_after is not None]
     return replace(
         shown,
         **chosen(column("greatest").argmax(axis=0), "greatest", "greatest_at"),
@@ -211,26 +213,18 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
         residual=max(motion.residual for motion in motions),
         change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
         left_in_series=max(motion.left_in_series for motion in motions),
-        switching=_least_certain(switchings),
+        switching=shown.switching
+        and replace(
+            shown.switching,
+            band_change=max(item.band_change for item in switchings),
+            sensitive_after=min(times, default=None),
+            scatter=np.max(scatters, axis=0) if scatters else None,
+        ),
         turns=tuple(
             motions[number].turns[span]
             for span, number in enumerate(highest)
             if motions[number].turns
         ),
-    )
-
-
-def _least_certain(switchings: list[Switching]) -> Switching | None:
-    """The first of the switchings, as doubtful as the most doubtful of all; None without any."""
-    if not switchings:
-        return None
-    scatters = [item.scatter for item in switchings if item.scatter is not None]
-    times = [item.sensitive_after for item in switchings if item.sensitive_after is not None]
-    return replace(
-        switchings[0],
-        band_change=max(item.band_change for item in switchings),
-        sensitive_after=min(times, default=None),
-        scatter=np.max(scatters, axis=0) if scatters else None,
     )
 
 

@@ -246,8 +246,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
         yield from _event_faults(study, settings, event, (*path, "events", number), kinds)
     yield from _stopped_twice(settings, path)
     yield from _given_twice(settings, path)
-    yield from _wrong_names(settings, path, kinds)
-    yield from _order_faults(study, settings, (*path, "orders"), kinds)
+    yield from _names_and_orders(study, settings, path, kinds)
 
 
 def _event_faults(
@@ -300,10 +299,10 @@ def _corners(body: Kind, files: Point) -> list[float]:
     return [0.0, body.ramp] if isinstance(body, Stop) and body.ramp else []
 
 
-def _wrong_names(
-    settings: TransientSettings, path: Path, kinds: Mapping[str, tuple[str, bool]]
+def _names_and_orders(
+    study: Study, settings: TransientSettings, path: Path, kinds: Mapping[str, tuple[str, bool]]
 ) -> Iterator[Fault]:
-    """Names in `plot`, `fatigue` and `orders` that no component has, or a point."""
+    """Names in `plot`, `fatigue` and `orders` that no component has, or a point; orders above the highest."""
     named = [((*path, "plot"), settings.plot)]
     for key in ("fatigue", "orders"):
         if (part := getattr(settings, key)) is not None:
@@ -316,6 +315,20 @@ def _wrong_names(
                 links = ", ".join(link for link, (_, is_point) in kinds.items() if not is_point)
                 message = f"'{name}' is a {kinds[name][0]}, and no torque goes through it"
                 yield Fault(key_path, message, links)
+    orders, path = settings.orders, (*path, "orders")
+    if orders is None:
+        return
+    if orders.reference is not None:
+        fault = name_fault(orders.reference, (*path, "reference"), kinds)
+        if fault is not None:
+            yield fault
+    largest = max(orders.track, default=0.0)
+    if orders.highest is not None and largest > orders.highest:
+        message = f"order {largest:g} is tracked, and the waterfall ends at {orders.highest:g}"
+        yield Fault((*path, "highest"), message, f"{largest:g} or more, or leave it out")
+    if study.train.has_nonlinear_couplings:
+        message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
+        yield Fault(path, message, "leave it out, or make the couplings linear")
 
 
 def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
@@ -338,26 +351,6 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
             hint = "a `share` each, of 100 % together"
             yield Fault((*path, "events", number, "stop"), message, hint)
             return
-
-
-def _order_faults(
-    study: Study, settings: TransientSettings, path: Path, kinds: Mapping[str, tuple[str, bool]]
-) -> Iterator[Fault]:
-    """Faults of the reference of `orders`, and of orders above the highest."""
-    orders = settings.orders
-    if orders is None:
-        return
-    if orders.reference is not None:
-        fault = name_fault(orders.reference, (*path, "reference"), kinds)
-        if fault is not None:
-            yield fault
-    largest = max(orders.track, default=0.0)
-    if orders.highest is not None and largest > orders.highest:
-        message = f"order {largest:g} is tracked, and the waterfall ends at {orders.highest:g}"
-        yield Fault((*path, "highest"), message, f"{largest:g} or more, or leave it out")
-    if study.train.has_nonlinear_couplings:
-        message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
-        yield Fault(path, message, "leave it out, or make the couplings linear")
 
 
 def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:

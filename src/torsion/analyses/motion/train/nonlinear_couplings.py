@@ -115,34 +115,23 @@ def standing(
     signal: of a clutch that events change, its capacity over time, and whether that is zero at first.
     """
     record, side = coupling.record, int(np.sign(torque))
-    if record.capacity is not None:
-        return 0.0, [_clutch(number, coupling, ends, torque, speed, signal)]
-    twist = side * _twist_under(record, abs(torque))
-    linear = 0.0 if record.play else record.stiffness * twist
-    return linear, list(_elements(number, record, ends, twist))
+    if record.capacity is None:
+        twist = side * _twist_under(record, abs(torque))
+        linear = 0.0 if record.play else record.stiffness * twist
+        return linear, list(_elements(number, record, ends, twist))
 
-
-def _clutch(
-    number: int,
-    coupling: Coupling,
-    ends: FloatArray,
-    torque: float,
-    speed: FloatArray,
-    signal: tuple[int, bool] | None,
-) -> Standing:
-    stiffness, capacity = coupling.record.stiffness, coupling.record.capacity or 0.0
     slipping = float(ends @ speed)
     slips = abs(slipping) > 1e-9 * float(np.abs(ends) @ np.abs(speed))
     regime = OPEN if signal is not None and signal[1] else int(np.sign(slipping)) if slips else 0
-    if torque and (abs(torque) >= capacity or regime):
+    if torque and (abs(torque) >= record.capacity or regime):
         name = coupling.part.name
         message = (
             f"the mean torque of {abs(torque):.6g} N m slips the clutch '{name}' before the events"
         )
         hint = "begin with `initial: rest` or `{speed: ...}`, or give it more `capacity`"
         raise InputError([Fault((*PATH, "initial"), message, hint)])
-    element = Friction(ends, stiffness, capacity, None if signal is None else signal[0])
-    return Standing(element, number, torque / stiffness, regime)
+    element = Friction(ends, record.stiffness, record.capacity, signal and signal[0])
+    return 0.0, [Standing(element, number, torque / record.stiffness, regime)]
 
 
 def _elements(
