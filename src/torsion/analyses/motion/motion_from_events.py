@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.motion.curves.peaks import PER_PERIOD
-from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at
+from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at, sample_times
 from torsion.analyses.motion.derived.fatigue import damages
 from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested
 from torsion.analyses.motion.derived.resonances_passed import passages
@@ -17,8 +17,6 @@ from torsion.analyses.motion.events.acting_torques import acting_torques, withou
 from torsion.analyses.motion.events.following_events import SpeedProgram
 from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.transient_settings import (
-    DEFAULT_MOST,
-    DEFAULT_PER_PERIOD,
     PATH,
     TransientSettings,
     cases,
@@ -104,7 +102,7 @@ def _linear(
     if modes is None or cuts:
         modes = kept_modes(parts_of(system, cuts), settings.modes, path)
     kept, twice = modes
-    needed = 8.0 * (len(system.spans) + len(system.stations)) * len(_samples(settings, kept))
+    needed = 8.0 * (len(system.spans) + len(system.stations)) * len(sample_times(settings, kept))
     if needed > study.memory:
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
         raise SolveError(message, "fewer `samples`, or run with more `memory`", (*path, "samples"))
@@ -135,35 +133,21 @@ def _modal_motion(
     study: Study, system: System, loaded: LoadedTrain, progress: Progress, *, is_band: bool
 ) -> TransientMotion:
     """Return the motion of a train without nonlinear couplings in the modes that are kept."""
-    settings, follows = loaded.settings, loaded.follows
     built, added = in_modes(loaded, *loaded.start(), is_band=is_band), dict[str, Any]()
     ((moved, marched),) = built.run(progress=progress)
-    if marched is not None:
-        # Torques that follow the motion stand for the steady vibration.
-        none = {name: getattr(loaded.before, name)[:0] for name in ("frequency", "amplitude")}
-        loaded = replace(loaded, before=replace(loaded.before, **none))
-        noise = settings.tolerance * marched.largest
+    curves = Curves(built, moved)
+    seen = look_at(curves, progress, counts=loaded.settings.fatigue is not None)
+    if marched is not None and loaded.follows is not None:
+        noise = loaded.settings.tolerance * marched.largest
         added["noise"] = noise / np.abs(system.speed_ratio[system.driving])
-    curves, time = Curves(replace(built, loaded=loaded), moved), _samples(settings, loaded.modes)
-    seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
-    if follows is not None:
         straight = loaded.damping
         if loaded.cuts:  # resonances are those of the train with its joints straight
             modes = modes_as_discretised(system, None)
             straight = train_in_modes(system, modes, loaded.before, is_driven=True).damped()
-        added["passages"] = passages(system, follows, straight, time, seen.turning)
-    requested = orders_requested(
-        study,
-        system,
-        settings,
-        loaded.path,
-        peak=np.maximum(*(np.abs(end[0]) for end in seen.ends)),
-        turning=seen.turning,
-        follows=follows is not None,
-    )
-    if requested is not None:
+        added["passages"] = passages(system, loaded.follows, straight, seen.time, seen.turning)
+    if (requested := orders_requested(study, system, loaded, seen)) is not None:
         size = max(loaded.shape.shape[1], len(system.spans))
-        added["orders"] = order_tracking(curves, requested, time, size)
+        added["orders"] = order_tracking(curves, requested, seen.time, size)
     highest = max(float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
     residual = energy_balance(moved).residual
     return _result(system, curves, seen, residual, marched, fastest=highest, **added)
@@ -191,10 +175,9 @@ def _event_driven(
         ((half_motion, _),) = half.run()
         change = _changes(curves, Curves(half, half_motion), compared)
         switching = replace(switching, band_change=float(change.max()))
-    time = _samples(settings, built.loaded.modes)
-    seen = look_at(curves, time, progress, counts=settings.fatigue is not None)
+    seen = look_at(curves, progress, counts=settings.fatigue is not None)
     if late.size:
-        ends, fine_ends = seen.ends, look_at(fine, time, progress, counts=False).ends
+        ends, fine_ends = seen.ends, look_at(fine, progress, counts=False).ends
         peak, fine_peak = (np.maximum(top[0], bottom[0]) for top, bottom in (ends, fine_ends))
         switching = replace(
             switching,
@@ -231,9 +214,7 @@ def _switching(built: Built, curves: Curves, balance: EnergyBalance) -> Switchin
     works = tuple(
         CouplingWork(
             name,
-            counts[number, "contact"],
-            counts[number, "separation"],
-            counts[number, "slip"],
+            *(counts[number, word] for word in ("contact", "separation", "slip")),
             float(heat[number]),
         )
         for number, name in enumerate(names)
@@ -255,7 +236,7 @@ def _result(
     """The declared result of what was seen; noise: N m, of torques whose changes of sign do not count."""
     loaded, (top, bottom) = curves.loaded, seen.ends
     if loaded.follows is not None and marched is not None:
-        words = [follower.words for follower in loaded.follows.followers]
+        words = [follower.words for follower in loaded.follows]
         changed = dict.fromkeys((time, words[law]) for time, law, _ in marched.changes)
         added["steps"], added["left_in_series"] = marched.number, marched.lack
         added["following"] = tuple(dict.fromkeys(words))
@@ -282,16 +263,6 @@ def _result(
         turns=seen.turns,
         **added,
     )
-
-
-def _samples(settings: TransientSettings, modes: Modes) -> FloatArray:
-    """Times of the samples (s), both ends among them."""
-    number = settings.samples
-    if number is None:
-        highest = float(modes.frequency.max(initial=1.0 / settings.duration))
-        finest = max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0)
-        number = int(min(finest, DEFAULT_MOST))
-    return np.linspace(0.0, settings.duration, number + 1)
 
 
 def _with_ratings(

@@ -120,13 +120,16 @@ def _powers_and_energies(regime: Regime, reading: Reading) -> tuple[FloatArray, 
 
     Then (1 + elements, times) J stored in the train, and in its elements.
     """
-    train, speed, rates = regime.train, reading.speed, reading.rates
+    train, speed, changes = regime.train, reading.speed, reading.input_rates
+    # (rows, times) of all values, and their rates: of the rates of inputs nothing.
+    values = np.concatenate(reading[:4])
+    rates = np.concatenate([speed, reading.acceleration, changes, 0.0 * changes])
     work = (train.push @ reading.inputs * speed).sum(axis=0)
     if train.higher_answer is not None:
-        acting = reading.input_rates[1 : train.following.stop]
-        work += (reading.torque * (train.higher_answer @ acting)).sum(axis=0)
+        answer = train.higher_answer @ changes[1 : train.following.stop]
+        work += (reading.torque * answer).sum(axis=0)
     damped = (train.modes.damping @ speed * speed).sum(axis=0)
-    bent = regime.elastic @ reading.values
+    bent = regime.elastic @ values
     heat = reading.torque * (regime.twist @ rates) - bent * (regime.elastic @ rates)
     powers = np.concatenate([work[None], damped[None], heat])
     elastic = 0.5 * bent**2

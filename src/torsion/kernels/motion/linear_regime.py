@@ -43,16 +43,6 @@ class Reading(NamedTuple):
     torque: FloatArray  # (elements, times) N m
     torque_rate: FloatArray  # (elements, times) N m/s
 
-    @property
-    def values(self) -> FloatArray:
-        """(rows, times) positions, speeds, inputs and rates of these."""
-        return np.concatenate(self[:4])
-
-    @property
-    def rates(self) -> FloatArray:
-        """(rows, times) rates of the values; of the rates of inputs nothing."""
-        return np.concatenate([self.speed, self.acceleration, self.input_rates, 0.0 * self.inputs])
-
 
 @dataclass(eq=False)
 class Regime:

@@ -54,15 +54,6 @@ class Parts:
         level, slope, square = self.polynomial[part]
         return level + speed * (slope + speed * square), slope + 2.0 * square * speed
 
-    def limits(self, part: int, speed: FloatArray) -> Limits:
-        """Margins to both edges, with the part beyond."""
-        limits = []
-        if part < len(self.edges):
-            limits.append(((self.edges[part] - speed) / self.scale, part + 1))
-        if part > 0:
-            limits.append(((speed - self.edges[part - 1]) / self.scale, part - 1))
-        return limits
-
 
 def constant(level: float) -> Parts:
     """Return a torque (N m) that is the same at every speed."""
@@ -143,7 +134,14 @@ class ByParts(StationLaw):
         return self.parts.part(float(points.speed[0, 0]))
 
     def limits(self, regime: int, points: Points) -> Limits:
-        return self.parts.limits(regime, points.speed[0])
+        # Margins to both edges of the part, with the part beyond.
+        edges, scale, speed = self.parts.edges, self.parts.scale, points.speed[0]
+        limits: Limits = []
+        if regime < len(edges):
+            limits.append(((edges[regime] - speed) / scale, regime + 1))
+        if regime > 0:
+            limits.append(((speed - edges[regime - 1]) / scale, regime - 1))
+        return limits
 
 
 @dataclass

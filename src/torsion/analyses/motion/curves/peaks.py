@@ -69,8 +69,19 @@ def looked_at(
     samples = np.arange(len(time))
     base = np.interp(np.arange((len(time) - 1) * finer + 1) / finer, samples, time)
     cuts = np.unique(cuts[(cuts > 0.0) & (cuts < last)])
-    between = _times_between(np.array([0.0, *cuts, last]), quickest)
-    times = [base, np.nextafter(cuts, 0.0), cuts, *between]
+    times = [base, np.nextafter(cuts, 0.0), cuts]
+    # Between cuts, and closer and closer behind each while what dies away is felt.
+    edges = np.array([0.0, *cuts, last])
+    starts, length = edges[:-1], np.diff(edges)
+    number = max(2, min(BETWEEN, MOST_BETWEEN // len(starts)))
+    times += [starts + length * (share / number) for share in range(1, number)]
+    share = CLOSER / number
+    for _ in range(MOST_CLOSER):
+        needed = length * share * quickest > 1.0 / BETWEEN
+        if not needed.any():
+            break
+        times.append((starts + length * share)[needed])
+        share *= CLOSER
     room, left, turn, resolved = min(budget, MOST_TIMES), math.inf, 0.0, 2.0 * math.pi / per_period
     for wave in sorted(waves, key=lambda wave: wave.w):
         begin, end = max(wave.begin, 0.0), min(wave.end, last)
@@ -84,21 +95,6 @@ def looked_at(
         times.append(np.linspace(begin, end, number + 1)[:-1])
     moments = np.unique(np.concatenate(times))
     return Looked(moments, np.searchsorted(moments, time), turn, left)
-
-
-def _times_between(edges: FloatArray, quickest: float) -> list[FloatArray]:
-    """Times between edges, closer and closer behind each while what dies away is felt."""
-    begin, length = edges[:-1], np.diff(edges)
-    number = max(2, min(BETWEEN, MOST_BETWEEN // len(begin)))
-    times = [begin + length * (share / number) for share in range(1, number)]
-    share = CLOSER / number
-    for _ in range(MOST_CLOSER):
-        needed = length * share * quickest > 1.0 / BETWEEN
-        if not needed.any():
-            break
-        times.append((begin + length * share)[needed])
-        share *= CLOSER
-    return times
 
 
 @dataclass

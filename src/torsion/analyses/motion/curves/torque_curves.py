@@ -16,8 +16,14 @@ from torsion.analyses.motion.curves.peaks import (
     looked_at,
     turns_within,
 )
+from torsion.analyses.motion.events.transient_settings import (
+    DEFAULT_MOST,
+    DEFAULT_PER_PERIOD,
+    TransientSettings,
+)
 from torsion.analyses.motion.train.built_train import Built
 from torsion.analyses.motion.train.loaded_train import LoadedTrain
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Progress
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
@@ -178,10 +184,21 @@ class Seen:
     left: float  # rad/s from which on some waves are not resolved
 
 
-def look_at(curves: Curves, time: FloatArray, progress: Progress, *, counts: bool) -> Seen:
+def sample_times(settings: TransientSettings, modes: Modes) -> FloatArray:
+    """Times of the samples (s), both ends among them."""
+    number = settings.samples
+    if number is None:
+        highest = float(modes.frequency.max(initial=1.0 / settings.duration))
+        finest = max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0)
+        number = int(min(finest, DEFAULT_MOST))
+    return np.linspace(0.0, settings.duration, number + 1)
+
+
+def look_at(curves: Curves, progress: Progress, *, counts: bool) -> Seen:
     """Read torques and speeds at samples, peaks and turns also between; counts: cycles are counted."""
-    chosen, finer = _choose_times(curves, time, counts=counts)
     loaded = curves.loaded
+    time = sample_times(loaded.settings, loaded.modes)
+    chosen, finer = _choose_times(curves, time, counts=counts)
     spans, (stations, motions) = len(loaded.slowed), loaded.shape.shape
     times, sample = chosen.time, chosen.sample
     torque, turning = np.empty((spans, len(sample))), np.empty((stations, len(sample)))

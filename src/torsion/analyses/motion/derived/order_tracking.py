@@ -11,14 +11,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from torsion.analyses.motion.curves.torque_curves import Curves
+from torsion.analyses.motion.curves.torque_curves import Curves, Seen
 from torsion.analyses.motion.derived.resonances_passed import mean_speed
 from torsion.analyses.motion.events.transient_settings import ABOVE, HIGHEST, TransientSettings
+from torsion.analyses.motion.train.loaded_train import LoadedTrain
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.steady import reference_station
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, Path
+from torsion.errors import Fault, InputError
 from torsion.kernels.motion.order_spectrum import hann, phasors, phasors_of, times_at
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -89,21 +90,14 @@ class Tracked:
 
 
 def orders_requested(
-    study: Study,
-    system: System,
-    settings: TransientSettings,
-    path: Path,
-    *,
-    peak: FloatArray,
-    turning: FloatArray,
-    follows: bool,
+    study: Study, system: System, loaded: LoadedTrain, seen: Seen
 ) -> Tracked | None:
     """Whose orders are tracked, and over whose angle: as the file says, or what its speed sweeps; None for none.
 
-    peak: (spans,) N m; turning: (stations, times) rad/s; follows: torques follow the motion. Raises InputError for a
-    reference between a joint and its elastic neighbour, whose angle is no coordinate.
+    Raises InputError for a reference between a joint and its elastic neighbour, whose angle is no coordinate.
     """
-    given, train = settings.orders, study.train
+    settings, train, given = loaded.settings, study.train, loaded.settings.orders
+    peak = np.maximum(*(np.abs(end[0]) for end in seen.ends))
     name, station = (
         study.operation.at or train.parts[0].name,
         reference_station(train, study.operation),
@@ -114,9 +108,9 @@ def orders_requested(
     if not orders.size:
         orders = _exciting_orders(study, system, settings)
         orders = orders / abs(float(system.speed_ratio[station]))
-    speed = mean_speed(system, turning)
-    sweeps = np.ptp(speed) > SWEPT * np.abs(speed).max()
-    if not peak.size or (given is None and not (follows and orders.size and sweeps)):
+    speed = mean_speed(system, seen.turning)
+    sweeps = loaded.follows is not None and np.ptp(speed) > SWEPT * np.abs(speed).max()
+    if not peak.size or (given is None and not (orders.size and sweeps)):
         return None
     is_coordinate = system.lumped_inertia[station] or system.held[station]
     if given is not None and study.has_joints and not is_coordinate:
@@ -124,7 +118,7 @@ def orders_requested(
             f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
         )
         hint = "name a point with an inertia"
-        raise InputError([Fault((*path, "orders", "reference"), message, hint)])
+        raise InputError([Fault((*loaded.path, "orders", "reference"), message, hint)])
     names = [train.parts[part].name for part in system.span_part.tolist()]
     spans = dict[str, int]()
     for part in map(train.__getitem__, (given.at if given else ()) or settings.plot):

@@ -1,11 +1,11 @@
 """Resonances that a changing speed passes: when, how fast, and how much of the steady amplitude is reached."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsion.analyses.motion.train.following_torques import Following
+from torsion.analyses.motion.train.following_torques import Follower
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.motion.damped_modes import ModalTrain
@@ -32,10 +32,10 @@ class Passage:
 
 
 def _excitations(
-    system: System, follows: Following, time: FloatArray, speed: FloatArray
+    system: System, follows: Sequence[Follower], time: FloatArray, speed: FloatArray
 ) -> Iterator[tuple[str, FloatArray]]:
     """What excites, and its frequency (times,) rad/s."""
-    for follower in follows.followers:
+    for follower in follows:
         law, words = follower.law, follower.words
         own_speed = abs(float(system.speed_ratio[follower.stations[0]])) * speed
         if isinstance(law, Wave) and np.ndim(law.order) == 0:
@@ -54,7 +54,11 @@ def mean_speed(system: System, turning: FloatArray) -> FloatArray:
 
 
 def passages(
-    system: System, follows: Following, train: ModalTrain, time: FloatArray, turning: FloatArray
+    system: System,
+    follows: Sequence[Follower],
+    train: ModalTrain,
+    time: FloatArray,
+    turning: FloatArray,
 ) -> tuple[Passage, ...]:
     """In the order of time; turning: (stations, times) rad/s."""
     passages, speed = list[Passage](), mean_speed(system, turning)

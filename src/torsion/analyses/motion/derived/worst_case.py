@@ -230,6 +230,9 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
 
 def _faults_in_words(settings: TransientSettings) -> str:
     """Their senses and times of reclosing, with their points where there are several."""
-    bodies = ((event.at, event.body) for event in settings.events)
-    faults = [(name, body.words) for name, body in bodies if isinstance(body, ShortCircuit)]
-    return "; ".join(f"{words}{f' at {name}' if len(faults) > 1 else ''}" for name, words in faults)
+    faults, words = faults_of(settings), list[str]()
+    for number, fault in faults.items():
+        again = "" if fault.reclose is None else f", reclosed after {fault.reclose[0]:.6g} s"
+        where = f" at {settings.events[number].at}" if len(faults) > 1 else ""
+        words.append(f"it {fault.sense} first{again}{where}")
+    return "; ".join(words)

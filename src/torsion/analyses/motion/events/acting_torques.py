@@ -118,12 +118,7 @@ def _in_words(name: str, torques: Sequence[Torque], *, has_amounts: bool) -> Ite
         for torque in alike:
             what = f"order {torque.order}" if is_order else f"{torque.frequency:g} Hz"
             law = ", by its angle" if is_order else ""
-            yield f"{what} at {name}" + (f" ({_amount(torque)}{law})" if has_amounts else "")
-
-
-def _amount(torque: Torque) -> str:
-    if torque.table:
-        return "a table over its speed"
-    if torque.of_mean:
-        return f"{100.0 * torque.of_mean:g} % of its mean torque"
-    return f"{torque.torque:g} N m"
+            share = f"{100.0 * torque.of_mean:g} % of its mean torque" if torque.of_mean else ""
+            amount = "a table over its speed" if torque.table else share
+            amount = amount or f"{torque.torque:g} N m"
+            yield f"{what} at {name}" + (f" ({amount}{law})" if has_amounts else "")

@@ -8,7 +8,7 @@ import cmath
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Annotated, Literal, get_args
 
 import numpy as np
@@ -226,34 +226,23 @@ class Ice(Kind):
         if self.case is not None:
             factor, angles = CASES[self.case]
             angle = math.radians(angles[point.blades])
+        torque *= factor
         blocks = (0.0, math.pi / point.blades) if self.case == TWO_BLOCKS else (0.0,)
         end = 2.0 * math.pi * self.revolutions
-        for hit in range(math.ceil(point.blades * self.revolutions)):
-            for block in blocks:
-                first = 2.0 * math.pi * hit / point.blades + block
-                if end - first > ROUNDING:
-                    last = min(first + angle, end)
-                    yield from self._hit(begin, speed, (first, last), angle, factor * torque)
-
-    def _hit(
-        self, begin: float, speed: float, ends: tuple[float, float], angle: float, torque: float
-    ) -> Iterator[Piece]:
-        """One blade, in pieces over which the ramps have one slope.
-
-        ends: angles (rad) since the begin; angle: of the whole contact; torque: amid it (N m).
-        """
-        last = 2.0 * math.pi * self.revolutions
-        kinks = [
-            kink
-            for kink in (self.ramp, last - self.ramp)
-            if ends[0] + ROUNDING < kink < ends[1] - ROUNDING
-        ]
         corners, levels = [0.0], [1]
         if self.ramp:
-            corners, levels = [0.0, self.ramp, last - self.ramp, last], [0, 1, 1, 0]
-        for start, end in pairwise(sorted({*ends, *kinks})):
-            level, later = (float(np.interp(x, corners, levels)) for x in (start, end))
-            wave = 1j * torque * cmath.exp(1j * math.pi * (start - ends[0]) / angle)
-            slope = (later - level) / (end - start) * speed
-            times = begin + start / speed, begin + end / speed
-            yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)
+            corners, levels = [0.0, self.ramp, end - self.ramp, end], [0, 1, 1, 0]
+        for hit, block in product(range(math.ceil(point.blades * self.revolutions)), blocks):
+            first = 2.0 * math.pi * hit / point.blades + block
+            last = min(first + angle, end)
+            if end - first <= ROUNDING:
+                continue
+            # In pieces over which the ramps have one slope.
+            ramps = (self.ramp, end - self.ramp)
+            kinks = [kink for kink in ramps if first + ROUNDING < kink < last - ROUNDING]
+            for start, stop in pairwise(sorted({first, *kinks, last})):
+                level, later = (float(np.interp(x, corners, levels)) for x in (start, stop))
+                wave = 1j * torque * cmath.exp(1j * math.pi * (start - first) / angle)
+                slope = (later - level) / (stop - start) * speed
+                times = begin + start / speed, begin + stop / speed
+                yield Piece(*times, wave * level, wave * slope, 1j * math.pi * speed / angle)

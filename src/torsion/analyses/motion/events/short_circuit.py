@@ -114,12 +114,6 @@ class ShortCircuit(Kind):
             return message, "`load: stays`, or begin `steady`"
         return None
 
-    @property
-    def words(self) -> str:
-        """Its sense and the time at which it closes again."""
-        again = "" if self.reclose is None else f", reclosed after {self.reclose[0]:.6g} s"
-        return f"it {self.sense} first{again}"
-
     def variants(self, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
         """Faults of one sense and one time of reclosing each; frequency: (modes,) Hz, natural ones of the train."""
         senses = ("brakes", "drives") if self.sense == "both" else (self.sense,)

@@ -11,6 +11,7 @@ import numpy as np
 from torsion.analyses.motion.events.acting_torques import without_excluded_torques
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.train.following_torques import (
+    carried_by_joints,
     changes_speed,
     refuse_beyond_tables,
 )
@@ -94,7 +95,7 @@ class Built:
                 np.abs(loaded.system.speed_ratio[loaded.interfaces]),
                 (*self.train.history.begin.tolist(), *kinks),
             )
-            laws = [follower.law for follower in follows.followers]
+            laws = [follower.law for follower in follows]
             marched = march(marching, laws, scheme, partial(progress, "torques that follow"))
         refuse_beyond_tables(follows, settings.events, marched, loaded.path)
         yield marching.finished(settings.duration), marched
@@ -197,7 +198,7 @@ def _steady_torques(system: System, loaded: LoadedTrain, *, has_orders: bool) ->
     if before.mean is not None:
         acting, carried = before.mean.applied[:, 0], np.zeros(len(system.spans))
         if follows is not None:
-            _, carried, mean = follows.carried(system)
+            _, carried, mean = carried_by_joints(system, follows)
             acting = acting + mean
         yield Load((Piece(0.0, math.inf, 1.0),), acting, carried)
     speed = np.array([before.speed])
@@ -257,9 +258,19 @@ def in_modes(
         soft @ ends[:, high].T if is_cut else None,
         soft @ force[high] if is_cut else None,
     )
-    is_whole = bool(nonlinear) and loaded.before.mean is not None
+    before = loaded.before
+    is_whole = bool(nonlinear) and before.mean is not None
+    if loaded.follows is not None:  # what follows the motion stands for the steady vibration
+        none = {name: getattr(before, name)[:0] for name in ("frequency", "amplitude")}
+        before = replace(before, **none)
     return Built(
-        replace(loaded, modes=lowest_modes(modes, kept), shape=shape, slowed=loaded.slowed[:, low]),
+        replace(
+            loaded,
+            before=before,
+            modes=lowest_modes(modes, kept),
+            shape=shape,
+            slowed=loaded.slowed[:, low],
+        ),
         train,
         direct + loaded.carried + higher @ answer,
         position[low],

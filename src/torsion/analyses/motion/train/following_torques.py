@@ -6,7 +6,6 @@ They are there where an event changes the speed by itself, a joint does, or a pe
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from torsion.analyses.motion.train.state_before import State
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import Steady, steady_if_known
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.kernels.motion import torque_laws as laws
@@ -44,29 +43,20 @@ class Follower:
     cut: JointCut | None = None  # at which it joins the parts of the train
 
 
-@dataclass(frozen=True)
-class Following:
-    """The laws of all torques that follow the motion; those of joints stand last."""
-
-    followers: tuple[Follower, ...]
-
-    @cached_property
-    def station(self) -> IntArray:
-        """The station at which each interface acts, (interfaces,)."""
-        stations = [station for follower in self.followers for station in follower.stations]
-        return np.array(stations, dtype=np.int64)
-
-    def carried(self, system: System) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What joints carry at once, (spans, interfaces) for 1 N m, and of mean torques (spans,); those at (stations,)."""
-        carried = np.zeros((len(system.spans), len(self.station)))
-        mean_carried, mean = np.zeros(len(system.spans)), np.zeros(len(system.stations))
-        for follower in self.followers:
-            if (cut := follower.cut) is not None:
-                mean[[cut.front, cut.behind]] += -cut.mean, cut.mean
-                for span, side, factor in cut.carried(system):
-                    carried[span, follower.law.interface + side] += factor
-                    mean_carried[span] += factor * (cut.mean if side else -cut.mean)
-        return carried, mean_carried, mean
+def carried_by_joints(
+    system: System, followers: Sequence[Follower]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What joints carry at once, (spans, interfaces) for 1 N m, and of mean torques (spans,); those at (stations,)."""
+    interfaces = sum(len(follower.stations) for follower in followers)
+    carried = np.zeros((len(system.spans), interfaces))
+    mean_carried, mean = np.zeros(len(system.spans)), np.zeros(len(system.stations))
+    for follower in followers:
+        if (cut := follower.cut) is not None:
+            mean[[cut.front, cut.behind]] += -cut.mean, cut.mean
+            for span, side, factor in cut.carried(system):
+                carried[span, follower.law.interface + side] += factor
+                mean_carried[span] += factor * (cut.mean if side else -cut.mean)
+    return carried, mean_carried, mean
 
 
 def changes_speed(system: System, events: Sequence[Event]) -> bool:
@@ -83,8 +73,11 @@ def following(
     cuts: tuple[JointCut, ...],
     shape: FloatArray,
     speeds: FloatArray,
-) -> Following:
-    """Return what follows the motion; shape: (stations, rigid motions + modes); speeds: (stations,) rad/s at time 0."""
+) -> tuple[Follower, ...]:
+    """Return the laws of all that follows the motion, those of joints last.
+
+    shape: (stations, rigid motions + modes); speeds: (stations,) rad/s at time 0.
+    """
     followers, frictions = list[Follower](), list[Follower]()
     for number, (event, point) in enumerate(zip(events, points, strict=True)):
         station, words = _station(study, event), f"{event.body.key} at {event.at}"
@@ -126,7 +119,7 @@ def following(
         law = replace(follower.law, interface=interface)  # type: ignore[type-var]
         numbered.append(replace(follower, law=law))
         interface += law.count
-    return Following(tuple(numbered))
+    return tuple(numbered)
 
 
 def _station(study: Study, event: Event) -> int:
@@ -160,11 +153,11 @@ def _joined_friction(
 
 
 def refuse_beyond_tables(
-    follows: Following, events: Sequence[Event], marched: Marched, path: Path
+    follows: Sequence[Follower], events: Sequence[Event], marched: Marched, path: Path
 ) -> None:
     """Raises SolveError where a point outruns the table of its load while that acts."""
     for time, number, regime in sorted((*marched.begun, *marched.changes)):
-        follower = follows.followers[number]
+        follower = follows[number]
         law, event = follower.law, events[follower.event] if follower.event >= 0 else None
         if event is None or not isinstance(event.body, Load) or isinstance(event.body.law, str):
             continue

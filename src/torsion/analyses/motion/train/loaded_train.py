@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,8 @@ from torsion.analyses.motion.events.events import Stop
 from torsion.analyses.motion.events.following_events import SpeedProgram
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.train.following_torques import (
-    Following,
+    Follower,
+    carried_by_joints,
     changes_speed,
     following,
     replaced_dampers,
@@ -79,14 +81,14 @@ class LoadedTrain(TrainInModes):
     carrier: Carrier
     damping: ModalTrain
     slowed: FloatArray  # (spans, rigid motions + modes) N m s/rad: the damping part of the torques, of speeds
-    follows: Following | None
+    follows: tuple[Follower, ...] | None
     loads: tuple[Load, ...]
 
-    @property
+    @cached_property
     def interfaces(self) -> IntArray:
         """(interfaces,) stations at which torques follow the motion."""
-        none = np.empty(0, dtype=np.int64)
-        return none if self.follows is None else self.follows.station
+        stations = [station for follower in self.follows or () for station in follower.stations]
+        return np.array(stations, dtype=np.int64)
 
     @property
     def acting(self) -> FloatArray:
@@ -101,7 +103,7 @@ class LoadedTrain(TrainInModes):
         none = np.zeros(len(self.system.spans))
         columns = [none + load.carried for load in self.loads]
         if self.follows is not None:
-            columns.append(self.follows.carried(self.system)[0])
+            columns.append(carried_by_joints(self.system, self.follows)[0])
         return np.column_stack(columns) if columns else none[:, None][:, :0]
 
     def start(self) -> tuple[FloatArray, FloatArray]:
