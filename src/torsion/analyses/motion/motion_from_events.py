@@ -16,11 +16,7 @@ from torsion.analyses.motion.derived.worst_case import faults_of, worst_motion
 from torsion.analyses.motion.events.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.motion.events.following_events import SpeedProgram
 from torsion.analyses.motion.events.milling_ice import Ice
-from torsion.analyses.motion.events.transient_settings import (
-    PATH,
-    TransientSettings,
-    cases,
-)
+from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings, cases
 from torsion.analyses.motion.train.built_train import Built, build, in_modes
 from torsion.analyses.motion.train.following_torques import replaced_dampers
 from torsion.analyses.motion.train.joints import joint_cuts, parts_of
@@ -180,9 +176,7 @@ def _event_driven(
         ends, fine_ends = seen.ends, look_at(fine, progress, counts=False).ends
         peak, fine_peak = (np.maximum(top[0], bottom[0]) for top, bottom in (ends, fine_ends))
         switching = replace(
-            switching,
-            sensitive_after=float(compared[late[0]]),
-            scatter=np.abs(peak - fine_peak),
+            switching, sensitive_after=float(compared[late[0]]), scatter=np.abs(peak - fine_peak)
         )
         larger = tuple(
             (np.maximum(end[0], finer[0]), np.where(end[0] >= finer[0], end[1], finer[1]))

@@ -163,13 +163,10 @@ class TransientMotion:
     )
     following: tuple[str, ...] = result("torques that follow the motion", default=())
     undamped: tuple[str, ...] = result(
-        "points whose `damping` is omitted, because the law of a load damps there",
-        default=(),
+        "points whose `damping` is omitted, because the law of a load damps there", default=()
     )
     left_in_series: float = result(
-        "1",
-        "largest last term of their series over a step, of the largest of them",
-        default=0.0,
+        "1", "largest last term of their series over a step, of the largest of them", default=0.0
     )
     passages: tuple[Passage, ...] = result("resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result(
@@ -179,9 +176,7 @@ class TransientMotion:
         "torques by orders of a shaft; null without orders", default=None
     )
     is_rare: bool = result(
-        "no motion of normal operation: T_Kmax2 limits its couplings",
-        key="rare",
-        default=False,
+        "no motion of normal operation: T_Kmax2 limits its couplings", key="rare", default=False
     )
     ice: tuple[IceTorque, ...] = result("maximum ice torques of a class", default=())
     slowed: float | None = result(
@@ -209,8 +204,7 @@ class TransientMotion:
         "torques that act: periodic ones, mean ones, events", default=()
     )
     not_acting: tuple[str, ...] = result(
-        "torques of the file that do not act in the transient response, with the reason",
-        default=(),
+        "torques of the file that do not act in the transient response, with the reason", default=()
     )
     fastest: float = 0.0  # rad/s of modes and torques
     turns: tuple[

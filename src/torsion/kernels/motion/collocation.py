@@ -120,10 +120,7 @@ class _Trial(NamedTuple):
 
 
 def march(
-    train: March,
-    laws: Sequence[Law],
-    scheme: Scheme,
-    progress: Report = lambda share: None,
+    train: March, laws: Sequence[Law], scheme: Scheme, progress: Report = lambda share: None
 ) -> Marched:
     """Move a train from time 0 on under the torques that laws require at its interfaces.
 

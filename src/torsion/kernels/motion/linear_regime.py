@@ -15,12 +15,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.closed_answers import (
-    TURNED,
-    answers,
-    answers_and_turning,
-    cut_short,
-)
+from torsion.kernels.motion.closed_answers import TURNED, answers, answers_and_turning, cut_short
 from torsion.kernels.motion.damped_modes import Roots, roots_of
 from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 from torsion.kernels.motion.piecewise_elements import Law, Switch
@@ -276,11 +271,7 @@ def _elastic(
 
 
 def _in_roots(
-    train: LoadedModes,
-    balance: FloatArray,
-    torque: FloatArray,
-    springs: IntArray,
-    stuck: IntArray,
+    train: LoadedModes, balance: FloatArray, torque: FloatArray, springs: IntArray, stuck: IntArray
 ) -> tuple[FloatArray | None, FloatArray, FloatArray, Roots, ComplexArray]:
     """Basis, what is free, constraint, roots and force of a regime."""
     n, rigid, damping, w = (

@@ -23,13 +23,7 @@ from torsion.kernels.motion.first_root import first_root
 from torsion.kernels.motion.linear_regime import Modes, Regime, regime_of
 from torsion.kernels.motion.loaded_modes import SAME_TIME, LoadedModes, Start, Turning
 from torsion.kernels.motion.piecewise_elements import OPEN, Friction
-from torsion.kernels.motion.sampled_rows import (
-    Rows,
-    coordinate_rows,
-    features,
-    rows_of,
-    sample,
-)
+from torsion.kernels.motion.sampled_rows import Rows, coordinate_rows, features, rows_of, sample
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000

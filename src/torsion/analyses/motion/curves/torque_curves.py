@@ -130,8 +130,7 @@ class Curves:
         unseen = np.abs(before.amplitude[before.frequency >= fast]).sum(axis=0)
         rows = (np.abs(row) for row in (loaded.modes.torque, loaded.slowed, self.built.direct))
         elastic, slowed, direct = rows
-        w = np.concatenate([np.zeros(loaded.rigid), loaded.w])
-        force = self.motion.train.force
+        w, force = self.motion.train.modes.w_of_all, self.motion.train.force
         for load, pieces in enumerate(self.motion.train.loads):
             for piece in pieces:
                 turning = abs(complex(piece.rate).imag)

@@ -75,7 +75,7 @@ class NonlinearPeak:
     )
     opens_to: float | None = result("rad/s", "highest of them")
     mode: int = result(
-        "mode of the linear train with the largest share of its energy in the coupling, from 1",
+        "mode of the linear train with the largest share of its energy in the coupling, from 1"
     )
     natural_frequency: float = result(
         "Hz", "of that mode with all such couplings as stiff as at these amplitudes"

@@ -148,11 +148,7 @@ def _finer_variants(
 
 
 def worst_motion(
-    settings: TransientSettings,
-    solve: Solve,
-    limit: FloatArray,
-    frequency: FloatArray,
-    path: Path,
+    settings: TransientSettings, solve: Solve, limit: FloatArray, frequency: FloatArray, path: Path
 ) -> TransientMotion:
     """The motion of the worst faults and phases, with the greatest of every span's torques of all.
 

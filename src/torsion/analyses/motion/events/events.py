@@ -38,8 +38,7 @@ TIME_AND_TORQUE = Columns(
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
 Rows = Annotated[
-    Pairs,
-    rows_over_time(Quantity("N*m"), "a table over time", "[[0 s, 0 N*m], [0.5 s, 100 N*m]]"),
+    Pairs, rows_over_time(Quantity("N*m"), "a table over time", "[[0 s, 0 N*m], [0.5 s, 100 N*m]]")
 ]
 
 

@@ -31,14 +31,14 @@ Order = Annotated[float, Quantity("1", above=0, at_most=200)]
 def _read_initial(value: Any) -> Any:
     if value in ("rest", "steady"):
         return value
-    if isinstance(value, dict) and set(value) == {"speed"}:
-        speed, given_speed = Quantity("rad/s", at_least=0), value["speed"]
-        if isinstance(given_speed, dict):
-            return {"speed": {str(name): speed.read(text) for name, text in given_speed.items()}}
-        return {"speed": speed.read(given_speed)}
-    if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
-        torque = Quantity("N*m")
-        return {"torque": {str(name): torque.read(text) for name, text in value["torque"].items()}}
+    quantities = {"speed": Quantity("rad/s", at_least=0), "torque": Quantity("N*m")}
+    if isinstance(value, dict) and len(value) == 1 and quantities.keys() >= value.keys():
+        ((key, content),) = value.items()
+        quantity = quantities[key]
+        if isinstance(content, dict):
+            return {key: {str(name): quantity.read(text) for name, text in content.items()}}
+        if key == "speed":
+            return {key: quantity.read(content)}
     hint = "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}"
     raise refuse("this is no initial state", hint)
 

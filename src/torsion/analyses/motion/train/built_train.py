@@ -16,10 +16,7 @@ from torsion.analyses.motion.train.following_torques import (
     refuse_beyond_tables,
 )
 from torsion.analyses.motion.train.loaded_train import Load, LoadedTrain, load_train
-from torsion.analyses.motion.train.modal_train import (
-    direct_torques,
-    lowest_modes,
-)
+from torsion.analyses.motion.train.modal_train import direct_torques, lowest_modes
 from torsion.analyses.motion.train.nonlinear_couplings import (
     Coupling,
     Standing,
@@ -194,12 +191,10 @@ def _steady_torques(system: System, loaded: LoadedTrain, *, has_orders: bool) ->
 
     has_orders: it turns at one speed, at which orders have frequencies.
     """
-    before, follows = loaded.before, loaded.follows
+    before = loaded.before
     if before.mean is not None:
-        acting, carried = before.mean.applied[:, 0], np.zeros(len(system.spans))
-        if follows is not None:
-            _, carried, mean = carried_by_joints(system, follows)
-            acting = acting + mean
+        _, carried, of_joints = carried_by_joints(system, loaded.follows or ())
+        acting = before.mean.applied[:, 0] + of_joints
         yield Load((Piece(0.0, math.inf, 1.0),), acting, carried)
     speed = np.array([before.speed])
     for excitation in excitations(system) if has_orders else ():

@@ -20,11 +20,7 @@ from torsion.analyses.motion.train.following_torques import (
     replaced_dampers,
 )
 from torsion.analyses.motion.train.joints import JointCut, joint_cuts, parts_of, standing_angles
-from torsion.analyses.motion.train.modal_train import (
-    TrainInModes,
-    all_modes,
-    train_in_modes,
-)
+from torsion.analyses.motion.train.modal_train import TrainInModes, all_modes, train_in_modes
 from torsion.analyses.motion.train.nonlinear_couplings import Coupling, opened
 from torsion.analyses.motion.train.state_before import State, points_of_events
 from torsion.analyses.response.harmonic_components import amplitude
@@ -102,9 +98,7 @@ class LoadedTrain(TrainInModes):
         """(spans, loads + interfaces) that joints carry at once for 1 N m."""
         none = np.zeros(len(self.system.spans))
         columns = [none + load.carried for load in self.loads]
-        if self.follows is not None:
-            columns.append(carried_by_joints(self.system, self.follows)[0])
-        return np.column_stack(columns) if columns else none[:, None][:, :0]
+        return np.column_stack([*columns, carried_by_joints(self.system, self.follows or ())[0]])
 
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Positions and speeds of rigid motions and modes that deviate from the steady motion at time 0."""

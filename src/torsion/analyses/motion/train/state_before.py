@@ -96,13 +96,7 @@ def state_before(
 
 
 def points_of_events(
-    study: Study,
-    system: System,
-    events: Sequence[Event],
-    before: State,
-    path: Path,
-    *,
-    turns: bool,
+    study: Study, system: System, events: Sequence[Event], before: State, path: Path, *, turns: bool
 ) -> list[Point]:
     """The train where every event acts; raises InputError for events that it cannot have.
 
