@@ -19,7 +19,7 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache, cached_property
+from functools import cached_property
 from pkgutil import resolve_name
 from typing import Any, TypeVar
 
@@ -217,9 +217,13 @@ def listed(names: Iterable[str], between: str = ", ", most: int = MOST_NAMES) ->
     return f"{between.join(shown_names[:most])} and {len(shown_names) - most:,} more"
 
 
-@cache  # it is needed for every station and span
+_DECLARED: dict[type, tuple[Quantity, ...]] = {}  # they are needed for every station and span
+
+
 def quantities(kind: type) -> tuple[Quantity, ...]:
     """Return everything that a result declares, fields first, in the order in which it declares them."""
+    if kind in _DECLARED:
+        return _DECLARED[kind]
     fields = [
         field.metadata["declared"].named(field.name)
         for field in dataclasses.fields(kind)
@@ -231,7 +235,8 @@ def quantities(kind: type) -> tuple[Quantity, ...]:
         for name, value in vars(base).items()
         if isinstance(value, Derived)
     }
-    return (*fields, *properties.values())
+    _DECLARED[kind] = (*fields, *properties.values())
+    return _DECLARED[kind]
 
 
 def is_declared(value: object) -> bool:

@@ -82,7 +82,9 @@ def rough_roots(train: DampedTree, number: int) -> ComplexArray:
     return np.concatenate([np.outer(PAIR, w).ravel(), aside])
 
 
-def log_derivative(train: DampedTree, root: ComplexArray, lossy: float) -> ComplexArray:
+def log_derivative(
+    train: DampedTree, root: ComplexArray | FloatArray, lossy: float
+) -> ComplexArray:
     """p'/p at each root, (roots,) s, of p = det(l^2 J + l C + K(1 + i eta)); `lossy` scales the loss factors.
 
     Leaf-to-root elimination and its derivative side by side; rigid spans merge, fixed stations take no part.

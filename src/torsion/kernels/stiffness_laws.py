@@ -115,7 +115,7 @@ class SpringLaw(StiffnessTable):
     ] = ()  # (N m/rad, s) each, relaxing, or the one of a power of s
     exponent: float | None = None  # of the power; None: the terms relax
 
-    def at_root(self, s: ComplexArray | complex) -> tuple[ComplexArray, ComplexArray]:
+    def at_root(self, s: ComplexArray | FloatArray | complex) -> tuple[ComplexArray, ComplexArray]:
         """K (N m/rad) and dK/ds (N m s/rad) at complex s (rad/s), of its shape."""
         point = np.asarray(s, dtype=complex)
         k = np.full(point.shape, self.static, dtype=complex)

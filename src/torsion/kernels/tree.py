@@ -415,7 +415,7 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
         elif children:
             share(children, passed, e, force[station] + e[station] / divisor[station])
         for child in () if twist is None else children:
-            e[child] = e[child] + zd[child] * twist[child]
+            e[child] = e[child] + zd[child] * twist[child]  # type: ignore[index]
         if plan.held[station]:
             f[station] = np.zeros_like(e[station])
         else:

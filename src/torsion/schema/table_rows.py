@@ -354,7 +354,8 @@ class Rows(Table):
         if FORMULA_ERROR.fullmatch(cell.text):
             message = f"`{cell.text}` is an error of the spreadsheet, no figure"
             self.fault(cell, message, "mend the formula, save again")
-        value, text = cell.text, cell.text if column.is_text else self.plain(cell.text)
+        value: Any = cell.text
+        text = cell.text if column.is_text else self.plain(cell.text)
         if not column.is_text and text[0] not in "[{":
             has_unit = column.unit and is_number(text)
             value = f"{text} {column.unit}" if has_unit else resolved(text)

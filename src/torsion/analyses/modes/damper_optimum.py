@@ -51,7 +51,7 @@ def run(work: Work) -> None:
         return
     system = train_modes.system
     count = len(train_modes.frequency)
-    optima = []
+    optima = list[DamperOptimum]()
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
         for ring in train.springs:

@@ -179,7 +179,7 @@ def distinct(table: FloatArray) -> tuple[IntArray, IntArray | slice]:
     return first, position if len(first) < len(table) else slice(None)
 
 
-def alternating(coefficients: FloatArray, v: NDArray[Any]) -> NDArray[Any]:
+def alternating(coefficients: NDArray[Any], v: NDArray[Any]) -> NDArray[Any]:
     """sum_k (-v)^k c_k by Horner's rule; coefficients (..., terms), the leading axes as those of v."""
     terms = coefficients.shape[-1]
     minus = -v

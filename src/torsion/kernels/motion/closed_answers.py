@@ -65,7 +65,7 @@ def cut_short(series: FloatArray, share: FloatArray) -> FloatArray:
     return np.asarray(np.tensordot(SERIES, np.einsum("ntk,krt->nrt", basis, series), 1))
 
 
-def answers(z: ComplexArray) -> ComplexArray:
+def answers(z: ComplexArray | FloatArray) -> ComplexArray:
     """A_k(z), (coefficients, ...).
 
     >>> answers(np.zeros(1))[:2, 0].real.round(12) + 0.0  # to a constant, and to 2 x - 1

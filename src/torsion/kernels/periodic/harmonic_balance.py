@@ -210,7 +210,7 @@ def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: in
     entries = linear.entries
     parts = np.array([entries.mass, entries.damping, entries.stiffness])
     sums = np.zeros((3, size))
-    np.add.at(sums, np.s_[:, entries.row[is_diagonal]], parts[:, is_diagonal].mean(axis=2))
+    np.add.at(sums.T, entries.row[is_diagonal], parts[:, is_diagonal].mean(axis=2).T)
     mass, damping, stiffness = sums
     alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
     floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
