@@ -208,7 +208,9 @@ def _switching(built: Built, curves: Curves, balance: EnergyBalance) -> Switchin
     works = tuple(
         CouplingWork(
             name,
-            *(counts[number, word] for word in ("contact", "separation", "slip")),
+            counts[number, "contact"],
+            counts[number, "separation"],
+            counts[number, "slip"],
             float(heat[number]),
         )
         for number, name in enumerate(names)
