@@ -10,7 +10,6 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.hill import (
     Couplings,
-    Scattered,
     harmonics_of,
     real_blocks,
     real_parts,
@@ -20,10 +19,12 @@ from torsion.kernels.periodic.hill import (
 
 OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not aliased
 MOST_NEWTON = 40
+KEPT = 1e-4  # relative step below which the factors of its matrix serve the next ones: each gains four digits
 QUADRATIC = 1e-7  # relative step from which one more step of Newton's method reaches rounding
 ROUNDING = 1e-14  # of the largest mean: smaller steps are rounding
 HALVINGS = 12
 MOST_UNKNOWNS = 40_000
+SINGULAR = "the harmonic balance is singular; the train is in resonance without damping"
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ class Balance:
 
 # Of a motion, the loads and how many harmonics are kept: the residual, and what returns it with its derivatives.
 Equations = Callable[[Motion, FloatArray, int], tuple[FloatArray, Callable[[], Linearised]]]
+Solve = Callable[[FloatArray], tuple[ComplexArray, FloatArray]]
 
 
 def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
@@ -102,14 +104,16 @@ def balance(
     residual, derivatives = equations(motion_of(harmonic, w0, times), load, count)
     size = np.linalg.norm(harmonics_of(residual, count))
     last = False
+    solve: Solve | None = None
     for step in range(1, MOST_NEWTON + 1):
-        move, change = _newton(derivatives(), held, w0, count)
+        solve = solve or _factorised(derivatives(), held, w0, count)
+        move, change = solve(residual)
         for part in (0.5 ** np.arange(HALVINGS)).tolist():
             trial, trial_load = harmonic + part * move, load + part * change
             residual, derivatives = equations(motion_of(trial, w0, times), trial_load, count)
             reached = np.linalg.norm(harmonics_of(residual, count))
-            least = QUADRATIC * _amplitude(trial) + ROUNDING * np.abs(trial).max()
-            is_small = bool(np.abs(part * move).max() <= least)
+            amplitude, longest = _amplitude(trial), float(np.abs(part * move).max())
+            is_small = longest <= QUADRATIC * amplitude + ROUNDING * float(np.abs(trial).max())
             if last or reached < size or is_small:
                 break
         else:
@@ -118,6 +122,8 @@ def balance(
         if last:
             return Balance(harmonic, load, step, _truncation(derivatives(), harmonic, w0, count))
         last = is_small and part == 1.0
+        if part < 1.0 or (longest > KEPT * amplitude and not is_small):
+            solve = None
     raise SolveError(
         "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
     )
@@ -128,10 +134,14 @@ def _amplitude(harmonic: ComplexArray) -> float:
     return float(np.abs(np.delete(harmonic, harmonic.shape[1] // 2, axis=1)).max(initial=0.0))
 
 
-def _newton(
-    linear: Linearised, held: IntArray, w0: float, count: int
-) -> tuple[ComplexArray, FloatArray]:
-    """One step of Newton's method: the change of the harmonics and of the loads."""
+def _factorised(linear: Linearised, held: IntArray, w0: float, count: int) -> Solve:
+    """Return what gives, of a residual (coordinates, times), Newton's change of the harmonics and of the loads.
+
+    The loads are further unknowns, the means of the coordinates `held` are fixed as further equations.
+    """
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
     size, number, loads = len(linear.residual), 2 * count + 1, len(held)
     entries = linear.entries
 
@@ -159,43 +169,32 @@ def _newton(
         entry, above, along = np.nonzero(full)
         places = row[entry] * number + above, column[entry] * number + along
         matrix.append((full[entry, above, along], *places))
-    right = -real_parts(harmonics_of(linear.residual, count)).ravel()
-    force = real_parts(harmonics_of(linear.force, count)).reshape(loads, size * number).T
-    move = _solve(matrix, force, held * number, right)
-    parts = move[: size * number].reshape(size, number)
-    above_mean = parts[:, 1 : count + 1] + 1j * parts[:, count + 1 :]
-    change = np.concatenate([above_mean[:, ::-1].conj(), parts[:, :1], above_mean], axis=1)
-    return change, move[size * number :]
 
-
-def _solve(
-    matrix: list[Scattered], force: FloatArray, held_means: IntArray, right: FloatArray
-) -> FloatArray:
-    """Solve with the loads as further unknowns and the means at `place` fixed as further equations."""
-    from scipy import sparse
-    from scipy.sparse.linalg import splu
-
-    total, loads = force.shape
+    total = size * number
+    force = real_parts(harmonics_of(linear.force, count)).reshape(loads, total).T
     values, row, column = (np.concatenate(part) for part in zip(*matrix, strict=True))
-    size = float(np.abs(values).max())
+    largest = float(np.abs(values).max())
     rows, load = np.nonzero(force)
-    values = np.concatenate([values / size, force[rows, load], np.ones(loads)])
+    values = np.concatenate([values / largest, force[rows, load], np.ones(loads)])
     row = np.concatenate([row, rows, total + np.arange(loads)])
-    column = np.concatenate([column, total + load, held_means])
+    column = np.concatenate([column, total + load, held * number])
     form = total + loads, total + loads
-    joined = sparse.csc_matrix((values, (row, column)), shape=form)
     try:
-        solution = np.asarray(
-            splu(joined, permc_spec="MMD_AT_PLUS_A").solve(np.append(right / size, np.zeros(loads)))
-        )
-    except (np.linalg.LinAlgError, RuntimeError):
-        solution = np.full(total + loads, np.nan)
-    solution[total:] *= size
-    if not np.isfinite(solution).all():
-        raise SolveError(
-            "the harmonic balance is singular; the train is in resonance without damping"
-        )
-    return solution
+        factor = splu(sparse.csc_matrix((values, (row, column)), shape=form), "MMD_AT_PLUS_A")
+    except RuntimeError as error:
+        raise SolveError(SINGULAR) from error
+
+    def change_of(residual: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        right = -real_parts(harmonics_of(residual, count)).ravel() / largest
+        move = np.asarray(factor.solve(np.append(right, np.zeros(loads))))
+        if not np.isfinite(move).all():
+            raise SolveError(SINGULAR)
+        parts = move[:total].reshape(size, number)
+        above_mean = parts[:, 1 : count + 1] + 1j * parts[:, count + 1 :]
+        change = np.concatenate([above_mean[:, ::-1].conj(), parts[:, :1], above_mean], axis=1)
+        return change, move[total:] * largest
+
+    return change_of
 
 
 def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:
