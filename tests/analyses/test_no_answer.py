@@ -126,7 +126,7 @@ class Refusing(Analysis):
 
     error: Exception = field(default_factory=Exception)
 
-    def function(self):
+    def imported(self, word):
         def refuse(work) -> None:
             raise self.error
 

@@ -230,11 +230,12 @@ def _loads(
     """Return the stated loads and the free one; a free one without stations stands for an end of the train."""
     rated = operation.rated
     power = None if rated is None else rated.power
-    alike = [(part.stations[0], Fraction(1, len(free))) for part in free]
     if not stated:
         parts = free or compressors
         _refuse_unlike(train, operation, free)
-        stations = alike or _by_pressures(compressors)
+        # Only now: a load without stations is refused first.
+        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
+        stations = stations or _by_pressures(compressors)
         law = law_of(parts[0], operation) if parts else operation.load
         torque, speed = 0.0, 1.0
         if operation.load.table:
@@ -265,8 +266,9 @@ def _loads(
     if free and taken < power:
         _refuse_unlike(train, operation, free)
         torque = (power - taken) / rated.speed
+        stations = [(part.stations[0], Fraction(1, len(free))) for part in free]
         law = law_of(free[0], operation)
-        return [*stated, Load(tuple(free), alike, law, torque, rated.speed, is_free=True)]
+        return [*stated, Load(tuple(free), stations, law, torque, rated.speed, is_free=True)]
     if free or abs(taken - power) > SAME_POWER * power:
         message = f"the loads absorb {_in_kw(taken)}, `rated` has {_in_kw(power)}"
         hint = "leave out the power of the one that takes the rest, or correct one"

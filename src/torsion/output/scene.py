@@ -181,7 +181,7 @@ NO_VALUE = "no reliable value"  # of the largest amplitude of a range where one 
 WITHIN = {"station": ("station", "named station"), "span": ("span", "end span", "element")}
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Selection:
     """Reduces the axes of declared arrays to what is reported.
 

@@ -79,11 +79,11 @@ class CrankSlider:
         angle = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
         inertia = reciprocating * self.piston(angle)[1] ** 2
 
-        # The rod swings by the angle beta against the axis: sin(beta) = across/rod.
+        # The rod leans by the angle beta against the axis: sin(beta) = across/rod.
         turned = angle + self.top
         along = np.sqrt(self.rod**2 - (self.radius * np.sin(turned) - self.offset) ** 2)
-        swing = self.radius * np.cos(turned) / along
-        return of_samples(inertia + correction * swing**2, count)
+        tilt_rate = self.radius * np.cos(turned) / along
+        return of_samples(inertia + correction * tilt_rate**2, count)
 
     def inertia_torque(
         self, count: int, reciprocating: float, correction: float = 0.0
