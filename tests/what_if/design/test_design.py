@@ -62,6 +62,15 @@ def stiffness_at(frequency: float) -> float:
     return (2 * pi * frequency) ** 2 * 1.2 * 0.8 / 2.0
 
 
+@pytest.mark.parametrize("most", [20, 24, 26, 60])
+def test_a_search_tries_no_more_trains_than_it_may(most: int) -> None:
+    """Two ranges: 5 by 5 of a map are more than 20."""
+    lines = (THREE % 1).replace("evaluations: 600", f"evaluations: {most}").splitlines()
+    text = "\n".join(line for line in lines if "b.inertia" not in line and "keep" not in line)
+    found = designed(text)
+    assert found.evaluations == found.solves <= most
+
+
 def test_stiffness_for_a_frequency_is_the_closed_form() -> None:
     found = designed(
         TWO

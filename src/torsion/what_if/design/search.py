@@ -102,7 +102,8 @@ def _evolve(candidates: Candidates) -> str:
     figures, limit = candidates.variation.figures, candidates.limit
     lists = [figure.all_values() if figure.places else None for figure in figures]
     bounds: Any = [(0.0, 1.0) if values is None else (0, len(values) - 1) for values in lists]
-    crowd = max(CROWD * len(figures), 20)
+    # A first generation and one more at least stay below the limit.
+    crowd = min(max(CROWD * len(figures), 20), 2 * limit // 5)
     is_spent: Any = lambda *_, **__: len(candidates.tried) + crowd > 0.8 * limit  # noqa: E731
 
     def cost(unit: FloatArray) -> Any:
@@ -122,7 +123,7 @@ def _evolve(candidates: Candidates) -> str:
         vectorized=True,
         updating="deferred",
         polish=False,
-        popsize=max(crowd // len(figures), 5),
+        popsize=max(crowd // len(figures), 1),
         maxiter=limit,
         tol=1e-6,
         rng=candidates.settings.seed,
