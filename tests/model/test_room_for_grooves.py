@@ -48,5 +48,5 @@ def test_a_measured_cycle_ends_within_a_hundredth_of_its_largest_pressure() -> N
     angle, pressure = np.linspace(0.0, 4 * pi, 5), np.array([2e5, 5e5, 1e7, 4e5, 2e5 + 0.99e5])
     assert over_cycle("p.csv", angle, pressure, 4 * pi, "cycle").angle[-1] == 4 * pi
     pressure[-1] = 2e5 + 1.01e5
-    with pytest.raises(GasFault, match="begins and ends with other pressures, 2 and 3.01 `bar`"):
+    with pytest.raises(GasFault, match=r"begins and ends with other pressures, 2 and 3\.01 `bar`"):
         over_cycle("p.csv", angle, pressure, 4 * pi, "cycle")

@@ -268,3 +268,16 @@ def test_faults_of_details_are_located(keys: str, at: str, words: str) -> None:
     assert f":{at}" in line or line.startswith(at)
     column = int(line.split(":5:")[1].split(":")[0]) if ":5:" in line else int(line.split(":")[1])
     assert column > 90  # in what the keys state, not at the shaft
+
+
+def test_hubs_that_hold_a_shaft_along_its_length_leave_no_shaft() -> None:
+    """Of two seats some 20 mm each are left to twist, and what lies between them: below a twentieth it is refused."""
+    hub = "{length: %d mm, fit: shrink, diameter: 180 mm, end: %s}"
+    for length, is_refused in ((900, False), (990, True)):
+        hubs = f", hub: [{hub % (length, 'first')}, {hub % (length, 'last')}]"
+        text = SCENE.replace("400 mm", "2 m") % (hubs, "")
+        if is_refused:
+            with pytest.raises(InputError, match=r":5:12: hubs and fillets take up the complete"):
+                torsion.run(parse(text))
+        else:
+            assert torsion.run(parse(text)).need(Modes).frequency.size
