@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.kernels.loops import jacobi_svd
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.loops import jacobi_svd
+from torsion.kernels.trees.tree import Tree
 
 
 def chain_frequencies(inertia: FloatArray, stiffness: FloatArray) -> FloatArray:

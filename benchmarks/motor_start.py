@@ -15,14 +15,14 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.page_file import Report
 from torsion.arrays import FloatArray
+from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Scheme, march
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
 from torsion.kernels.motion.torque_history import Piece
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 
 DURATION, PATIENCE = 2.0, 60.0  # s of the motion; s after which a run is given up
 SYNCHRONOUS, PULL_OUT, SLIP, LOAD, LINE = 50.0 * math.pi, 900.0, 0.2, 300.0, 100.0 * math.pi

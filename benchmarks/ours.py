@@ -10,9 +10,9 @@ import numpy as np
 from benchmarks.cases import Case, condensed
 from benchmarks.decomposition import chain_frequencies, plain_modes
 from benchmarks.scenes import scene
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import complex_compliance, tree_response
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import complex_compliance, tree_response
 
 NAME = "torsion"
 FEW = 20  # lowest modes, which is what an engineer wants of a large train

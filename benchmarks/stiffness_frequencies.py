@@ -11,8 +11,8 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
 from benchmarks.extremes import Sweep
 from benchmarks.references import worst
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
 
 TREE, PLAIN, PEER = "torsion tree_modes", "torsion plain_modes", "openTorsion"
 SIZE, FEW = 10, 5

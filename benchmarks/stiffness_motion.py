@@ -10,8 +10,8 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case, condensed
 from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line
-from torsion.kernels.damped_tree_modes import damped_modes
 from torsion.kernels.joints.cross import transfer
+from torsion.kernels.modes.damped_tree_modes import damped_modes
 
 DAMPED, JOINT, TEXTBOOK = (
     "torsion damped_modes",

@@ -9,8 +9,8 @@ from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
 from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line, near_rigid_data
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, status, tree_response
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import Status, status, tree_response
 
 RESPONSE = "torsion tree_response"
 COUPLING = 3  # the span that grows stiff

@@ -14,11 +14,11 @@ from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from benchmarks.peers_opentorsion import assembled, elements, undamped_frequencies
 from benchmarks.references import frequencies, worst
-from torsion.kernels.loops import graph_modes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
-from torsion.kernels.variant_modes import variant_modes
-from torsion.kernels.variant_networks import network_modes
+from torsion.kernels.modes.loops import graph_modes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.variant_modes import variant_modes
+from torsion.kernels.modes.variant_networks import network_modes
+from torsion.kernels.trees.tree import Tree
 
 SIZES = (
     (5, 4, 20_000),

@@ -13,7 +13,7 @@ from torsion.analyses.stability.periodic_orbits import PeriodicResponse
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.errors import InputError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc

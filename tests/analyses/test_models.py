@@ -15,7 +15,7 @@ from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"

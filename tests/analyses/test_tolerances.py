@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import torsion
 from torsion.analyses.modes.tolerances import Tolerances, tolerances
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
-from torsion.kernels.variant_modes import variant_modes
+from torsion.kernels.modes.variant_modes import variant_modes
 
 INERTIA, STIFFNESS = (1.2, 0.35, 0.6, 0.95), (20000.0, 310000.0, 47000.0)
 WIDE = (0.15, 0.03, 0.08)

@@ -15,8 +15,8 @@ from tests.shared import shared
 
 import torsion
 from torsion.findings import Findings
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
 from torsion.output.results_json import results

@@ -15,7 +15,7 @@ from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.undamped_modes import Modes
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import Document
 from torsion.output.figures.figure import Figure

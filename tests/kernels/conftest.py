@@ -7,7 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 
 DIGITS = 120
 

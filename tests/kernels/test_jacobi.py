@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.loops import jacobi_svd, star_mesh_factor
-from torsion.kernels.mode_shapes import shape_sign
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import rigidity
+from torsion.kernels.modes.loops import jacobi_svd, star_mesh_factor
+from torsion.kernels.modes.mode_shapes import shape_sign
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.reduction import rigidity
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
 
 LONG = 20_000
 

@@ -4,9 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.loops import graph_modes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.loops import graph_modes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
 
 
 def _worst(found, exact, sign):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.for_all import for_all
 
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import (
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import (
     Status,
     complex_compliance,
     equilibrium_residual,

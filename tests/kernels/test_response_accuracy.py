@@ -4,8 +4,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import complex_compliance, status, tree_response
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import complex_compliance, status, tree_response
 
 DIGITS = 60
 

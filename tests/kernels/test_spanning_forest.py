@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.tree import connected, walk
+from torsion.kernels.trees.tree import connected, walk
 
 
 @pytest.mark.parametrize("number", [300, 5000])

@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.sturm import count_below
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.trees.tree import Tree
 
 
 def _tree(parent, flexibility, inertia, held=()):

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sturm import count_below
-from torsion.kernels.tree import Tree
-from torsion.kernels.variant_modes import variant_modes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.modes.variant_modes import variant_modes
+from torsion.kernels.trees.tree import Tree
 
 
 def layout(parent: list[int], held: tuple[int, ...] = ()) -> Tree:

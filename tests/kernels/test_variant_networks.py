@@ -9,13 +9,13 @@ from benchmarks.cases import chain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsion.kernels import variant_networks
-from torsion.kernels.loops import graph_modes
-from torsion.kernels.network_counts import Elimination, Network, modal_way, network_count
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import pairs
-from torsion.kernels.variant_modes import ritz_values
-from torsion.kernels.variant_networks import counted_modes, network_modes
+from torsion.kernels.modes import variant_networks
+from torsion.kernels.modes.loops import graph_modes
+from torsion.kernels.modes.network_counts import Elimination, Network, modal_way, network_count
+from torsion.kernels.modes.variant_modes import ritz_values
+from torsion.kernels.modes.variant_networks import counted_modes, network_modes
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import pairs
 
 
 @settings(max_examples=30, deadline=None)

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.mode_shapes import shapes_at
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sturm import count_below, enclose, expected_width
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.mode_shapes import shapes_at
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.sturm import count_below, enclose, expected_width
+from torsion.kernels.trees.tree import Tree
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
 def test_shapes_found_in_blocks_are_those_found_at_once(random_tree, monkeypatch, shape):
     tree = random_tree(27, size=20, shape=shape)
     right = tree_modes(tree)
-    monkeypatch.setattr("torsion.kernels.mode_shapes._LARGEST_BLOCK", 0)
-    monkeypatch.setattr("torsion.kernels.mode_shapes._LEAST_COLUMNS", 7)
+    monkeypatch.setattr("torsion.kernels.modes.mode_shapes._LARGEST_BLOCK", 0)
+    monkeypatch.setattr("torsion.kernels.modes.mode_shapes._LEAST_COLUMNS", 7)
     found = tree_modes(tree)
     np.testing.assert_allclose(found.frequency, right.frequency, rtol=1e-15)
     np.testing.assert_allclose(found.torque, right.torque, rtol=1e-14)

@@ -20,7 +20,7 @@ from torsion.analyses.lateral.couple_response import extent
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.whirl import sense
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters.shaft_bending import chapter
 from torsion.output.document import document

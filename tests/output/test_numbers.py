@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.for_all import for_all
 
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output import numbers
 from torsion.output.blocks import table
 from torsion.output.reported_values import band_words

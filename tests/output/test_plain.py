@@ -9,7 +9,7 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.results_json import finite, numbers, plain
 from torsion.output.scene import Selection
 

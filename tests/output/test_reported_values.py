@@ -13,7 +13,7 @@ from torsion.analyses.response.component_loads import rounding
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output import reported_values as reported
 from torsion.output.scene import elements
 from torsion.rules.verdict_line import BarredRange, Check, Checks

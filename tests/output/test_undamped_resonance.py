@@ -9,7 +9,7 @@ import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.synthesis import synthesis
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
 from torsion.output.figures.curves import unanswered

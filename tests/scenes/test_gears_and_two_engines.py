@@ -19,7 +19,7 @@ from torsion.analyses.response.synthesis import half_range
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.model.component import STEEL
 from torsion.rules.verdict_line import Checks
 from torsion.units import to_si

@@ -45,7 +45,7 @@ def damped(
     Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
     InputError where a damping needs a mean torque that is not known.
     """
-    from torsion.kernels.damped_tree_modes import damped_modes
+    from torsion.kernels.modes.damped_tree_modes import damped_modes
 
     if system.bars is not None:
         message = f"damped modes of the model {system.model} are not built"

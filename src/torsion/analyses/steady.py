@@ -24,7 +24,7 @@ from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
-from torsion.kernels.tree import closing_no_loop, walk
+from torsion.kernels.trees.tree import closing_no_loop, walk
 from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study

@@ -16,12 +16,12 @@ from torsion.assembly.spans import phase
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 from torsion.results import Displayed, Keyed, by_name, derived, reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.kernels.mode_shapes import ShaftModes
+    from torsion.kernels.modes.mode_shapes import ShaftModes
 
 MOST_MODES = 100_000
 HOLZER = "torsion.analyses.modes.holzer:holzer_modes"  # a name, since it stands on this module
@@ -276,8 +276,8 @@ def _table_end(system: System) -> float:
 def _refined(system: System, count: int) -> Modes:
     """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
     from torsion.analyses.modes.mode_nodes import reach
-    from torsion.kernels.reduction import rigidity
-    from torsion.kernels.sturm import brackets
+    from torsion.kernels.modes.sturm import brackets
+    from torsion.kernels.trees.reduction import rigidity
 
     # So that the last of them, which counts find, lies in reach, as far as settings allow.
     highest = system.requested.frequency
@@ -348,13 +348,13 @@ def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
 
         referred = referred_modes(tree, count)
     elif chords.size:
-        from torsion.kernels.variant_networks import counted_modes
+        from torsion.kernels.modes.variant_networks import counted_modes
 
         ends = node[system.driving[chords]], node[system.driven[chords]]
         flexibility = (system.flexibility / system.span_ratio**2)[chords]
         referred = counted_modes(tree, *ends, flexibility, count)
     else:
-        from torsion.kernels.natural_modes import tree_modes
+        from torsion.kernels.modes.natural_modes import tree_modes
 
         referred = tree_modes(tree, count)
     outer = referred.torque if referred.shafts is None else referred.shafts.torque_outer

@@ -9,7 +9,7 @@ from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import table_path
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 
 
 @dataclass(frozen=True)

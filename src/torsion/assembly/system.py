@@ -15,7 +15,7 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
-from torsion.kernels.tree import Tree, closing_no_loop, connected, walk
+from torsion.kernels.trees.tree import Tree, closing_no_loop, connected, walk
 from torsion.primitives import Damper, Station
 from torsion.train import Train, fixed_point_faults
 

@@ -20,7 +20,7 @@ from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, refusal
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.study import Study
 
 ROTATIONAL = "Modelica.Mechanics.Rotational"

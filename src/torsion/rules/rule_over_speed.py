@@ -17,7 +17,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault
 from torsion.fields import given, required
 from torsion.findings import Results
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.rules import needed, of_study
 from torsion.rules.demands import BARRED_BELOW, distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import (

@@ -11,7 +11,7 @@ from torsion.analyses.lateral.bending_shafts import planes
 from torsion.analyses.lateral.couple_response import answer, speeds_for
 from torsion.analyses.lateral.whirl import criticals, refined, roots_among, whirl
 from torsion.errors import SolveError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.rules.universal_joints import critical_speed
 
 E, RHO, G, LENGTH, OUTER, BORE = 210e9, 7850.0, 80e9, 1.5, 0.12, 0.108

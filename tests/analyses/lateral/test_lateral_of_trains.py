@@ -13,7 +13,7 @@ from torsion.analyses.lateral.couple_response import couples_at
 from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
 from torsion.errors import InputError
 from torsion.kernels.joints.cross import couple_harmonics
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc

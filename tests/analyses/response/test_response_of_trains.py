@@ -15,7 +15,7 @@ from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import modes
 from torsion.errors import InputError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper

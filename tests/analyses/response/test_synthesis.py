@@ -9,7 +9,7 @@ import pytest
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.response.synthesis import common_cycle, extremes, synthesis
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 
 
 def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) -> Response:

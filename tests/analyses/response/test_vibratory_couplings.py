@@ -16,7 +16,7 @@ from torsion.analyses.response.vibratory_couplings import VibratoryTorques
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.study import Study

@@ -4,9 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.damped_tree_modes import damped_modes
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import tree_response
+from torsion.kernels.modes.damped_tree_modes import damped_modes
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import tree_response
 
 DIGITS = 100
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.damped_tree_modes import (
+from torsion.kernels.modes.damped_tree_modes import (
     DampedTree,
     number_of_roots,
     polish_together,
     rough_roots,
 )
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 
 
 def roots_of(parent, flexibility, inertia, held=(), ground=None, viscous=None):

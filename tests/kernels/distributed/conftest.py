@@ -17,7 +17,7 @@ from torsion.kernels.distributed.continuous_shafts import (
 )
 from torsion.kernels.distributed.finite_elements import condensed_elements
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 
 DIGITS = 60
 

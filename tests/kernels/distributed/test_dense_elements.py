@@ -12,10 +12,10 @@ from torsion.kernels.distributed.finite_elements import (
     static_bends,
 )
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import rigidity
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.mode_shapes import TreeModes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.reduction import rigidity
+from torsion.kernels.trees.tree import Tree
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:

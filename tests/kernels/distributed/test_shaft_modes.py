@@ -9,10 +9,10 @@ import pytest
 from torsion.errors import SolveError
 from torsion.kernels.distributed.continuous_shafts import UniformShafts, uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sturm import count_below
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.mode_shapes import TreeModes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.trees.tree import Tree
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:

@@ -9,10 +9,10 @@ import pytest
 from torsion.errors import SolveError
 from torsion.kernels.distributed.continuous_shafts import uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, status, tree_response
+from torsion.kernels.modes.mode_shapes import TreeModes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import Status, status, tree_response
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:

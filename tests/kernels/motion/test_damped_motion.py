@@ -4,14 +4,14 @@ import mpmath
 import numpy as np
 import pytest
 
+from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.motion.closed_answers import exponential_answers
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
 from torsion.kernels.motion.torque_history import Piece, history, value
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 
 PIECES = [
     Piece(0.0, 0.3, 2.0, 5.0),

@@ -14,7 +14,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import component_loads as component_loads_of
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters import component_loads
 from torsion.output.numbers import number

@@ -18,7 +18,7 @@ from torsion.analyses.stability.first_order_compared import (
 )
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.exact_response import MODEL, chapter, first_order_judged
 from torsion.output.scene import elements

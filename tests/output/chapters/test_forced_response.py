@@ -17,7 +17,7 @@ from torsion.analyses.response.component_loads import component_loads, local_max
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.forced_response import (
     angles,

@@ -22,7 +22,7 @@ from torsion.analyses.lateral.shaft_bending import (
 from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Critical, Whirl, sense
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
 from torsion.output.chapters.shaft_bending import AXES, STANDING, chapter
 from torsion.rules.verdict_line import Checks

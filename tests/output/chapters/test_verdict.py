@@ -13,7 +13,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.component_loads import ComponentLoads, ShaftLoad
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Box, Heading, PageEnd, Paragraph, Points, Table
 from torsion.output.chapters import closing, verdict
 from torsion.rules.verdict_line import BarredRange, Check, Checks

@@ -10,7 +10,7 @@ import pytest
 
 import torsion
 from torsion.errors import InputError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output import results_json
 from torsion.output.reports import END
 from torsion.output.results_json import (

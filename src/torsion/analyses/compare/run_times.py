@@ -36,7 +36,7 @@ from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Progress, silent
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.study import Study
 
 TOLERANCE = 1e-3

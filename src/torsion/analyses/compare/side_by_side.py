@@ -31,7 +31,7 @@ from torsion.assembly.system_builder import SHARE_OF_ERROR
 from torsion.errors import InputError
 from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.results import derived, reported, result
 from torsion.study import Study
 
@@ -343,7 +343,7 @@ def _count_below(solved_modes: Modes, highest: float) -> int:
     tree = undamped_tree(solved_modes.system)
     w = 2.0 * math.pi * highest
     if tree.shafts is None:
-        from torsion.kernels.sturm import count_below
+        from torsion.kernels.modes.sturm import count_below
 
         return int(count_below(tree, w)[0]) - solved_modes.rigid
     from torsion.analyses.modes.mode_nodes import reach

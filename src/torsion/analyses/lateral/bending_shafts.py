@@ -11,7 +11,7 @@ from scipy.linalg import block_diag, cho_factor, eigh, solve_triangular
 from torsion.analyses.lateral.beam_matrices import Beam, LateralSystem, Point, Segment
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path, SolveError
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.model.shaft_details import Support, both_ends
 from torsion.primitives import Bar
 from torsion.train import Train

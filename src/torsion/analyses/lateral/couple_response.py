@@ -12,7 +12,7 @@ from torsion.analyses.lateral.beam_matrices import places
 from torsion.analyses.lateral.bending_shafts import EPS, BendingShaft, Planes
 from torsion.analyses.lateral.whirl import Critical, criticals
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
+from torsion.kernels.trees.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 
 SINGULAR_LOSS = (

@@ -30,7 +30,7 @@ from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.results import derived, reported, result
 from torsion.study import Operation, SpeedRange, states_mean_torque
 from torsion.train import Train

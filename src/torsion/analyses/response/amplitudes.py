@@ -17,7 +17,7 @@ from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.elements import elements
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.results import (
     RPM,
     TO_DATAFRAME,

@@ -19,7 +19,7 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, amplitudes
 from torsion.kernels.describing_functions import PiecewiseCoupling, Secant, Slider
-from torsion.kernels.tree_response import complex_compliance
+from torsion.kernels.trees.tree_response import complex_compliance
 
 Solved = Callable[[Mapping[int, Secant]], Sequence[Answer]]
 ROUNDS = 181  # over several couplings, whose amplitudes depend on each other, until they change by SETTLED

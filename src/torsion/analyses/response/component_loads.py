@@ -18,7 +18,7 @@ from torsion.assembly.elements import elements
 from torsion.assembly.section.solved_sections import span_moduli, stress_modulus
 from torsion.assembly.system import System
 from torsion.findings import Results, Work
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.primitives import Bar
 from torsion.results import derived, reported, result
 

@@ -19,7 +19,7 @@ from torsion.analyses.response.amplitudes import (
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 
 Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them

@@ -42,7 +42,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.study import FrequencyRange, Study
 
 MOST_ROUNDS = 4  # of looking for higher utilisations between the speeds

@@ -15,7 +15,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.tree_response import Chords, complex_compliance, status, tree_response
+from torsion.kernels.trees.tree_response import Chords, complex_compliance, status, tree_response
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant

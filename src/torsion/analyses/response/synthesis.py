@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 
 SAMPLES = 8  # of the highest harmonic, before extremes are refined
 MOST_SAMPLES = 5_000  # of a cycle; a longer one is given by its bound

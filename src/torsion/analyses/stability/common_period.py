@@ -13,7 +13,7 @@ import numpy as np
 
 from torsion.analyses.response.synthesis import common_order
 from torsion.errors import SolveError
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.primitives import Bar, Constraint, Spring
 from torsion.train import Train
 

@@ -13,7 +13,7 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.spans import Span
 from torsion.assembly.system import System
 from torsion.errors import SolveError
-from torsion.kernels.tree import connected, walk
+from torsion.kernels.trees.tree import connected, walk
 
 
 @dataclass(frozen=True)

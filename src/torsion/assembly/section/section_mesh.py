@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.user_files import check_file
 
 LARGEST_FILE = 20_000_000  # bytes; a mesh of MOST triangles has a tenth of it

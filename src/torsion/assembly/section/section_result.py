@@ -19,7 +19,7 @@ from torsion.assembly.section.section_mesh import (
     refined,
 )
 from torsion.assembly.section.section_torsion import Level, Moments, moments, solve_level
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.primitives import SectionMesh
 
 SAME = 1e-9  # of the extent: points nearer than this are one

@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Shafts
-from torsion.kernels.mode_shapes import ShaftModes, TreeModes, shape_sign
-from torsion.kernels.reduction import bends, rigid_shapes, rigidity
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.mode_shapes import ShaftModes, TreeModes, shape_sign
+from torsion.kernels.trees.reduction import bends, rigid_shapes, rigidity
+from torsion.kernels.trees.tree import Tree
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array

@@ -11,7 +11,7 @@ from torsion.analyses.response.component_loads import ComponentLoads, stress_of
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.curves import (
     SPEED,

@@ -10,7 +10,7 @@ from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.curves import (
     SPEED,

@@ -9,7 +9,7 @@ from torsion.analyses.lateral.couple_response import extent
 from torsion.analyses.lateral.shaft_bending import Lateral, ShaftFound
 from torsion.analyses.lateral.whirl import UNSTABLE, Critical, Whirl
 from torsion.findings import Findings
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.figures.curves import (
     SPEED,

@@ -16,7 +16,7 @@ from torsion.assembly import as_divided, of_train, resolving
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, picker
 from torsion.errors import InputError, SolveError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.sources import source
 from torsion.study import Study, Variation
 from torsion.what_if.fit.measurements import Curve

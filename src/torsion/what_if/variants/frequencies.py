@@ -155,12 +155,12 @@ def _as_divided(
     inertia[condensed.tree.held] = 0.0
     try:
         if len(chords):
-            from torsion.kernels.variant_networks import network_modes
+            from torsion.kernels.modes.variant_networks import network_modes
 
             ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
             modes_found = network_modes(tree, flexibility, inertia, count, ends, of_spans[chords])
         else:
-            from torsion.kernels.variant_modes import variant_modes
+            from torsion.kernels.modes.variant_modes import variant_modes
 
             modes_found = variant_modes(tree, flexibility, inertia, count)
     except (SolveError, ValueError):  # a variant has too few modes, or needs shorter pieces

@@ -22,7 +22,7 @@ from torsion.errors import InputError, SolveError
 from torsion.findings import Progress, Work
 from torsion.kernels.motion.march import NEWS
 from torsion.kernels.motion.piecewise_elements import Clearance, DelayedFriction
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.results import reported, result
 from torsion.study import Study
 

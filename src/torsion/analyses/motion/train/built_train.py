@@ -36,7 +36,7 @@ from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.loaded_modes import LoadedModes, Turning
 from torsion.kernels.motion.march import Chatter, March, TooManyEvents
 from torsion.kernels.motion.torque_history import Piece
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 from torsion.study import Study
 
 FIRST, LONGEST = 2.0**-10, 2.0**-3  # steps, of the duration

@@ -18,7 +18,7 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.joints import tripod
 from torsion.kernels.motion.collocation import Conditions, Law, Points
-from torsion.kernels.tree import connected
+from torsion.kernels.trees.tree import connected
 
 SAMPLES = 64  # of a third of a revolution of a tripod: its error is a series that has fallen to rounding there
 RETURN = 20.0  # 1/s, rate at which rounding of a rigid joint's angle is taken back

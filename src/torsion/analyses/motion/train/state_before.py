@@ -18,7 +18,7 @@ from torsion.analyses.steady import Steady, steady
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
-from torsion.kernels.tree_response import Status
+from torsion.kernels.trees.tree_response import Status
 from torsion.study import Study
 
 

@@ -12,9 +12,18 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.natural_modes import start_frequencies
-from torsion.kernels.reduction import cut, rigidity
-from torsion.kernels.tree import EPS, Layout, SpanSides, Tree, connected, eliminate, layout, spread
+from torsion.kernels.modes.natural_modes import start_frequencies
+from torsion.kernels.trees.reduction import cut, rigidity
+from torsion.kernels.trees.tree import (
+    EPS,
+    Layout,
+    SpanSides,
+    Tree,
+    connected,
+    eliminate,
+    layout,
+    spread,
+)
 from torsion.sources import source
 
 if TYPE_CHECKING:

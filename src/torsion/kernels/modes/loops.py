@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.mode_shapes import (
+from torsion.kernels.modes.mode_shapes import (
     Shapes,
     TreeModes,
     orthogonalise,
@@ -14,16 +14,16 @@ from torsion.kernels.mode_shapes import (
     repeated_groups,
     shape_sign,
 )
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import (
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.reduction import (
     Rigidity,
     cut,
     rigid_shapes,
     rigidity,
     with_reactions,
 )
-from torsion.kernels.tree import Tree, closing_no_loop, eliminate_undamped, forced, walk
-from torsion.kernels.tree_response import around, pairs
+from torsion.kernels.trees.tree import Tree, closing_no_loop, eliminate_undamped, forced, walk
+from torsion.kernels.trees.tree_response import around, pairs
 from torsion.sources import source
 
 _DGEJSV_FULL_ACCURACY = 2  # joba='F': columns are scaled, rows may be badly scaled too

@@ -10,13 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.loops import graph_modes, stiffest_tree
-from torsion.kernels.mode_shapes import TreeModes
-from torsion.kernels.network_counts import Network, Way, modal_way, network_count
-from torsion.kernels.sturm import expected_width
-from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import pairs
-from torsion.kernels.variant_modes import (
+from torsion.kernels.modes.loops import graph_modes, stiffest_tree
+from torsion.kernels.modes.mode_shapes import TreeModes
+from torsion.kernels.modes.network_counts import Network, Way, modal_way, network_count
+from torsion.kernels.modes.sturm import expected_width
+from torsion.kernels.modes.variant_modes import (
     VariantModes,
     enclosed,
     middle_of,
@@ -24,6 +22,8 @@ from torsion.kernels.variant_modes import (
     ritz_values,
     toward,
 )
+from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree_response import pairs
 
 _FURTHER = 12  # modes of the middle train beside those wanted, by which all others begin at first
 _STEPS = 6  # of Rayleigh; 3 are usual

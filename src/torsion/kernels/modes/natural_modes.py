@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.mode_shapes import (
+from torsion.kernels.modes.mode_shapes import (
     ShaftModes,
     Shapes,
     TreeModes,
@@ -17,7 +17,8 @@ from torsion.kernels.mode_shapes import (
     shape_sign,
     shapes_at,
 )
-from torsion.kernels.reduction import (
+from torsion.kernels.modes.sturm import brackets, enclose
+from torsion.kernels.trees.reduction import (
     Rigidity,
     bends,
     cut,
@@ -25,8 +26,7 @@ from torsion.kernels.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.sturm import brackets, enclose
-from torsion.kernels.tree import Tree
+from torsion.kernels.trees.tree import Tree
 from torsion.sources import source
 
 _SETTLED = (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.tree import EPS, Layout, Tree, eliminate, forced, layout
+from torsion.kernels.trees.tree import EPS, Layout, Tree, eliminate, forced, layout
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.tree import Step, Tree
+from torsion.kernels.trees.tree import Step, Tree
 
 SHARE_OF_LIMIT = (
     0.95  # of the frequency from which counts of distributed shafts would need a correction

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.tree import Tree, walk
+from torsion.kernels.trees.tree import Tree, walk
 
 
 @dataclass(frozen=True)

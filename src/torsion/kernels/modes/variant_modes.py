@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.mode_shapes import TreeModes, free_shapes
-from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.network_counts import Way
-from torsion.kernels.sturm import count_below, expected_width
-from torsion.kernels.tree import Tree
+from torsion.kernels.modes.mode_shapes import TreeModes, free_shapes
+from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.network_counts import Way
+from torsion.kernels.modes.sturm import count_below, expected_width
+from torsion.kernels.trees.tree import Tree
 
 _FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin
 _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)

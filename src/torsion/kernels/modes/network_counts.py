@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.sturm import margins, pass_on
-from torsion.kernels.tree import Step, Tree
+from torsion.kernels.modes.sturm import margins, pass_on
+from torsion.kernels.trees.tree import Step, Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
 _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
