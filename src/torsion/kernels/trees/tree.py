@@ -404,7 +404,8 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
             passed[station] = -twist[station] / sides.compliance[station]
         f[parent] += passed[station]
 
-    # Toward the leaves: e, of all but the branch.
+    # Toward the leaves: e, of all but the branch; a twist of a span is felt beyond it.
+    jumps: Rows = [] if twist is None else [*map(np.multiply, zd, twist)]
     still = np.zeros(shape[1])
     e: Rows = [still] * plan.size
     angle, torque = np.zeros((2, *shape), dtype=kind)
@@ -414,8 +415,8 @@ def forced(sides: SpanSides, force: Values, twist: Values | None = None) -> tupl
                 e[child] = still if plan.held[station] else e[station]
         elif children:
             share(children, passed, e, force[station] + e[station] / divisor[station])
-        for child in () if twist is None else children:
-            e[child] = e[child] + zd[child] * twist[child]  # type: ignore[index]
+        for child in children if jumps else ():
+            e[child] = e[child] + jumps[child]
         if plan.held[station]:
             f[station] = np.zeros_like(e[station])
         else:
