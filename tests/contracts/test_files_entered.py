@@ -40,7 +40,7 @@ print(len(entered))
 
 
 @pytest.mark.parametrize(
-    ("scene", "most"), [(COUPLING, 72), (JOINT, 83)], ids=["stiffness", "angle of a joint"]
+    ("scene", "most"), [(COUPLING, 75), (JOINT, 86)], ids=["stiffness", "angle of a joint"]
 )
 def test_a_figure_enters_few_files(scene: str, most: int, tmp_path: Path) -> None:
     """Files in which a function or the body of a class runs, from the command to the text of the results."""

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from tests.for_all import for_all
 
 from torsion.errors import InputError
-from torsion.fields import LARGEST, SMALLEST, USUAL
+from torsion.fields import LARGEST, SMALLEST
 from torsion.model import KINDS, component_class
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling
@@ -20,6 +20,7 @@ from torsion.model.shaft import Shaft
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
 from torsion.schema.scene_reader import parse
+from torsion.usual_ranges import USUAL
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 

@@ -13,7 +13,6 @@ from pydantic import (
 
 from torsion import fields
 from torsion.fields import (
-    WIDEST,
     Declared,
     OneOrMany,
     Quantity,
@@ -37,6 +36,7 @@ from torsion.model.shaft_details import (
     refuse_details,
 )
 from torsion.primitives import Bar, SectionMesh
+from torsion.usual_ranges import WIDEST
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}  # m, in which a mesh may be drawn
 

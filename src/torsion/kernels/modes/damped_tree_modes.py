@@ -13,17 +13,9 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.modes.natural_modes import start_frequencies
+from torsion.kernels.trees.elimination import EPS, Layout, SpanSides, eliminate, layout, spread
 from torsion.kernels.trees.reduction import cut, rigidity
-from torsion.kernels.trees.tree import (
-    EPS,
-    Layout,
-    SpanSides,
-    Tree,
-    connected,
-    eliminate,
-    layout,
-    spread,
-)
+from torsion.kernels.trees.tree import Tree, connected
 from torsion.sources import source
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from torsion.kernels.modes.mode_shapes import (
     shape_sign,
 )
 from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.trees.elimination import eliminate_undamped, forced
 from torsion.kernels.trees.reduction import (
     Rigidity,
     cut,
@@ -22,7 +23,7 @@ from torsion.kernels.trees.reduction import (
     rigidity,
     with_reactions,
 )
-from torsion.kernels.trees.tree import Tree, closing_no_loop, eliminate_undamped, forced, walk
+from torsion.kernels.trees.tree import Tree, closing_no_loop, walk
 from torsion.kernels.trees.tree_response import around, pairs
 from torsion.sources import source
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.trees.tree import Tree, eliminate_undamped, forced, spread
+from torsion.kernels.trees.elimination import eliminate_undamped, forced, spread
+from torsion.kernels.trees.tree import Tree
 from torsion.sources import source
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.trees.tree import EPS, Layout, Tree, eliminate, forced, layout
+from torsion.kernels.trees.elimination import EPS, Layout, eliminate, forced, layout
+from torsion.kernels.trees.tree import Tree
 
 
 @dataclass(frozen=True)
