@@ -36,6 +36,7 @@ rules: [coupling-maker]
 @pytest.fixture(scope="module")
 def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Every CSV file of every command that writes such files."""
+    pytest.importorskip("pyarrow", reason="a sweep needs pip install -e '.[sweep]'")
     folder = tmp_path_factory.mktemp("formulas")
     (folder / "=scene.yaml").write_text(SCENE, encoding="utf-8")
     for command in (["sweep", "--csv"], ["solve", "--csv"], ["joint"]):

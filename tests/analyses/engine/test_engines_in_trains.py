@@ -3,7 +3,7 @@
 import cmath
 import json
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -595,7 +595,8 @@ def test_the_worst_misfire_of_a_case_is_that_of_the_file() -> None:
         state=journal, **changed, ROOM="cases: {out: {set: {main engine.misfire: worst}}}"
     ).cases["out"]
     found = alone.need(Checks).lines
-    assert cases.need(Checks).lines == found
+    # As tuples: from Python 3.13 on data with a NaN are not equal to themselves.
+    assert [*map(astuple, cases.need(Checks).lines)] == [*map(astuple, found)]
     assert {check.clause for check in found if check.where == "main engine crank 1-2"} >= {
         "tau_1",
         "tau_2",
@@ -627,11 +628,8 @@ def test_no_barred_range_and_no_missing_answer_of_a_case_is_dropped() -> None:
         {"one": first, "two": replace(second, plan=replace(second.plan, unanswered=(lost,)))}
     )
     (check,) = whole.need(Checks).lines
-    assert (check.verdict, check.note, check.barred) == (
-        "fail",
-        "one",
-        (bands[0],),
-    )  # united: 20 to 30
+    assert (check.verdict, check.note) == ("fail", "one")
+    assert [*map(astuple, check.barred)] == [astuple(bands[0])]  # united: 20 to 30
     assert whole.plan.unanswered == (lost,)
     assert (lost.what, lost.words) in whole.plan.left_out
 
