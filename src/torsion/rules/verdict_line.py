@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import astuple, replace
 from datetime import date
 from fractions import Fraction
 from typing import Annotated, Generic, Literal, TypeVar
@@ -286,10 +286,11 @@ def worst_checks(
         for check in lines:
             key = check.rule, check.clause, check.what, check.where
             name, worse = worst.get(key, (words, check))
-            barred = tuple(dict.fromkeys((*worse.barred, *check.barred)))
+            # As tuples: from Python 3.13 on data with a NaN are not equal to themselves.
+            barred = {astuple(band): band for band in (*worse.barred, *check.barred)}
             if rank(check) > rank(worse):
                 name, worse = words, check
-            worst[key] = name, replace(worse, barred=barred)
+            worst[key] = name, replace(worse, barred=tuple(barred.values()))
     return worst
 
 
