@@ -74,6 +74,17 @@ assert list(shared_out(abs, range(60))) == list(range(60))
 """)
 
 
+def test_a_process_that_is_ended_does_not_go_on_with_the_handler_of_the_command() -> None:
+    """The handler raised within a call, which was the answer of the copy: it then waited for ever, and its parent."""
+    run("""
+import signal, sys
+signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+handlers = list(shared_out(lambda _: signal.getsignal(signal.SIGTERM), range(60)))
+assert set(handlers) == {signal.SIG_DFL}
+assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+""")
+
+
 def test_a_process_with_other_threads_answers_alone() -> None:
     run("""
 import threading

@@ -82,6 +82,8 @@ def processors() -> int:
 def _begin() -> None:
     """Begin a copy: Ctrl-C and the end of this process are heard by this one, which ends its copies."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A handler of the command would raise within the call of a copy, which would answer with it and wait for ever.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGKILL)
 
 
