@@ -15,7 +15,7 @@ from torsion.findings import Findings
 from torsion.output.figures.figure import Criticals, Figure
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
 from torsion.output.scene import Element
-from torsion.rules.verdict_line import BarredRange, Checks
+from torsion.rules.verdict_line import BarredRange, Checks, distinct_ranges
 
 if TYPE_CHECKING:
     from torsion.analyses.lateral.shaft_bending import Lateral
@@ -51,7 +51,8 @@ def rated_rpm(findings: Findings) -> float | None:
 
 def barred(findings: Findings) -> tuple[BarredRange, ...]:
     """Return the barred ranges that the verdicts stand on, each once, in rising order."""
-    bands = {band: None for check in findings.need(Checks).lines for band in check.barred}
+    checks = findings.need(Checks).lines
+    bands = distinct_ranges(band for check in checks for band in check.barred)
     return tuple(sorted(bands, key=lambda band: (band.lower, band.upper)))
 
 

@@ -277,6 +277,12 @@ def rank(check: Check) -> tuple[int, float]:
     return severity, (math.inf if check.fails else -math.inf) if used is None else used
 
 
+def distinct_ranges(ranges: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
+    """Return every barred range once, in the order of the first of each."""
+    # As tuples: from Python 3.13 on data with a NaN are not equal to themselves.
+    return tuple({astuple(barred): barred for barred in ranges}.values())
+
+
 def worst_checks(
     cases: Mapping[str, tuple[Check, ...]],
 ) -> dict[tuple[str, ...], tuple[str, Check]]:
@@ -286,11 +292,10 @@ def worst_checks(
         for check in lines:
             key = check.rule, check.clause, check.what, check.where
             name, worse = worst.get(key, (words, check))
-            # As tuples: from Python 3.13 on data with a NaN are not equal to themselves.
-            barred = {astuple(band): band for band in (*worse.barred, *check.barred)}
+            barred = distinct_ranges((*worse.barred, *check.barred))
             if rank(check) > rank(worse):
                 name, worse = words, check
-            worst[key] = name, replace(worse, barred=tuple(barred.values()))
+            worst[key] = name, replace(worse, barred=barred)
     return worst
 
 
