@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 import yaml
-from docs.site import results_manual
+from docs.site import model_file_manual, results_manual
 from tests.for_all import for_all
 from typer.testing import CliRunner
 
@@ -17,7 +17,6 @@ from torsion.model import KINDS, component_class
 from torsion.model.component import Component
 from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS
-from torsion.schema import manual
 from torsion.schema.declaration_reader import keys_of
 from torsion.schema.scene_reader import Scene
 
@@ -81,7 +80,9 @@ def scenes() -> list[tuple[str, str]]:
     ]
 
 
-@pytest.mark.parametrize("generator", [manual, results_manual], ids=["model file", "results"])
+@pytest.mark.parametrize(
+    "generator", [model_file_manual, results_manual], ids=["model file", "results"]
+)
 def test_the_pages_of_a_manual_are_those_of_the_declarations(generator: ModuleType) -> None:
     folder = ROOT / generator.FOLDER
     written = {
@@ -96,7 +97,7 @@ def test_the_pages_of_a_manual_are_those_of_the_declarations(generator: ModuleTy
 def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_path: Path) -> None:
     (tmp_path / "components").mkdir()
     (tmp_path / "components" / "flux-capacitor.md").write_text("", encoding="utf-8")
-    manual.write_pages(tmp_path, {"index.md": "# Index\n", "rules/lr.md": "# `lr`\n"})
+    model_file_manual.write_pages(tmp_path, {"index.md": "# Index\n", "rules/lr.md": "# `lr`\n"})
     assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.md")} == {
         "index.md",
         "rules/lr.md",
@@ -104,7 +105,7 @@ def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_pa
 
 
 def test_the_manual_has_every_section_and_kind() -> None:
-    pages = manual.pages()
+    pages = model_file_manual.pages()
     assert all(component_class(kind).title and component_class(kind).example for kind in KINDS)
     assert {f"components/{kind}.md" for kind in KINDS} | {
         f"rules/{name}.md" for name in RULES

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from docs.site.model_file_manual import toctree, write_pages
+
 from torsion.analyses import ANALYSES
 from torsion.findings import Plan, UsedSource
 from torsion.output import reports
@@ -16,7 +18,6 @@ from torsion.output.results_json import LEGEND, LISTED
 from torsion.output.scene import Scene, SpanRow, StationRow
 from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
-from torsion.schema.manual import toctree, write_pages
 
 FOLDER = "docs/reference/results"
 FEW = 4  # keys or fewer: a section of the index, not a page

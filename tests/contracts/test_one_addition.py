@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from docs.site import results_manual
+from docs.site import model_file_manual, results_manual
 from docs.site.results_manual import documented
 from rich.console import Console
 
@@ -22,7 +22,6 @@ from torsion.output.document import document
 from torsion.output.renderers import Output
 from torsion.output.terminal import show
 from torsion.output.write import write
-from torsion.schema import manual
 from torsion.schema.json_schema import json_schema
 
 COMPONENT = '''
@@ -129,7 +128,7 @@ def test_a_component_is_in_the_train_its_sketch_its_data_sheet_and_both_manuals(
     assert (("Component", "near"), ("Diameter", "300 mm")) in sheets
     (disc,) = [disc for disc in sketch(found).discs if disc.label == "1 near"]
     assert disc.role == "load"
-    assert "diameter of every solid disc" in manual.pages()["components/solid-disc.md"]
+    assert "diameter of every solid disc" in model_file_manual.pages()["components/solid-disc.md"]
     assert "diameter of every solid disc" in json.dumps(json_schema())
 
 
@@ -149,7 +148,7 @@ def test_an_analysis_is_in_the_results_and_in_both_manuals(toys: Path) -> None:
         "m/s",
     )
     assert "speed of the rim at each station" in "".join(results_manual.pages().values())
-    assert "radius of every rim" in "".join(manual.pages().values())
+    assert "radius of every rim" in "".join(model_file_manual.pages().values())
     assert "radius of every rim" in json.dumps(json_schema())
 
 
@@ -186,7 +185,7 @@ def test_a_rule_is_in_the_verdicts_everywhere(toys: Path) -> None:
     (row,) = next(item.block for item in made.body if isinstance(item.block, Table)).rows
     assert (*row[:5], row[-1]) == ("speed of a rim", "all", "18.000", "10", "m/s", "✗ FAIL")
     assert "v_max" in row[-2]
-    assert "highest speed of a rim" in "".join(manual.pages().values())
+    assert "highest speed of a rim" in "".join(model_file_manual.pages().values())
     assert "highest speed of a rim" in json.dumps(json_schema())
 
 

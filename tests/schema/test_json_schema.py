@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from docs.site.model_file_manual import pages
 from tests.for_all import for_all
 
 from torsion.analyses import settings_classes
@@ -16,8 +17,7 @@ from torsion.model import KINDS, component_class
 from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
-from torsion.schema.json_schema import json_schema
-from torsion.schema.manual import declarations, pages, setting_examples
+from torsion.schema.json_schema import declarations, json_schema, setting_examples
 from torsion.schema.scene_reader import parse
 from torsion.schema.yaml_source import parse_source
 

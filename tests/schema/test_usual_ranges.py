@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from docs.site.model_file_manual import pages
 from pydantic import ValidationError
 from tests.for_all import for_all
 
@@ -18,7 +19,6 @@ from torsion.model.planetary import Planetary
 from torsion.model.propeller import Propeller
 from torsion.model.shaft import Shaft
 from torsion.schema.json_schema import json_schema
-from torsion.schema.manual import pages
 from torsion.schema.scene_reader import parse
 from torsion.usual_ranges import USUAL
 

@@ -1,4 +1,4 @@
-"""The file of a shaft train: read with the place of every fault; its JSON Schema, its manual and an example."""
+"""The file of a shaft train: read with the place of every fault; its JSON Schema and an example."""
 
 from importlib.resources import files
 

@@ -1,6 +1,7 @@
 """JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -8,17 +9,20 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_jso
 from pydantic_core import core_schema
 
 from torsion.analyses import ANALYSES, MODELS, settings_classes
-from torsion.fields import OneOrMany
+from torsion.fields import Declared, OneOrMany, Quantity
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
+from torsion.model.component import Component, Material
+from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
+from torsion.rules import settings as rule_settings
+from torsion.schema import template
 from torsion.schema.aliases import aliases_of
-from torsion.schema.cases import FROM, TOLERANCES
-from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS
-from torsion.schema.manual import declarations, first_line, parts_within, setting_examples
+from torsion.schema.cases import FROM, TOLERANCES, CaseKeys
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
-from torsion.study import Operation, ShaftModel
+from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, ShaftModel
 
 Schema = dict[str, Any]
 TABLE: Schema = {
@@ -30,6 +34,44 @@ TABLE: Schema = {
     "required": ["table"],
     "additionalProperties": False,
 }
+
+
+def declarations() -> dict[str, type[Declared]]:
+    """Every declaration of the format by its word in the file."""
+    return {
+        **{kind: component_class(kind) for kind in KINDS},
+        "document": FrontMatter,
+        "material": Material,
+        "operation": Operation,
+        "damping": ModalDamping,
+        "excitation": Excitation,
+        "fem": FiniteElements,
+        "case": CaseKeys,
+        **settings_classes(),
+        **{name: rule_settings(name) for name in RULES},
+    }
+
+
+def first_line(declared: type) -> str:
+    """Return the first line of a docstring, with PYTHONOPTIMIZE=2 an empty text."""
+    return (declared.__doc__ or "").strip().partition("\n")[0]
+
+
+def parts_within(declared: type[Declared]) -> Iterator[type[Declared] | Quantity]:
+    """Yield a declaration, the quantities in it, and the same of its mappings; without components in it."""
+    yield declared
+    for field in declared.model_fields.values():
+        yield from (item for item in items_of(field) if isinstance(item, Quantity))
+        for part in mappings_of(field):
+            if not issubclass(part, Component):
+                yield from parts_within(part)
+
+
+@cache
+def setting_examples() -> dict[str, str]:
+    """Return an example of the settings of every analysis and rule by its name."""
+    examples = template("setting_examples.txt").strip().split("\n\n")
+    return {example.partition(":")[0]: example for example in examples}
 
 
 class _Declarations(GenerateJsonSchema):

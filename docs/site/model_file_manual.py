@@ -1,12 +1,11 @@
 """The manual of the model file, as Markdown pages, from the same declarations that read it and make the JSON Schema.
 
-`python -m torsion.schema.manual` writes the pages to docs/reference/model-file.
+`python -m docs.site.model_file_manual` writes the pages to docs/reference/model-file.
 """
 
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -21,16 +20,15 @@ from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
 from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.model.component import STEEL, Component, Material
-from torsion.model.machine_torques import Excitation
+from torsion.model.component import STEEL, Component
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
-from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, keys_of, mappings_of
+from torsion.schema.json_schema import declarations, first_line, parts_within, setting_examples
 from torsion.schema.scene_reader import LINKS, Scene
-from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
+from torsion.study import FiniteElements
 
 FOLDER = "docs/reference/model-file"
 SECTIONS = (
@@ -99,27 +97,6 @@ def write_pages(folder: Path, texts: Mapping[str, str]) -> None:
         path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def declarations() -> dict[str, type[Declared]]:
-    """Every declaration of the format by its word in the file."""
-    return {
-        **{kind: component_class(kind) for kind in KINDS},
-        "document": FrontMatter,
-        "material": Material,
-        "operation": Operation,
-        "damping": ModalDamping,
-        "excitation": Excitation,
-        "fem": FiniteElements,
-        "case": CaseKeys,
-        **settings_classes(),
-        **{name: rule_settings(name) for name in RULES},
-    }
-
-
-def first_line(declared: type) -> str:
-    """Return the first line of a docstring, with PYTHONOPTIMIZE=2 an empty text."""
-    return (declared.__doc__ or "").strip().partition("\n")[0]
-
-
 def toctree(names: Iterable[str]) -> str:
     """Return the list of pages for the site's navigation."""
     return "```{toctree}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
@@ -179,23 +156,6 @@ def _ending(section: str, name: str, aliases: Mapping[str, str]) -> str:
 
 def _words(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
-
-
-def parts_within(declared: type[Declared]) -> Iterator[type[Declared] | Quantity]:
-    """Yield a declaration, the quantities in it, and the same of its mappings; without components in it."""
-    yield declared
-    for field in declared.model_fields.values():
-        yield from (item for item in items_of(field) if isinstance(item, Quantity))
-        for part in mappings_of(field):
-            if not issubclass(part, Component):
-                yield from parts_within(part)
-
-
-@cache
-def setting_examples() -> dict[str, str]:
-    """Return an example of the settings of every analysis and rule by its name."""
-    examples = template("setting_examples.txt").strip().split("\n\n")
-    return {example.partition(":")[0]: example for example in examples}
 
 
 PLAIN = {
