@@ -6,6 +6,7 @@ import json as json_text
 import os
 import signal
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ import typer
 
 import torsion
 from torsion.command_endings import (
+    described,
     print_report,
     refusals,
     refuse_with_json,
@@ -29,20 +31,6 @@ from torsion.lasting_output import make_streams_last, say
 SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of mallopt, by malloc.h
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
-
-File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
-Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
-Case = Annotated[
-    str | None, typer.Option("--case", help="Only one case of the file (normal: the nominal case).")
-]
-JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
-Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
-Pdf = Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")]
-CSV_HELP = "Write values (data.zip), tables (tables.zip) and figures as CSV too."
-Csv = Annotated[bool, typer.Option("--csv", help=CSV_HELP)]
-Verbose = Annotated[
-    bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")
-]
 
 
 def _say_version(is_requested: bool) -> None:
@@ -61,39 +49,26 @@ def about(version: Annotated[bool, VERSION] = False) -> None:
     """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
 
 
-@app.command()
+def command(function: Callable[..., None]) -> Callable[..., None]:
+    """Make a function a command by its name."""
+    return app.command(function.__name__.strip("_"))(described(function))
+
+
+@command
 def solve(
-    file: File,
-    out: Out = None,
-    json: Json = False,
+    file: Path,
     *,
-    case: Case = None,
-    pdf: Pdf = False,
-    full: Annotated[
-        bool,
-        typer.Option(
-            "--full",
-            help="Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.",
-        ),
-    ] = False,
-    matrices: Annotated[
-        Path | None,
-        typer.Option(
-            "--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed."
-        ),
-    ] = None,
-    vtu: Annotated[
-        bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")
-    ] = False,
-    csv: Csv = False,
-    xlsx: Annotated[
-        bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")
-    ] = False,
-    memory: Annotated[
-        str | None,
-        typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB)."),
-    ] = None,
-    verbose: Verbose = False,
+    out: Path | None = None,
+    json: bool = False,
+    case: str | None = None,
+    pdf: bool = False,
+    full: bool = False,
+    matrices: Path | None = None,
+    vtu: bool = False,
+    csv: bool = False,
+    xlsx: bool = False,
+    memory: str | None = None,
+    verbose: bool = False,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
@@ -101,6 +76,13 @@ def solve(
     the verdict is FAIL or NOT JUDGED; 2 the input is at fault; 3 no answer to the promised accuracy. Where only some
     analyses have no answer, the report holds all others. Every case of the file is solved beside it; the exit status
     is that of the worst that is judged.
+
+    full: Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.
+    matrices: Write J, K, C and H to this .npz file, C at the rated speed.
+    vtu: Write the mode shapes as modes.vtu for ParaView.
+    csv: Write values (data.zip), tables (tables.zip) and figures as CSV too.
+    xlsx: Write the results as a workbook, results.xlsx.
+    memory: Memory that a response may need, as 4GB (default: 2GB).
     """
     from torsion import commands
 
@@ -112,37 +94,30 @@ def solve(
     print_report("solve", file, out, solved, requested, as_json=json, matrices=matrices, **shown)
 
 
-@app.command()
+@command
 def sweep(
-    file: File,
-    out: Out = None,
+    file: Path,
     *,
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", min=1, help="Processes of this machine (default: all cores)."),
-    ] = None,
-    scheduler: Annotated[
-        str, typer.Option("--scheduler", help="Address of a dask scheduler: tls://host:8786.")
-    ] = "",
-    scheduler_file: Annotated[
-        Path | None,
-        typer.Option("--scheduler-file", help="File that a scheduler wrote its address to."),
-    ] = None,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")
-    ] = False,
-    case: Case = None,
-    pdf: Pdf = False,
-    csv: Annotated[
-        bool,
-        typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does."),
-    ] = False,
-    verbose: Verbose = False,
+    out: Path | None = None,
+    workers: Annotated[int | None, {"min": 1}] = None,
+    scheduler: str = "",
+    scheduler_file: Path | None = None,
+    fresh: bool = False,
+    case: str | None = None,
+    pdf: bool = False,
+    csv: bool = False,
+    verbose: bool = False,
 ) -> None:
     """Solve a scene as `solve` does, the variants of its sweep by several processes or machines.
 
     Variants are solved in chunks; each is kept in DIR/parts as soon as it is answered, and the same command goes on
     where it was ended. Results are the same to the last bit however many workers there are. Exit status as of `solve`.
+
+    workers: Processes of this machine (default: all cores).
+    scheduler: Address of a dask scheduler: tls://host:8786.
+    scheduler_file: File that a scheduler wrote its address to.
+    fresh: Remove the parts that are there and begin anew.
+    csv: Write every variant to variants.csv, and as `solve` does.
     """
     from torsion import commands
     from torsion.sweeping import sweeper
@@ -170,20 +145,20 @@ def sweep(
         raise typer.Exit(128 + signal.SIGINT) from None
 
 
-@app.command()
+@command
 def joint(
-    file: File,
-    out: Out = None,
-    json: Json = False,
-    case: Case = None,
-    turns: Annotated[
-        int | None,
-        typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft."),
-    ] = None,
+    file: Path,
+    *,
+    out: Path | None = None,
+    json: bool = False,
+    case: str | None = None,
+    turns: Annotated[int | None, {"min": 1, "max": 100}] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
 
     A scene of joints alone is enough: no inertia, speed or torque is needed. Exit status as of `solve`.
+
+    turns: Revolutions of the driving shaft.
     """
     from torsion import commands
 
@@ -192,8 +167,10 @@ def joint(
     print_report("joint", file, out, solved, as_json=json)
 
 
-@app.command()
-def check(file: File, out: Out = None, json: Json = False, case: Case = None) -> None:
+@command
+def check(
+    file: Path, *, out: Path | None = None, json: bool = False, case: str | None = None
+) -> None:
     """Compare the models of the shafts (lumped, fem, exact), print their errors and write check.html and check.json.
 
     Every error is against the exact model: frequencies, shapes, response torques. Exit status: 0 all within the
@@ -205,22 +182,22 @@ def check(file: File, out: Out = None, json: Json = False, case: Case = None) ->
     print_report("check", file, out, partial(commands.check, file, case=case), as_json=json)
 
 
-@app.command()
+@command
 def study(
-    file: File,
-    out: Out = None,
-    json: Json = False,
-    case: Case = None,
-    tolerance: Annotated[
-        str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
-    ] = "0.1%",
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")
-    ] = False,
+    file: Path,
+    *,
+    out: Path | None = None,
+    json: bool = False,
+    case: str | None = None,
+    tolerance: str = "0.1%",
+    quick: bool = False,
 ) -> None:
     """Time every model and method on this train against its error; write study.html and study.json.
 
     Exit status: 0 done, 2 and 3 as of `solve`.
+
+    tolerance: Error that is good enough, for the recommendation.
+    quick: Fewer elements and runs: seconds, not minutes.
     """
     from torsion import commands
     from torsion.output import run_time_study
@@ -240,21 +217,22 @@ def study(
             show(commands.write_study(findings, timings, folder), folder)
 
 
-@app.command()
+@command
 def report(
-    results: Annotated[
-        Path, typer.Argument(help="results.json, or the folder that holds it.", show_default=False)
-    ],
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")
-    ] = None,
-    pdf: Pdf = False,
-    csv: Csv = False,
-    verbose: Verbose = False,
+    results: Path,
+    *,
+    out: Path | None = None,
+    pdf: bool = False,
+    csv: bool = False,
+    verbose: bool = False,
 ) -> None:
     """Draw the report again from its results, without solving: the page, and what the options name.
 
     Exit status: that of the command which wrote the results, or 2 where they hold no report.
+
+    results: results.json, or the folder that holds it.
+    out: Folder of the report (default: the same).
+    csv: Write values (data.zip), tables (tables.zip) and figures as CSV too.
     """
     from torsion import commands
     from torsion.output.terminal import show
@@ -266,13 +244,12 @@ def report(
     stop(*document.ending.unanswered, status=document.ending.status)
 
 
-app.command()(compare)
-app.command("import")(import_)
-app.command()(export)
+for exchange in (compare, import_, export):
+    command(exchange)
 
 
-@app.command()
-def plan(file: File, case: Case = None) -> None:
+@command
+def plan(file: Path, *, case: str | None = None) -> None:
     """Print what `solve` would compute of a scene and its cases, with sizes and reasons; nothing is solved.
 
     Exit status: 0, or 2 the input is at fault.
@@ -290,39 +267,34 @@ def plan(file: File, case: Case = None) -> None:
                 typer.echo(f"left out: {what}, because {why}")
 
 
-@app.command()
-def sketch(
-    file: File,
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="The SVG file to write (default: <model file>.svg)."),
-    ] = None,
-    case: Case = None,
-) -> None:
-    """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`."""
+@command
+def sketch(file: Path, *, out: Path | None = None, case: str | None = None) -> None:
+    """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`.
+
+    out: The SVG file to write (default: <model file>.svg).
+    """
     from torsion import commands
 
     with refusals(file):
         say(f"Sketch: {commands.sketch(file, out, case=case)}")
 
 
-@app.command()
+@command
 def live(
-    file: File,
-    case: Case = None,
-    port: Annotated[
-        int,
-        typer.Option("--port", min=0, max=65535, help="Port of the page (default: a free one)."),
-    ] = 0,
-    no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Print the address and open no browser.")
-    ] = False,
+    file: Path,
+    *,
+    case: str | None = None,
+    port: Annotated[int, {"min": 0, "max": 65535}] = 0,
+    no_browser: bool = False,
 ) -> None:
     """Show a page that follows the file: verdict, Campbell diagram and response, solved again whenever it is saved.
 
     Every toleranced figure of the file, and every figure that its sweep, design or fit varies, has a slider. The page
     is for this machine alone and writes nothing; its address bears a token. Ctrl-C ends it. Exit
     status: 0, or 2 where there is no such file or the port is taken.
+
+    port: Port of the page (default: a free one).
+    no_browser: Print the address and open no browser.
     """
     from torsion.live.server import Server
     from torsion.live.session import Session
@@ -357,17 +329,18 @@ def _schema_text() -> str:
     return json_text.dumps(json_schema(), indent=2) + "\n"
 
 
-@app.command()
+@command
 def schema() -> None:
     """Print the JSON Schema of the file, by which an editor completes and checks it."""
     typer.echo(_schema_text(), nl=False)
 
 
-@app.command()
-def new(
-    file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml"),
-) -> None:
-    """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it."""
+@command
+def new(file: Path = Path("train.yaml")) -> None:
+    """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it.
+
+    file: The file to write.
+    """
     from torsion.schema import template
 
     head = f"# yaml-language-server: $schema={SCHEMA_FILE}\n"
@@ -379,11 +352,12 @@ def new(
     say(f"{file} written; solve it with: torsion solve {file}")
 
 
-@app.command()
-def sources(
-    bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entries.")] = False,
-) -> None:
-    """Print the literature of all formulas, methods and rules; the report lists what its run used."""
+@command
+def sources(*, bib: bool = False) -> None:
+    """Print the literature of all formulas, methods and rules; the report lists what its run used.
+
+    bib: Print BibTeX entries.
+    """
     from torsion.rules import RULES, rule
     from torsion.sources import SOURCES
 

@@ -1,10 +1,12 @@
 """How every command ends: a report or results printed, a message and its exit status where there is no answer."""
 
+import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from inspect import getdoc, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -13,6 +15,35 @@ from torsion.lasting_output import say
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
+
+HELP = re.compile(r"\n(\w+): (.+)")  # of a parameter, in the docstring of a command
+OF_ALL = """
+file: The shaft train, a YAML file.
+out: Folder of the report.
+case: Only one case of the file (normal: the nominal case).
+json: Print the results as JSON; no file is written, and no option that writes one is taken.
+pdf: Write report.pdf too.
+verbose: Print all tables, not their summary.
+"""
+SHORT = {"out": "-o", "verbose": "-v"}
+
+
+def described(command: Callable[..., None]) -> Callable[..., None]:
+    """Give the parameters of a command the help that its docstring has of them, or that of all; after `*` are options."""
+    text = getdoc(command) or ""
+    helps = dict(HELP.findall(OF_ALL + text))
+    for name, parameter in signature(command).parameters.items():
+        limits = next(iter(getattr(parameter.annotation, "__metadata__", ())), {})
+        traits: dict[str, Any] = {"help": helps.get(name), **limits}
+        if parameter.kind is not parameter.KEYWORD_ONLY:
+            stated = typer.Argument(**traits)
+        else:
+            flags = [SHORT[name]] if name in SHORT else []
+            stated = typer.Option(*flags, f"--{name.replace('_', '-')}", **traits)
+        command.__annotations__[name] = Annotated[parameter.annotation, stated]
+    without_help = lambda line: line[0] * (line[1] not in command.__annotations__)  # noqa: E731
+    command.__doc__ = HELP.sub(without_help, text).rstrip()
+    return command
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """The commands that compare results and exchange files with other programs."""
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -9,21 +8,15 @@ from torsion.command_endings import refusals, stop, write_new
 from torsion.lasting_output import say
 
 
-def compare(
-    before: Annotated[
-        Path, typer.Argument(help="results.json A, or its folder.", show_default=False)
-    ],
-    after: Annotated[
-        Path, typer.Argument(help="results.json B, or its folder.", show_default=False)
-    ],
-    html: Annotated[
-        Path | None, typer.Option("--html", help="Write the comparison as a page.")
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
-) -> None:
+def compare(before: Path, after: Path, *, html: Path | None = None, json: bool = False) -> None:
     """Compare two results: input, natural frequencies and checks of every case; nothing is solved.
 
     Exit status: 0 no change, 1 something changed, 2 a file cannot be read.
+
+    before: results.json A, or its folder.
+    after: results.json B, or its folder.
+    html: Write the comparison as a page.
+    json: Print the comparison as JSON.
     """
     from torsion.exchange import compare_command
 
@@ -33,22 +26,20 @@ def compare(
 
 
 def import_(
-    file: Annotated[
-        Path | None,
-        typer.Argument(help="Mass-elastic table (.csv), or openTorsion-Editor file (.json)."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Model file to write (default: print it).")
-    ] = None,
-    referred: Annotated[
-        bool,
-        typer.Option("--referred", help="All values are referred to the speed of the first mass."),
-    ] = False,
-    template: Annotated[bool, typer.Option("--template", help="Print a table to fill in.")] = False,
+    file: Path | None = None,
+    *,
+    out: Path | None = None,
+    referred: bool = False,
+    template: bool = False,
 ) -> None:
     """Write the model file of a mass-elastic table: one mass a row, with the stiffness to the next mass.
 
     Exit status: 0, or 2 if the table is faulty.
+
+    file: Mass-elastic table (.csv), or openTorsion-Editor file (.json).
+    out: Model file to write (default: print it).
+    referred: All values are referred to the speed of the first mass.
+    template: Print a table to fill in.
     """
     from torsion.exchange.mass_elastic_table import TEMPLATE, import_table
 
@@ -66,31 +57,27 @@ def import_(
 
 
 def export(
-    file: Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)],
-    out: Annotated[
-        Path,
-        typer.Option("-o", "--out", help="Train.mo (Modelica), or .npz or .mat (state space)."),
-    ],
-    rpm: Annotated[
-        float | None, typer.Option("--rpm", help="Reference speed (default: the rated speed).")
-    ] = None,
-    order: Annotated[
-        str | None, typer.Option("--order", help="Modelica: one order only, as 2 or 1/2.")
-    ] = None,
-    at: Annotated[
-        float | None, typer.Option("--at", help="State space: Hz at which loss factors are exact.")
-    ] = None,
-    inputs: Annotated[
-        str, typer.Option("--inputs", help="State space: stations with a torque, by commas.")
-    ] = "",
-    outputs: Annotated[
-        str, typer.Option("--outputs", help="State space: stations with a speed, by commas.")
-    ] = "",
-    case: Annotated[str | None, typer.Option("--case", help="One case of the file.")] = None,
+    file: Path,
+    *,
+    out: Path,
+    rpm: float | None = None,
+    order: str | None = None,
+    at: float | None = None,
+    inputs: str = "",
+    outputs: str = "",
+    case: str | None = None,
 ) -> None:
     """Write the lumped train as a Modelica model, or as a state space for Python or MATLAB.
 
     Exit status: 0, or 2 if the train has no counterpart there.
+
+    out: Train.mo (Modelica), or .npz or .mat (state space).
+    rpm: Reference speed (default: the rated speed).
+    order: Modelica: one order only, as 2 or 1/2.
+    at: State space: Hz at which loss factors are exact.
+    inputs: State space: stations with a torque, by commas.
+    outputs: State space: stations with a speed, by commas.
+    case: One case of the file.
     """
     from torsion.exchange.export_command import export as write
 
