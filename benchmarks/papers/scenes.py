@@ -9,14 +9,14 @@ from torsion.findings import Findings
 SCENES = Path(__file__).parents[2] / "shafting_specs" / "papers"
 
 
-def solved(name: str, *changes: tuple[str, str]) -> Findings:
-    """What the program finds of a scene; each change replaces words that must stand in the file."""
+def solved(name: str, *changes: tuple[str, str], only: tuple[str, ...] = ()) -> Findings:
+    """What the program finds of a scene, or `only` these analyses; each change replaces words that stand in the file."""
     text = (SCENES / f"{name}.yaml").read_text(encoding="utf-8")
     for old, new in changes:
         if old not in text:
             raise ValueError(f"{name}.yaml says no '{old}'")
         text = text.replace(old, new)
-    return torsion.run(torsion.parse(text))
+    return torsion.run(torsion.parse(text), only=only)
 
 
 def joints(name: str, *changes: tuple[str, str]) -> Joints:

@@ -19,7 +19,7 @@ from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.trees.tree import Tree
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
-from torsion.output.results_json import results
+from torsion.output.results_json import _made
 
 ROOT = Path(__file__).parents[2]
 FILE = Path(__file__).with_name("frozen_digits.json")
@@ -49,8 +49,8 @@ def solved(scene: str) -> Findings:
 
 @lru_cache(maxsize=1)
 def written(scene: str) -> dict[str, Any]:
-    """What results.json says of a scene."""
-    return results(solved(scene))
+    """What results.json says of a scene, with arrays in place of lists."""
+    return {key: make() for key, make in _made(solved(scene)).items()}
 
 
 @lru_cache(maxsize=1)
@@ -68,8 +68,9 @@ def terminal(report: Document) -> list[str]:
 
 
 def digits(values: Any) -> Digits:
-    """Of an array, or nested lists with None for no value."""
+    """Of an array, or nested lists with None for no value; what is not finite is none."""
     array = np.array(values, dtype=float).ravel()
+    array[~np.isfinite(array)] = np.nan
     known = array[np.isfinite(array)]
     digest = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()[:10]
     return [digest, int(known.size), float(known.sum()), float(np.abs(known).sum())]

@@ -3,13 +3,15 @@
 import math
 import re
 import tempfile
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jsonschema import Draft202012Validator
-from tests.contracts.frozen import SCENES, reported, solved
-from tests.contracts.frozen import terminal as lines_of
+from tests.contracts.frozen import SCENES, reported, solved, terminal
 
 from torsion.analyses.joints.joint_lines import Joints
 from torsion.analyses.motion.transient_motion import Transients
@@ -17,13 +19,12 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Sy
 from torsion.analyses.undamped_modes import Modes
 from torsion.kernels.trees.tree_response import Status
 from torsion.output.data_tables import report_tables as archive
-from torsion.output.document import Document
 from torsion.output.figures.figure import Figure
 from torsion.output.html import html
 from torsion.output.pdf import source
 from torsion.output.report_figures import csv_of
 from torsion.output.results_json import rendered
-from torsion.output.stored_report import opened, stored
+from torsion.output.stored_report import opened
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source
@@ -87,35 +88,41 @@ def every_response_is_finite_with_a_status_and_a_small_residual(scene: str) -> N
         assert np.all(total.rms <= total.bound)
 
 
-def the_report_drawn_from_its_results_is_the_one_drawn_by_solve(scene: str) -> None:
-    """Page, source and figures of the PDF, terminal and tables, byte for byte."""
+def the_report_read_from_its_results_is_the_one_of_solve(scene: str) -> None:
+    """To the last bit, of the same types: so whatever draws it, draws the same. And every renderer draws it."""
     made = reported(scene)
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        rendered(made, solved(scene))(folder / "results.json")
-        again = opened(folder)
-        assert typeset(again, folder / "again") == typeset(made, folder / "made")
-    page = html(made)
-    assert html(again) == page
-    assert len(page.encode()) < HEAVIEST
-    assert lines_of(again) == lines_of(made)
-    assert archive(again) == archive(made)
-    assert stored(again, "", ()) == stored(made, "", ()), "every number of every figure"
-    figures = zip(again.body, made.body, strict=True)
-    sorts = {
-        type(two.block.panels[0]): (one.block, two.block)
-        for one, two in figures
-        if isinstance(two.block, Figure)
-    }
-    assert all(csv_of(one) == csv_of(two) for one, two in sorts.values())
-    assert (again.ending, again.report) == (made.ending, made.report)
+    with tempfile.TemporaryDirectory() as folder:
+        rendered(made, solved(scene))(Path(folder) / "results.json")
+        unlike = list(differences(opened(Path(folder)), made))
+        assert not unlike, unlike[:5]
+        source(made, Path(folder))
+    assert len(html(made).encode()) < HEAVIEST
+    assert terminal(made)
+    archive(made)
+    drawn = [item.block for item in made.body if isinstance(item.block, Figure)]
+    for figure in {type(figure.panels[0]): figure for figure in drawn}.values():
+        csv_of(figure)
 
 
-def typeset(made: Document, folder: Path) -> dict[str, str]:
-    """The source of the PDF and every drawing beside it."""
-    folder.mkdir()
-    found = {"report.typ": source(made, folder)}
-    return found | {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+def differences(read: Any, made: Any, place: str = "report") -> Iterator[str]:
+    """Where two values differ in type or in any bit, but for what a report does not keep."""
+    if type(read) is not type(made):
+        yield f"{place}: {type(read)}, not {type(made)}"
+    elif is_dataclass(made):
+        for field in fields(made):
+            if field.metadata.get("kept", True):
+                pair = getattr(read, field.name), getattr(made, field.name)
+                yield from differences(*pair, f"{place}.{field.name}")
+    elif isinstance(made, np.ndarray):
+        if (read.dtype, read.shape, read.tobytes()) != (made.dtype, made.shape, made.tobytes()):
+            yield place
+    elif isinstance(made, dict):
+        yield from differences(list(read.items()), list(made.items()), place)
+    elif isinstance(made, list | tuple) and len(read) == len(made):
+        for number, pair in enumerate(zip(read, made, strict=True)):
+            yield from differences(*pair, f"{place}[{number}]")
+    elif repr(read) != repr(made):
+        yield f"{place}: {read!r:.80}, not {made!r:.80}"
 
 
 def every_motion_over_time_balances_its_energy_and_can_be_trusted(scene: str) -> None:

@@ -19,7 +19,7 @@ LAWS = (
     scene_laws.every_frequency_is_certified_and_inside_its_bounds,
     scene_laws.the_table_of_scenes_says_what_is_computed,
     scene_laws.every_response_is_finite_with_a_status_and_a_small_residual,
-    scene_laws.the_report_drawn_from_its_results_is_the_one_drawn_by_solve,
+    scene_laws.the_report_read_from_its_results_is_the_one_of_solve,
     scene_laws.every_motion_over_time_balances_its_energy_and_can_be_trusted,
     scene_laws.every_rule_of_the_scene_gives_a_verdict_on_a_finite_value,
     digits_are_the_frozen_ones,

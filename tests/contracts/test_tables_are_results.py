@@ -55,10 +55,12 @@ def at(found: Any, path: str) -> Iterator[Any]:
 
 
 def flat(value: Any) -> Iterator[Any]:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
     if isinstance(value, list):
         for one in value:
             yield from flat(one)
-    elif value is not None:
+    elif value is not None and not (isinstance(value, float) and not math.isfinite(value)):
         yield value
 
 

@@ -5,6 +5,7 @@ import json
 import tempfile
 from base64 import b64decode
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -66,20 +67,30 @@ def source(document: Document, folder: Path) -> str:
         file.write_text(svg(figure), encoding="utf-8")
         return file.name
 
+    return (
+        environment()
+        .get_template("report_blocks.typ")
+        .render(
+            style=template_text("report.typ"),
+            cover=document.cover,
+            logo=logo,
+            body=document.body,
+            has_first_page=document.has_first_page,
+            colours=COLOURS,
+            drawn=drawn,
+        )
+    )
+
+
+@cache
+def environment() -> Environment:
+    """Return the environment of the template, which is compiled once."""
     templates = Environment(
         loader=FileSystemLoader(TEMPLATES), undefined=StrictUndefined, trim_blocks=True
     )
     templates.filters |= {"quoted": text, "words": words, "longest": longest}
     templates.filters["kind"] = lambda block: type(block).__name__
-    return templates.get_template("report_blocks.typ").render(
-        style=template_text("report.typ"),
-        cover=document.cover,
-        logo=logo,
-        body=document.body,
-        has_first_page=document.has_first_page,
-        colours=COLOURS,
-        drawn=drawn,
-    )
+    return templates
 
 
 def text(value: str) -> str:
