@@ -14,10 +14,10 @@ from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.closed_answers import (
     NODES,
     POINTS,
+    POWERS,
     SERIES,
-    TURNED,
     answers,
-    cut_short,
+    turning,
     value,
 )
 from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
@@ -82,15 +82,12 @@ def one_disc(
 )
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: float) -> None:
-    series = SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES))
-    cut = cut_short(series[:, None, None], np.array([share]))[:, 0, 0]
-    found = cut @ answers(np.array([root * share]))[:, 0]
+    torque = POWERS @ (SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES)))
+    late = np.array([share])
+    answered = answers(np.array([root]), 0.0, late, POINTS, np.exp(root * late[None]))
+    found = complex((torque * share ** np.arange(POINTS)) @ answered[:, 0, 0])
     with mpmath.workdps(60):
-        of = [mpmath.mpf(float(one)) for one in series]
-        step = mpmath.mpf(share)
-        powers = mpmath.taylor(
-            lambda x: sum(c * mpmath.legendre(k, 2 * step * x - 1) for k, c in enumerate(of)), 0, 7
-        )
+        powers = [mpmath.mpf(float(one)) * mpmath.mpf(share) ** k for k, one in enumerate(torque)]
         z = mpmath.mpc(root * share)
         each = [(mpmath.e**z - 1) / z]
         for power in range(1, 8):
@@ -100,24 +97,24 @@ def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: flo
 
 
 def test_slow_and_fast_modes_answer_together_as_each_alone() -> None:
-    z = np.multiply.outer([-1 + 3j, -0.5 + 40j, -10 + 1e4j], [0.05, 0.3, 0.9])
-    together = answers(z)
-    for mode, time in np.ndindex(3, 3):
-        alone = answers(z[[mode], [time]])[:, 0]
-        assert together[:, mode, time] == pytest.approx(alone, rel=1e-13, abs=1e-16)
+    root, time = np.array([-1 + 3j, -0.5 + 40j, -10 + 1e4j]), np.array([0.05, 0.3, 0.9])
+    decay = np.exp(np.multiply.outer(root, time))
+    together = answers(root, 0.0, time, POINTS, decay)
+    for mode, late in np.ndindex(3, 3):
+        alone = answers(root[[mode]], 0.0, time[[late]], POINTS, decay[[mode]][:, [late]])
+        assert together[:, mode, late] == pytest.approx(alone[:, 0, 0], rel=1e-13, abs=1e-16)
 
 
-def test_a_series_that_is_cut_short_is_the_same_polynomial() -> None:
-    series, share = np.sin(np.arange(POINTS * 6.0)).reshape(POINTS, 2, 3), np.array([0.05, 0.3, 1])
-    cut, inside = cut_short(series, share), np.array([0.1, 0.6, 1.0])
-    for torque in range(2):
-        values = value(cut[:, torque], inside)
-        assert values == pytest.approx(value(series[:, torque], inside * share), abs=1e-13)
+def test_a_polynomial_goes_through_its_values_at_the_nodes() -> None:
+    values = np.sin(np.arange(POINTS * 2.0)).reshape(POINTS, 2)
+    polynomial = (POWERS @ (SERIES @ values))[:, :, None]
+    assert value(polynomial, NODES) == pytest.approx(values.T, abs=1e-11)
 
 
 def test_a_motion_without_root_turns_by_the_second_integral_of_its_torque() -> None:
-    cubic = cut_short((SERIES @ NODES**3)[:, None, None], np.array([0.5]))[:, 0, 0]
-    assert 0.5**2 * (TURNED @ cubic[:2]) == pytest.approx(0.5**5 / 20.0, rel=1e-14)
+    cubic = POWERS @ (SERIES @ NODES**3) * 0.5 ** np.arange(POINTS)
+    turned = 0.5**2 * (cubic @ turning(0.0, np.array([0.5]), POINTS)[:, 0])
+    assert turned == pytest.approx(0.5**5 / 20.0, rel=1e-14)
 
 
 class MotorWithPulsation(laws.InductionMotor):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.motion.closed_answers import exponential_answers
+from torsion.kernels.motion.closed_answers import answers
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
 from torsion.kernels.motion.loaded_modes import LoadedModes
@@ -85,8 +85,9 @@ def answered(root: complex, loads, force: np.ndarray, start: float) -> np.ndarra
                 every = terms.load, terms.level, terms.slope, terms.rate
                 for load, level, slope, rate in zip(*every, strict=True):
                     decay = np.exp(np.array([[root * length[0]]]))
-                    once, ramp = exponential_answers(np.array([root]), rate, length, 2, decay)
-                    y += force[load] * (level * once + slope * ramp)[0, 0]
+                    once, ramp = answers(np.array([root]), rate, length, 2, decay)[:, 0, 0]
+                    late = float(length[0])
+                    y += force[load] * (level * late * once + slope * late**2 * ramp)
         found[k] = y
     return found
 

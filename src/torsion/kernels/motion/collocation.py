@@ -8,7 +8,7 @@ series of every torque are small. A law may have regimes, in each of which it is
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -300,12 +300,13 @@ class _Collocation:
     ) -> tuple[float, int, int] | None:
         """The first change of regime in a step: the share of it, the law, and the regime that follows."""
         departure: tuple[float, int, int] | None = None
-        series, start = SERIES @ trial.torque.T, self.train.under(trial.torque, length)
+        start = self.train.under(trial.torque, length)
 
+        @cache
         def margin(share: float, number: int, which: int) -> float:
             law, shares = self.laws[number], np.array([share])
             turning = self.train.at(time, start, shares * length)
-            motion = np.stack([value(series[:, :, None], shares), *turning])
+            motion = np.stack([value(start.polynomial, shares), *turning])
             points = _points(law, time + shares * length, motion)
             return float(law.limits(self.regimes[number], points)[which][0][0])
 

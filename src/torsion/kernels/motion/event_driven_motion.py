@@ -9,6 +9,8 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.motion.linear_regime import Reading, Regime
 from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 
+BLOCK = 20_000  # coordinates at a time
+
 
 @dataclass(frozen=True)
 class Event:
@@ -53,10 +55,15 @@ class EventDrivenMotion:
         for number in np.unique(group).tolist():
             columns = np.flatnonzero(group == number)
             regime, interval, chosen, starts = self._groups[number]
-            which = np.searchsorted(chosen, step[columns])
-            start = Start(*(column[..., which] for column in starts))
-            reading = regime.read(interval, start, time[columns] - start.time)
-            yield regime, columns, reading, start.begun
+            for part in np.array_split(columns, 1 + columns.size * len(regime.root) // BLOCK):
+                which = np.searchsorted(chosen, step[part])
+                start = Start(*(column[..., which] for column in starts))
+                yield (
+                    regime,
+                    part,
+                    regime.read(interval, start, time[part] - start.time),
+                    start.begun,
+                )
 
     def at(self, time: FloatArray) -> Reading:
         """The motion at times (s); positions are whole ones."""

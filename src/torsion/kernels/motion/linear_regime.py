@@ -15,7 +15,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.closed_answers import TURNED, answers, answers_and_turning, cut_short
+from torsion.kernels.motion.closed_answers import POINTS, answers, turning
 from torsion.kernels.motion.damped_modes import Roots, roots_of
 from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 from torsion.kernels.motion.piecewise_elements import Law, Switch
@@ -23,7 +23,6 @@ from torsion.kernels.motion.piecewise_elements import Law, Switch
 Modes = tuple[int, ...]  # the regime of every element
 HELD = 1e-10  # relative: rigid motions that springs and dampers twist by less are free
 TINY = float(np.finfo(float).tiny)
-BLOCK = 20_000  # answers at a time
 NOTHING = 1e-12  # of the fastest: a slower mode stands still
 
 
@@ -94,27 +93,25 @@ class Regime:
         decay = np.exp(np.multiply.outer(root, time))
         y = start.y * decay
         turned = start.turned + start.y[:number].real * time
+        # Generalised forces by powers of time, (coordinates, columns), over each rate of exponentials.
         steady = self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset
-        loads = [(0.0 + 0.0j, [steady])]
+        loads = [(0.0 + 0.0j, steady[None])]
+        if start.polynomial.any():
+            powers = self.force[:, train.following] @ start.polynomial
+            powers /= start.length ** np.arange(POINTS)[:, None, None]
+            powers[0] += steady
+            loads = [(0.0 + 0.0j, powers)]
         columns = acting.later(start.time - train.history.begin[interval])
         for rate, terms, count in acting.by_rate:
             force = self.force[:, 1 + acting.load[terms]]
-            loads.append((rate, [force @ column[terms] for column in columns[:count]]))
+            loads.append((rate, np.stack([force @ column[terms] for column in columns[:count]])))
         for rate, forces in loads:
-            answered, turning = answers_and_turning(root, rate, time, len(forces), decay)
-            for force, answer, once in zip(forces, answered, turning, strict=True):
-                y += force * answer
-                turned = turned + (force[:number] * once).real
-        if start.series.any():
-            series, force = (
-                cut_short(start.series, time / start.length),
-                self.force[:, train.following],
-            )
-            for block in np.array_split(np.arange(len(time)), 1 + y.size // BLOCK):
-                answer = answers(root[:, None] * time[block])
-                y[:, block] += time[block] * np.sum(force @ series[:, :, block] * answer, axis=0)
-            once = np.tensordot(TURNED, force[:number].real @ series[:2], 1)
-            turned = turned + np.square(time) * once
+            count = len(forces)
+            late = time ** np.arange(1, count + 1)[:, None]
+            answered = answers(root, rate, time, count, decay)
+            y += np.einsum("kct,kct,kt->ct", forces, answered, late)
+            once = late * time * turning(rate, time, count)
+            turned = turned + np.einsum("kct,kt->ct", forces[:, :number], once).real
         return y, turned
 
     def read(self, interval: int, start: Start, time: FloatArray) -> Reading:
@@ -123,8 +120,10 @@ class Regime:
         inputs, rates = self.train.inputs_at(interval, start, time, 2).transpose(2, 0, 1)
         position, speed = self.positions(y, turned, start.offset), self.speeds(y)
         gained = self.speeds(self.root[:, None] * y + self.force @ inputs)
-        torque = self.torque @ np.concatenate([position, speed, inputs, rates])
-        changes = self.torque @ np.concatenate([speed, gained, rates, 0.0 * rates])
+        torque, changes = np.empty((2, len(self.torque), len(time)))
+        if len(self.torque):
+            torque = self.torque @ np.concatenate([position, speed, inputs, rates])
+            changes = self.torque @ np.concatenate([speed, gained, rates, 0.0 * rates])
         return Reading(position, speed, inputs, rates, gained, torque, changes)
 
     @cached_property

@@ -10,10 +10,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.motion.closed_answers import DERIVED, POINTS
+from torsion.kernels.motion.closed_answers import POINTS, value
 from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.piecewise_elements import Element
 from torsion.kernels.motion.torque_history import Piece, history
@@ -90,11 +89,11 @@ class LoadedModes:
         since = start.time + time - self.history.begin[interval]
         inputs[1 : self.following.start] = self.loads_at(interval, since, orders)
         if len(self.shape):
-            order = np.arange(min(orders, POINTS))[:, None, None, None]
-            series = np.tensordot(DERIVED[: len(order)], start.series, 1)
-            series = series * (2.0 / start.length) ** order
-            basis = legendre.legvander(2.0 * time / start.length - 1.0, POINTS - 1)
-            inputs[self.following, :, : len(order)] = np.einsum("tk,okit->ito", basis, series)
+            polynomial = start.polynomial
+            for order in range(min(orders, POINTS)):
+                inputs[self.following, :, order] = value(polynomial, time / start.length)
+                power = np.arange(1.0, len(polynomial))[:, None, None]
+                polynomial = power * polynomial[1:] / start.length
         inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
         return inputs
 
@@ -106,7 +105,7 @@ class Start(NamedTuple):
     y: ComplexArray  # (coordinates, columns)
     turned: FloatArray  # (motions that nothing holds, columns) rad
     offset: FloatArray  # (elements, columns) rad
-    # (coefficients, interfaces, columns) N m of the torques that follow the motion, over a length (columns,) s
-    series: FloatArray
+    # (powers, interfaces, columns) N m of the torques that follow the motion, by the share of a length (columns,) s
+    polynomial: FloatArray
     length: FloatArray
     begun: FloatArray  # (rigid motions, columns) rad, from which positions of the step count

@@ -17,7 +17,7 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.closed_answers import AT_END, ENDS, POINTS, SERIES
+from torsion.kernels.motion.closed_answers import AT_END, ENDS, POINTS, POWERS, SERIES
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
 from torsion.kernels.motion.first_root import first_root
 from torsion.kernels.motion.linear_regime import Modes, Regime, regime_of
@@ -323,7 +323,7 @@ class March:
         self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
     ) -> FloatArray:
         """(rows, times) of the step that begins, at times since then (s)."""
-        begin = np.concatenate([self.features, self.start.series.ravel()])
+        begin = np.concatenate([self.features, self.start.polynomial.ravel()])
         return np.asarray(self._sampled(rows, times, length) @ begin)
 
     def _sampled(
@@ -372,10 +372,11 @@ class March:
         if ("influence", length) not in self.kept:
             sampled = self._sampled(_interface_rows, length * ENDS, length)
             number, shape = self.number, (3, self.number, len(ENDS), POINTS, self.number)
-            by_series = sampled[:, :, -POINTS * number :].reshape(shape)
+            by_powers = sampled[:, :, -POINTS * number :].reshape(shape)
             matrix = np.empty((4, number, len(ENDS), number, POINTS))
             matrix[0] = np.einsum("gf,en->gefn", np.eye(number), BY_NODES)
-            matrix[1:] = np.einsum("dgekf,kn->dgefn", by_series, SERIES)
+            by_series = np.einsum("dgekf,kc->dgefc", by_powers, POWERS)
+            matrix[1:] = by_series @ SERIES
             self._keep(("influence", length), matrix.reshape(*matrix.shape[:3], -1))
         return np.asarray(self.kept["influence", length])
 
@@ -401,5 +402,5 @@ class March:
     def under(self, torque: FloatArray, length: float) -> Start:
         """The step that begins, under torques (interfaces, nodes) over a length (s)."""
         return self.start._replace(
-            series=(SERIES @ torque.T)[:, :, None], length=np.array([length])
+            polynomial=(POWERS @ (SERIES @ torque.T))[:, :, None], length=np.array([length])
         )

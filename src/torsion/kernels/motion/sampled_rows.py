@@ -7,22 +7,13 @@ A march meets the same times again and again; a step among them then costs one p
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.motion.closed_answers import (
-    DERIVED,
-    POINTS,
-    TURNED,
-    answers,
-    answers_and_turning,
-    cut_short,
-)
+from torsion.kernels.motion.closed_answers import POINTS, answers, turning
 from torsion.kernels.motion.linear_regime import Regime
 from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 from torsion.kernels.motion.torque_history import Acting
 
-EYE = np.eye(POINTS)[:, :, None]
 ORDERS = np.arange(3)  # of derivatives of inputs
 
 
@@ -83,7 +74,7 @@ def sample(
     def by_inputs(rate: complex, inputs: IntArray, count: int) -> list[ComplexArray]:
         """(rows, times, inputs) by levels, and by slopes where `count` is 2."""
         force = regime.force[:, inputs]
-        answered, turning = answers_and_turning(root, rate, time, count, decay)
+        answered, once = answers(root, rate, time, count, decay), turning(rate, time, count)
         turned = rows.by_turned @ force[:number].real
         powers, growth = rate**ORDERS, np.exp(rate * time)[:, None]
         columns = []
@@ -92,8 +83,8 @@ def sample(
             value = powers if power == 0 else time[:, None] * powers
             value = value + power * ORDERS * np.append(0.0, powers[:-1])
             column = np.einsum("td,dri->rti", growth * value, rows.by_inputs[:, :, inputs])
-            column = column + turned[:, None] * turning[power][:, None]
-            forced = rows.by_y[:, None] * answered[power].T
+            column = column + turned[:, None] * (time ** (power + 2) * once[power])[:, None]
+            forced = rows.by_y[:, None] * (time ** (power + 1) * answered[power]).T
             columns.append(column + forced @ force)
         return columns
 
@@ -106,24 +97,20 @@ def sample(
             by_terms[:, :, terms + (2 * power + 1) * len(acting.load)] = -column.imag
     blocks = [by_y.real, -by_y.imag, by_turned, by_steady.real, by_terms]
 
-    if len(
-        train.shape
-    ):  # (rows, times, coefficients, interfaces) by the torques that follow the motion
-        share = time / length
-        force, by_value = (
-            matrix[..., train.following] for matrix in (regime.force, rows.by_inputs)
-        )
-        forced = (rows.by_y[:, :, None] * force).transpose(0, 2, 1)
-        answer = time * answers(root[:, None] * time)
-        # (rows, interfaces, coefficients, times) of what has acted so far
-        by_local = np.tensordot(forced, answer, (2, 1)).real
+    if len(train.shape):
+        # (rows, times, powers, interfaces) by the torques that follow the motion
+        power, share, following = np.arange(POINTS), time[:, None] / length, train.following
+        force = regime.force[:, following]
+        answered = answers(root, 0.0, time, POINTS, decay) * time
+        by_powers = np.einsum("rc,kct,cf->rtkf", rows.by_y, answered, force, optimize=True).real
         turned = rows.by_turned @ force[:number].real
-        by_local[:, :, :2] += np.multiply.outer(turned, np.multiply.outer(TURNED, time**2))
-        by_local += by_value[0][:, :, None, None]  # every local polynomial ends with 1
-        by_series = np.einsum("rflt,lkt->rtkf", by_local, cut_short(EYE, share))
-        basis = legendre.legvander(2.0 * share - 1.0, POINTS - 1)
-        for order in (1, 2):
-            derived = basis @ DERIVED[order] * (2.0 / length) ** order
-            by_series += np.einsum("rf,tk->rtkf", by_value[order], derived)
-        blocks.append(by_series.reshape(*by_y.shape[:2], -1))
+        by_powers += (time[:, None] ** 2 * turning(0.0, time, POINTS).T)[:, :, None] * turned[
+            :, None, None
+        ]
+        by_powers *= (share**power)[:, :, None]
+        factor, lower = np.ones(POINTS), power
+        for by_value in rows.by_inputs[:, :, following]:
+            by_powers += (factor * share**lower)[:, :, None] * by_value[:, None, None]
+            factor, lower = factor * lower / length, np.maximum(lower - 1, 0)
+        blocks.append(by_powers.reshape(*by_y.shape[:2], -1))
     return np.concatenate(blocks, axis=2)
