@@ -60,11 +60,14 @@ def answers(
     )
     if (near := np.flatnonzero(is_near)).size:
         small, grown = flat[near], growth[near]
-        last = np.zeros_like(small)
-        for coefficient in np.cumprod(1.0 / np.arange(count, count + TERMS))[::-1].tolist():
-            last *= small
-            last += coefficient
-        last *= grown
+        last, square = (
+            np.zeros((2, near.size), dtype=complex),
+            small * small,
+        )  # even terms, odd ones
+        for pair in np.cumprod(1.0 / np.arange(count, count + TERMS)).reshape(-1, 2, 1)[::-1]:
+            last *= square
+            last += pair
+        last = grown * (last[0] + small * last[1])
         answer[-1][near] = last
         for power in range(count - 1, 0, -1):
             last = (grown + small * last) / power

@@ -9,6 +9,7 @@ series with the elements, u = ends p + rest - F T.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -93,25 +94,27 @@ class Regime:
         decay = np.exp(np.multiply.outer(root, time))
         y = start.y * decay
         turned = start.turned + start.y[:number].real * time
-        # Generalised forces by powers of time, (coordinates, columns), over each rate of exponentials.
-        steady = self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset
-        loads = [(0.0 + 0.0j, steady[None])]
+        # By rates of exponentials: generalised forces (coordinates, columns) by powers of time.
+        loads = {0.0j: [self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset]}
         if start.polynomial.any():
             powers = self.force[:, train.following] @ start.polynomial
             powers /= start.length ** np.arange(POINTS)[:, None, None]
-            powers[0] += steady
-            loads = [(0.0 + 0.0j, powers)]
+            loads[0.0j] = [loads[0.0j][0] + powers[0], *powers[1:]]
         columns = acting.later(start.time - train.history.begin[interval])
         for rate, terms, count in acting.by_rate:
             force = self.force[:, 1 + acting.load[terms]]
-            loads.append((rate, np.stack([force @ column[terms] for column in columns[:count]])))
-        for rate, forces in loads:
-            count = len(forces)
-            late = time ** np.arange(1, count + 1)[:, None]
-            answered = answers(root, rate, time, count, decay)
+            pushed = (force @ column[terms] for column in columns[:count])
+            both = zip_longest(loads.get(rate, ()), pushed, fillvalue=0.0)
+            loads[rate] = [first + second for first, second in both]
+        for rate, forces in loads.items():
+            late = time ** np.arange(1, len(forces) + 1)[:, None]
+            answered = answers(root, rate, time, len(forces), decay)
             y += np.einsum("kct,kct,kt->ct", forces, answered, late)
-            once = late * time * turning(rate, time, count)
-            turned = turned + np.einsum("kct,kt->ct", forces[:, :number], once).real
+            if number:
+                once = late * time * turning(rate, time, len(forces))
+                turned = (
+                    turned + np.einsum("kct,kt->ct", [row[:number] for row in forces], once).real
+                )
         return y, turned
 
     def read(self, interval: int, start: Start, time: FloatArray) -> Reading:

@@ -4,6 +4,7 @@
 A march meets the same times again and again; a step among them then costs one product.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +14,6 @@ from torsion.kernels.motion.closed_answers import POINTS, answers, turning
 from torsion.kernels.motion.linear_regime import Regime
 from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 from torsion.kernels.motion.torque_history import Acting
-
-ORDERS = np.arange(3)  # of derivatives of inputs
 
 
 class Rows(NamedTuple):
@@ -71,46 +70,35 @@ def sample(
     by_y[:, :, :number] += rows.by_turned[:, None] * time[:, None]
     by_turned = np.broadcast_to(rows.by_turned[:, None], (*by_y.shape[:2], number))
 
-    def by_inputs(rate: complex, inputs: IntArray, count: int) -> list[ComplexArray]:
-        """(rows, times, inputs) by levels, and by slopes where `count` is 2."""
-        force = regime.force[:, inputs]
-        answered, once = answers(root, rate, time, count, decay), turning(rate, time, count)
-        turned = rows.by_turned @ force[:number].real
-        powers, growth = rate**ORDERS, np.exp(rate * time)[:, None]
-        columns = []
-        for power in range(count):
-            # Derivatives of exp(rate t), or of t exp(rate t).
-            value = powers if power == 0 else time[:, None] * powers
-            value = value + power * ORDERS * np.append(0.0, powers[:-1])
-            column = np.einsum("td,dri->rti", growth * value, rows.by_inputs[:, :, inputs])
-            column = column + turned[:, None] * (time ** (power + 2) * once[power])[:, None]
-            forced = rows.by_y[:, None] * (time ** (power + 1) * answered[power]).T
-            columns.append(column + forced @ force)
-        return columns
+    def by_inputs(rate: complex, inputs: IntArray, count: int) -> ComplexArray:
+        """(rows, times, powers, inputs) by t**power exp(rate t) of inputs."""
+        force, power = regime.force[:, inputs], np.arange(count)[:, None]
+        answered = answers(root, rate, time, count, decay).transpose(2, 0, 1)
+        answered *= (time ** (power + 1)).T[:, :, None]
+        by_power = np.tensordot(rows.by_y[:, None, None] * answered, force, 1)
+        once = (time ** (power + 2) * turning(rate, time, count)).T[:, :, None]
+        by_power += once * (rows.by_turned @ force[:number].real)[:, None, None]
+        # With what the inputs give at once, and their derivatives.
+        late, once, twice = [time ** np.maximum(power - order, 0) for order in range(3)]
+        once, twice = power * once, power * (power - 1) * twice
+        inputs_by_order = [late, once + rate * late, twice + 2.0 * rate * once + rate**2 * late]
+        given = np.exp(rate * time) * inputs_by_order
+        by_power += np.einsum("dkt,dri->rtki", given, rows.by_inputs[:, :, inputs])
+        return by_power
 
-    steady = np.append(0, np.arange(train.following.stop, train.inputs))
-    (by_steady,) = by_inputs(0.0, steady, 1)
-    by_terms = np.zeros((*by_y.shape[:2], 4 * len(acting.load)))
+    # Without a rate, to as many powers of time as torques that follow the motion have.
+    count, every = POINTS if len(train.shape) else 2, np.arange(train.inputs)
+    resting = by_inputs(0.0, every, count)
+    by_terms = np.zeros((*by_y.shape[:2], 4, len(acting.load)))
     for rate, terms, count in acting.by_rate:
-        for power, column in enumerate(by_inputs(rate, 1 + acting.load[terms], count)):
-            by_terms[:, :, terms + 2 * power * len(acting.load)] = column.real
-            by_terms[:, :, terms + (2 * power + 1) * len(acting.load)] = -column.imag
-    blocks = [by_y.real, -by_y.imag, by_turned, by_steady.real, by_terms]
-
+        loads = 1 + acting.load[terms]
+        columns = by_inputs(rate, loads, count) if rate else resting[:, :, :count, loads]
+        by_terms[:, :, 0 : 2 * count : 2, terms] = columns.real
+        by_terms[:, :, 1 : 2 * count : 2, terms] = -columns.imag
+    by_steady = resting[:, :, 0, np.append(0, every[train.following.stop :])].real
+    blocks = [by_y.real, -by_y.imag, by_turned, by_steady, by_terms]
     if len(train.shape):
-        # (rows, times, powers, interfaces) by the torques that follow the motion
-        power, share, following = np.arange(POINTS), time[:, None] / length, train.following
-        force = regime.force[:, following]
-        answered = answers(root, 0.0, time, POINTS, decay) * time
-        by_powers = np.einsum("rc,kct,cf->rtkf", rows.by_y, answered, force, optimize=True).real
-        turned = rows.by_turned @ force[:number].real
-        by_powers += (time[:, None] ** 2 * turning(0.0, time, POINTS).T)[:, :, None] * turned[
-            :, None, None
-        ]
-        by_powers *= (share**power)[:, :, None]
-        factor, lower = np.ones(POINTS), power
-        for by_value in rows.by_inputs[:, :, following]:
-            by_powers += (factor * share**lower)[:, :, None] * by_value[:, None, None]
-            factor, lower = factor * lower / length, np.maximum(lower - 1, 0)
-        blocks.append(by_powers.reshape(*by_y.shape[:2], -1))
+        powers = np.arange(POINTS)[:, None]
+        blocks.append(resting[..., train.following].real / length**powers)
+    blocks = [block.reshape(*by_y.shape[:2], math.prod(block.shape[2:])) for block in blocks]
     return np.concatenate(blocks, axis=2)
