@@ -8,6 +8,8 @@ import tempfile
 import pytest
 from tests.shared import SHARED
 
+# Before numpy is imported: threads of two workers that spin take up to ten times the time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 LONGEST = {"test_site.py", "test_slow_scenes.py"}
 
 
