@@ -85,7 +85,7 @@ def about_constant_speed(study: Study, system: System, speed: float) -> tuple[Va
     now = operating(at, speed)
     still = np.zeros((at.layout.free, 193))
     _, derivatives = equations(at.layout, now.loading, Motion(still, still, still), now.load, 1)
-    mass, damping, stiffness = derivatives().entries.full(at.layout.free)
+    mass, damping, stiffness = derivatives().entries.full(np.eye(at.layout.free))
     bent = state(
         at.layout, now.loading, Motion(still, still, still), now.load, mean_angle(now.loading, 193)
     )

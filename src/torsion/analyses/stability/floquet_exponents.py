@@ -50,38 +50,12 @@ class Variation:
     repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
     is_free: bool = False  # nothing holds the train: the first of these is its own motion
 
-    def reduced_to(self, reduced: Basis) -> "Variation":
-        """Return the same on a basis of modes and, next to them, of what the repeated motions have in addition.
 
-        Without that they would not quite repeat themselves, and seem to grow or to die out.
-        """
-        # Shapes of generalised inertia 1 for what the basis misses of the repeated motions.
-        size = len(reduced.inertia)
-        heavy = np.sqrt(reduced.inertia)[:, None]
-        weighted = heavy * self.repeated[:, :size].swapaxes(0, 1).reshape(size, -1)
-        within = heavy * reduced.shape
-        missing = weighted - within @ (within.T @ weighted)
-        left, extent, _ = np.linalg.svd(missing, full_matrices=False)
-        left = left[:, extent > REST * np.linalg.norm(weighted)]
-        missed = np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0)
+def variation(mechanism: Scene, orbit: Orbit, reduced: Basis | None = None) -> Variation:
+    """Return the variation of the equations about an orbit, of the coordinates or on a basis of modes.
 
-        shape = np.column_stack([reduced.shape, missed])
-        mass, damping, stiffness = (
-            shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness)
-        )
-        repeated = [
-            np.concatenate([reduced.share(half), (missed.T * reduced.inertia) @ half])
-            for motion in self.repeated
-            for half in np.split(motion, 2)
-        ]
-        form = len(self.repeated), 2 * shape.shape[1], len(self.mass)
-        return Variation(
-            mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free
-        )
-
-
-def variation(mechanism: Scene, orbit: Orbit) -> Variation:
-    """Return the variation of the equations about an orbit.
+    The basis is widened by what the motions that repeat themselves have in addition: without that they would not quite
+    repeat themselves, and seem to grow or to die out.
 
     A vibratory torque goes by the angle of its own station: by the clock it would hold the train to a phase. Of a train
     with loss factors, scene and orbit must be those of the dampers that stand for them (`straight_modes.viscous`):
@@ -94,39 +68,54 @@ def variation(mechanism: Scene, orbit: Orbit) -> Variation:
     motion = motion_of(orbit.balance.harmonic, loading.w0, times)
     turned = mean_angle(loading, times)
     moving = state(layout, loading, motion, orbit.balance.load, turned)
-    mass, damping, stiffness = entries(layout, loading, moving).full(free)
-    diagonal = np.arange(free)
+    couplings = entries(layout, loading, moving)
     order = loading.order * loading.multiple
     phase = np.exp(1j * np.outer(order, turned))
     torque_rates = ((1j * loading.speed * order * loading.vibratory) @ phase).real
-    stiffness[:, diagonal, diagonal] -= gathered(
+    couplings.stiffness[:free] -= gathered(
         layout, moving.turning.first * torque_rates / moving.rate
-    ).T
-    if layout.dampers.size.size:
-        twist = at_coordinates(layout, moving.turning.first)
-        pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
-        damping = damping + pull @ twist
-        slope = at_coordinates(layout, moving.turning.second * moving.rate)
-        stiffness = stiffness + pull @ slope
+    )
 
     # What repeats itself unless something holds it: all that turns, turning further, and, where parts are joined by
     # damping alone, every part without a joint, turned by a fixed angle.
     repeated = list[FloatArray]()
     if layout.floating:
-        turning = np.isin(diagonal, np.concatenate(layout.floating))[:, None]
+        turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
         speed = loading.speed + motion.speed
         repeated.append(np.concatenate([turning * speed, turning * motion.acceleration]))
     driven = {int(layout.coordinate[step.outer]) for step in layout.steps}
     for group in layout.floating if len(layout.floating) > 1 else ():
         if not driven & set(group):
-            angle = np.repeat(np.isin(diagonal, group)[:, None], times, axis=1)
+            angle = np.repeat(np.isin(np.arange(free), group)[:, None], times, axis=1)
             repeated.append(np.concatenate([angle, np.zeros((free, times))]))
+    motions = np.reshape(repeated, (-1, 2, free, times))
+
+    shape = np.eye(free)
+    if reduced is not None:
+        # Shapes of generalised inertia 1 for what the basis misses of the repeated motions.
+        heavy = np.sqrt(reduced.inertia)[:, None]
+        weighted = heavy * motions[:, 0].swapaxes(0, 1).reshape(free, -1)
+        within = heavy * reduced.shape
+        missing = weighted - within @ (within.T @ weighted)
+        left, extent, _ = np.linalg.svd(missing, full_matrices=False)
+        left = left[:, extent > REST * np.linalg.norm(weighted)]
+        missed = np.divide(left, heavy, out=np.zeros_like(left), where=heavy > 0)
+        shape = np.column_stack([reduced.shape, missed])
+        by_coordinate = np.moveaxis(motions, 2, 0)
+        beside = np.tensordot(missed.T * reduced.inertia, by_coordinate, 1)
+        motions = np.moveaxis(np.concatenate([reduced.share(by_coordinate), beside]), 0, 2)
+    mass, damping, stiffness = couplings.full(shape)
+    if layout.dampers.size.size:
+        twist = at_coordinates(layout, moving.turning.first) @ shape
+        pull = np.swapaxes(layout.dampers.size[:, None] * twist, 1, 2)
+        slope = at_coordinates(layout, moving.turning.second * moving.rate) @ shape
+        damping, stiffness = damping + pull @ twist, stiffness + pull @ slope
     return Variation(
         mass,
         damping,
         stiffness,
         2.0 * np.pi / loading.w0,
-        np.reshape(repeated, (-1, 2 * free, times)),
+        motions.reshape(len(motions), 2 * shape.shape[1], times),
         bool(layout.floating),
     )
 
@@ -269,10 +258,9 @@ class Search:
         Drive and load do not follow a torsional vibration as they follow the mean speed: of the torsional exponents
         with and without the slopes that act on the mean speed only the worse ones count. The drift is that with all.
         """
-        around = variation(self.mechanism, orbit)
+        around = variation(self.mechanism, orbit, self.reduced)
         highest = self.shapes.highest
         if self.reduced is not None:
-            around = around.reduced_to(self.reduced)
             highest = BEYOND * self.reduced.highest
         if method == "hill":
             multipliers = by_hill(around, highest, orbit.balance.count, most_rows)

@@ -7,7 +7,7 @@ of the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes o
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -22,8 +22,8 @@ SLOW = 1e-3  # 1/s: a slower drift is not reported
 STEP = 1e-5  # relative: of the speed, in a difference quotient of the torque lost
 BOUNDARY = 1e-6  # relative: how closely the ends of a drift are sought
 PEAK = 2e-3  # of the interval in which the greatest drift is sought
-AROUND = 0.05  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
-SMOOTH = 1e-2  # of that: how closely it is sought, as its slope hardly changes there
+AROUND = 0.02  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
+SMOOTH = 1e-4  # relative: how closely it is sought
 SHARP = 1e-4  # relative: how closely the slope that is missing is sought
 MOST_TURNS = 8  # of speed and slope
 
@@ -82,9 +82,9 @@ def missing_slope(
     """
     before = start
     worst = start.operation.loading.speed
-    reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
     at_station = np.eye(len(mechanism.slopes))[station]
 
+    @cache
     def slope_of_all(speed: float, slope: float) -> float:
         """Return D at a speed with a slope at the station; infinite where there is no motion."""
         nonlocal before
@@ -93,24 +93,29 @@ def missing_slope(
         before = motion or before
         return float(np.nan_to_num(total, nan=np.inf))
 
-    # In turn the speed that lacks most and the slope that it lacks: the speed hardly moves with the slope, and what is
-    # lacking is flat about it, so that two or three turns suffice.
-    slope = 0.0
+    # In turn the slope that the speed lacks and the speed that lacks most with it: it hardly moves with the slope, and
+    # what is lacking is flat about it, so that two or three turns suffice.
+    slope, speed, least = 0.0, worst, slope_of_all(worst, 0.0)
+    around = AROUND * worst
     for _ in range(MOST_TURNS):
-        speed, least = find_minimum(
-            partial(slope_of_all, slope=slope),
-            *reach,
-            tolerance=SMOOTH * (reach[1] - reach[0]),
-        )
         if abs(least) <= SHARP * slope or (least >= 0.0 and slope == 0.0):
             return slope
         try:
             root = find_root(
-                partial(slope_of_all, speed), slope, slope - least, relative=SHARP / 10.0
+                partial(slope_of_all, speed),
+                slope,
+                slope - least,
+                relative=SHARP / 10.0 if slope else AROUND,
             )
         except ValueError:  # the slope steadies nothing there
             break
         slope = float(root)
+        reach = max(speed - around, limits[0]), min(speed + around, limits[1])
+        tolerance = SMOOTH * speed
+        place, least = find_minimum(
+            lambda w, of=slope: slope_of_all(w, of), *reach, tolerance=tolerance
+        )
+        speed, around = place, 2.0 * abs(place - speed) + tolerance
     return np.nan
 
 

@@ -19,6 +19,7 @@ from torsion.analyses.steady import reference_station, steady_if_known
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
+from torsion.kernels.periodic.harmonic_balance import Factors
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -46,6 +47,7 @@ class Scene:
     laws: Literal["none", "negative", "all"] = (
         "none"  # which slopes of the laws of drive and load act too
     )
+    factors: Factors = field(default_factory=Factors)  # of the last orbit
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:

@@ -220,7 +220,8 @@ def _solve(
         twist = at_bodies(mechanism.layout) @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
     at_speed = partial(equations, mechanism.layout, operation.loading)
-    solution = balance(at_speed, harmonic, load, operation.loading.steady, w0)
+    steady = operation.loading.steady
+    solution = balance(at_speed, harmonic, load, steady, w0, mechanism.factors)
     return replace(solution, harmonic=solution.harmonic[: mechanism.layout.free])
 
 

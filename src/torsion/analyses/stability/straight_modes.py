@@ -40,10 +40,10 @@ class Basis:
 
     def share(self, motion: FloatArray) -> FloatArray:
         """Return (shapes, ...) of each shape in a motion (coordinates, ...)."""
-        shares = np.asarray((self.shape.T * self.inertia) @ motion)
+        shares = np.tensordot(self.shape.T * self.inertia, motion, 1)
         light = np.isnan(self.frequency)
         if light.any():
-            shares[light] = (motion - self.shape @ shares)[self.inertia == 0]
+            shares[light] = (motion - np.tensordot(self.shape, shares, 1))[self.inertia == 0]
         return shares
 
 

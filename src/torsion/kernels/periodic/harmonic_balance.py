@@ -19,8 +19,9 @@ from torsion.kernels.periodic.hill import (
 
 OVERSAMPLED = 6  # points in time per harmonic kept: products of up to six harmonics are not aliased
 MOST_NEWTON = 40
-KEPT = 1e-4  # relative step below which the factors of its matrix serve the next ones: each gains four digits
-QUADRATIC = 1e-7  # relative step from which one more step of Newton's method reaches rounding
+KEPT = 1e-2  # of the residual: where a step leaves less, its factors serve the next one
+GAINED = 0.1  # of the residual: what a step by the factors of another motion may leave of it
+CLOSE = 1e-11  # of the amplitude: where less is missing, one more step reaches rounding
 ROUNDING = 1e-14  # of the largest mean: smaller steps are rounding
 HALVINGS = 12
 MOST_UNKNOWNS = 40_000
@@ -66,7 +67,15 @@ class Balance:
 
 # Of a motion, the loads and how many harmonics are kept: the residual, and what returns it with its derivatives.
 Equations = Callable[[Motion, FloatArray, int], tuple[FloatArray, Callable[[], Linearised]]]
-Solve = Callable[[FloatArray], tuple[ComplexArray, FloatArray]]
+Solve = Callable[[ComplexArray], tuple[ComplexArray, FloatArray]]
+
+
+@dataclass
+class Factors:
+    """The factors of the last balance of a train: near that motion they serve the first steps to another one."""
+
+    solve: Solve | None = None
+    form: tuple[int, ...] = ()  # how many coordinates, harmonics and loads it changes
 
 
 def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
@@ -75,7 +84,7 @@ def motion_of(harmonic: ComplexArray, w0: float, times: int) -> Motion:
     half = np.zeros((*harmonic.shape[:-1], times // 2 + 1), dtype=complex)
     half[..., : count + 1] = harmonic[..., count:]
     rate = 1j * w0 * np.arange(half.shape[-1])
-    return Motion(*(np.fft.irfft(half * rate**k, times) * times for k in range(3)))
+    return Motion(*np.fft.irfft([half, half * rate, half * rate**2], times) * times)
 
 
 def points_in_time(count: int) -> int:
@@ -87,12 +96,18 @@ def points_in_time(count: int) -> int:
 
 
 def balance(
-    equations: Equations, start: ComplexArray, load: FloatArray, held: IntArray, w0: float
+    equations: Equations,
+    start: ComplexArray,
+    load: FloatArray,
+    held: IntArray,
+    w0: float,
+    factors: Factors,
 ) -> Balance:
     """Return the periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
 
     load: first guess of the unknown loads; each goes with one coordinate of `held`, whose mean stays as it starts.
-    Raises SolveError where Newton's method finds no solution.
+    factors: of another motion of the train; those of this one take their place. Raises SolveError where Newton's
+    method finds no solution.
     """
     count = start.shape[1] // 2
     if start.size > MOST_UNKNOWNS:
@@ -102,27 +117,40 @@ def balance(
     times = points_in_time(count)
     harmonic, load = np.array(start, dtype=complex), np.array(load, dtype=float)
     residual, derivatives = equations(motion_of(harmonic, w0, times), load, count)
-    size = np.linalg.norm(harmonics_of(residual, count))
+    missing = harmonics_of(residual, count)
+    size = np.linalg.norm(missing)
     last = False
-    solve: Solve | None = None
+    # Factors of another motion make a first guess at the least, and between close speeds every step.
+    form = *harmonic.shape, len(load)
+    solve = factors.solve if factors.form == form else None
+    is_borrowed = solve is not None
     for step in range(1, MOST_NEWTON + 1):
-        solve = solve or _factorised(derivatives(), held, w0, count)
-        move, change = solve(residual)
-        for part in (0.5 ** np.arange(HALVINGS)).tolist():
+        if solve is None:
+            solve = _factorised(derivatives(), held, w0, count)
+            is_borrowed = False
+        move, change = solve(missing)
+        for part in (0.5 ** np.arange(1 if is_borrowed else HALVINGS)).tolist():
             trial, trial_load = harmonic + part * move, load + part * change
-            residual, derivatives = equations(motion_of(trial, w0, times), trial_load, count)
-            reached = np.linalg.norm(harmonics_of(residual, count))
-            amplitude, longest = _amplitude(trial), float(np.abs(part * move).max())
-            is_small = longest <= QUADRATIC * amplitude + ROUNDING * float(np.abs(trial).max())
-            if last or reached < size or is_small:
+            residual, slopes = equations(motion_of(trial, w0, times), trial_load, count)
+            left = harmonics_of(residual, count)
+            reached = np.linalg.norm(left)
+            longest = float(np.abs(part * move).max())
+            near = CLOSE * _amplitude(trial) + ROUNDING * float(np.abs(trial).max())
+            is_close = longest * reached <= near * size  # if the next step gains as much
+            if last or reached < (GAINED if is_borrowed else 1.0) * size or is_close:
                 break
         else:
-            break
-        harmonic, load, size = trial, trial_load, reached
+            if not is_borrowed:
+                break
+            solve = None
+            continue
+        last_size = size
+        harmonic, load, size, missing, derivatives = trial, trial_load, reached, left, slopes
         if last:
+            factors.solve, factors.form = solve, form
             return Balance(harmonic, load, step, _truncation(derivatives(), harmonic, w0, count))
-        last = is_small and part == 1.0
-        if part < 1.0 or (longest > KEPT * amplitude and not is_small):
+        last = is_close and part == 1.0
+        if part < 1.0 or (reached > KEPT * last_size and not last):
             solve = None
     raise SolveError(
         "no periodic solution found; smaller angles of the joints, more damping or closer speeds may lead to one"
@@ -135,7 +163,7 @@ def _amplitude(harmonic: ComplexArray) -> float:
 
 
 def _factorised(linear: Linearised, held: IntArray, w0: float, count: int) -> Solve:
-    """Return what gives, of a residual (coordinates, times), Newton's change of the harmonics and of the loads.
+    """Return what gives, of the harmonics of a residual, Newton's change of those of the motion and of the loads.
 
     The loads are further unknowns, the means of the coordinates `held` are fixed as further equations.
     """
@@ -184,8 +212,8 @@ def _factorised(linear: Linearised, held: IntArray, w0: float, count: int) -> So
     except RuntimeError as error:
         raise SolveError(SINGULAR) from error
 
-    def change_of(residual: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        right = -real_parts(harmonics_of(residual, count)).ravel() / largest
+    def change_of(missing: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+        right = -real_parts(missing).ravel() / largest
         move = np.asarray(factor.solve(np.append(right, np.zeros(loads))))
         if not np.isfinite(move).all():
             raise SolveError(SINGULAR)

@@ -27,12 +27,14 @@ class Couplings:
     stiffness: FloatArray  # (entries, times)
     hysteretic: FloatArray  # (entries,) adds i sign(frequency) times it; 0 where the others vary
 
-    def full(self, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return M, C and K, each (times, size, size)."""
-        sums = np.zeros((3, size * size, self.mass.shape[1]))
-        for total, part in zip(sums, (self.mass, self.damping, self.stiffness), strict=True):
-            np.add.at(total, self.row * size + self.column, part)
-        mass, damping, stiffness = sums.transpose(0, 2, 1).reshape(3, -1, size, size)
+    def full(self, shape: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return M, C and K of motions `shape` (size, motions), each (times, motions, motions)."""
+        number, times = shape.shape[1], self.mass.shape[1]
+        parts = np.concatenate([self.mass, self.damping, self.stiffness], axis=1)
+        left, right = shape[self.row], shape[self.column]
+        rows = [(left[:, [motion]] * right).T @ parts for motion in range(number)]
+        sums = np.reshape(rows, (number, number, 3, times)).transpose(2, 3, 0, 1)
+        mass, damping, stiffness = np.ascontiguousarray(sums)
         return mass, damping, stiffness
 
 
