@@ -15,7 +15,7 @@ from tests.kernels.motion.extended_precision import ten_stations
 
 from benchmarks.page_file import Report, verdict
 from torsion.arrays import FloatArray
-from torsion.kernels.motion.energy_balance import energy_balance
+from torsion.kernels.motion.event_driven_motion import energy_balance
 from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
 

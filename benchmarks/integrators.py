@@ -24,8 +24,7 @@ from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain
 from torsion.kernels.motion.march import March
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc

@@ -18,10 +18,8 @@ from torsion.arrays import FloatArray
 from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Scheme, march
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain, Piece
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.trees.tree import Tree
 
 DURATION, PATIENCE = 2.0, 60.0  # s of the motion; s after which a run is given up

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
-from torsion.model import KINDS, component_class
-from torsion.model.component import Component
+from torsion.model import KINDS
+from torsion.model.component import Component, component_class
 from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS
 from torsion.schema.declaration_reader import keys_of

@@ -24,7 +24,8 @@ from tests.for_all import for_all
 
 import torsion
 from torsion import formulas
-from torsion.model import KINDS, component_class
+from torsion.model import KINDS
+from torsion.model.component import component_class
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
 

@@ -19,8 +19,8 @@ from pydantic_core import PydanticUndefined
 from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.model.component import STEEL, Component
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import STEEL, Component, component_class
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import torsion
-from torsion.model import KINDS, component_class
+from torsion.model import KINDS
+from torsion.model.component import component_class
 from torsion.results import Keyed
 
 if TYPE_CHECKING:

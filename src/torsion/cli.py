@@ -17,16 +17,17 @@ import typer
 import torsion
 from torsion.command_endings import (
     described,
+    make_streams_last,
     print_report,
     refusals,
     refuse_with_json,
+    say,
     show_progress,
     stop,
     write_new,
 )
 from torsion.errors import BAD_INPUT
 from torsion.exchange_commands import compare, export, import_
-from torsion.lasting_output import make_streams_last, say
 
 SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of mallopt, by malloc.h

@@ -16,8 +16,6 @@ from torsion.analyses.discretisation import (
     highest_excited,
     no_response,
 )
-from torsion.analyses.power_balance import power_balance
-from torsion.analyses.response.harmonic_components import lines
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, nearest, printable, refusal
@@ -329,13 +327,16 @@ def _planned(study: Study) -> Planned:
     ruled, system = needed(study), assembled(study)
     if highest := highest_excited(study, system, ruled):
         system = assembled(study, highest)
-    sizes = _sizes(study, system, ruled)
+    from torsion.analyses.response.harmonic_components import lines
+
+    components = lines(system)
+    sizes = _sizes(study, system, ruled, len(components))
 
     # Why a step would be left out; empty words if it would not.
     modes = "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
     if not has_inertia(system):
         modes = "no component has an inertia"
-    has_orders = any(line.order is not None for line in lines(system))
+    has_orders = any(line.order is not None for line in components)
     lacking = {
         "modes": modes,
         "damped": modes or ("" if system.damps else "nothing damps"),
@@ -358,11 +359,13 @@ def _planned(study: Study) -> Planned:
     return Planned(tuple(steps), (*left_out, *not_judged(study)))
 
 
-def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
-    """Return the size of every step by the names of analyses; steps without a size are prepared by others."""
+def _sizes(study: Study, system: System, ruled: frozenset[str], components: int) -> dict[str, str]:
+    """Return the size of every step by the names of analyses; steps without a size are prepared by others.
+
+    components: how many orders and frequencies excite.
+    """
     speeds, requested = study.operation.speeds, modes_settings(study, ruled)
     count = ModesSettings().count if requested is None else requested.count
-    components = len(lines(system))
     sizes = {
         "assembly": f"{len(system.stations)} stations, {len(system.spans)} spans; {discretisation_words(system)}",
         "modes": f"{count} elastic modes",
@@ -372,6 +375,8 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
     }
     if study.has_mean_torque:
+        from torsion.analyses.power_balance import power_balance
+
         balance = power_balance(study.train, study.operation)
         sizes["steady"] = f"the mean torque in every span. {balance.sentence}"
     if variation := study.variations.get("sweep"):
@@ -381,8 +386,8 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.from_settings(study, settings, variation.figures).words
     if "transient" in study.analyses:
-        from torsion.analyses.motion.events.acting_torques import acting_torques, expected_steps
         from torsion.analyses.motion.events.transient_settings import cases
+        from torsion.analyses.motion.train.state_before import acting_torques, expected_steps
 
         motions = (
             f"{motion.name}: {acting_torques(study, motion).words}{expected_steps(study, system, motion)}"

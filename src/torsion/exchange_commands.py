@@ -4,8 +4,7 @@ from pathlib import Path
 
 import typer
 
-from torsion.command_endings import refusals, stop, write_new
-from torsion.lasting_output import say
+from torsion.command_endings import refusals, say, stop, write_new
 
 
 def compare(before: Path, after: Path, *, html: Path | None = None, json: bool = False) -> None:

@@ -27,7 +27,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from torsion import units
 from torsion.errors import printable
-from torsion.usual_ranges import USUAL, UsualRange
+from torsion.units import USUAL, UsualRange
 
 # In SI, of any number but 0: squares and cubes of these are numbers too.
 SMALLEST, LARGEST = 1e-60, 1e60

@@ -283,10 +283,14 @@ class Work(Results):
     log: Log = field(default_factory=Log)
     progress: Progress = silent
     ruled: frozenset[str] = frozenset()  # analyses that the rules of the study read
-    rules: Any = None  # the module of the rules, for the speeds that their verdicts stand on
     solve: Callable[..., Findings] | None = None  # another study to its findings, as `run` does
     # Chunks of a sweep to their parts, in place of this process.
     answered: Callable[..., Any] | None = None
+
+    @property
+    def rules(self) -> Any:
+        """The module of the rules, for the speeds that their verdicts stand on."""
+        return resolve_name("torsion.rules.rule_over_speed")
 
     def settings(self, name: str, kind: type[Settings]) -> Settings:
         """Return the settings of an analysis, defaults where the file names it without any or not at all."""

@@ -20,8 +20,6 @@ from torsion.findings import (
     Work,
     silent,
 )
-from torsion.rules import rule_over_speed
-from torsion.rules.demands import demanded_study, in_rpm, unjudged, unjudged_variants
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.schema.study_faults import study_faults
@@ -177,7 +175,6 @@ def _solve_one(
         judged,
         progress=progress,
         ruled=rules.needed(judged),
-        rules=rule_over_speed,
         solve=run,
         answered=answered,
     )
@@ -205,6 +202,10 @@ def _run_analyses(work: Work, study: Study, only: Collection[str], names: Collec
     for name in ordered({key: ANALYSES[key] for key in names}):
         analysis = ANALYSES[name]
         if not (name in study.analyses or name in only or analysis.is_wanted(study)):
+            continue
+        lacks = analysis.lacks and analysis.imported(analysis.lacks)
+        if lacks and (why := lacks(study, work.system, work.ruled)):
+            work.log.without(analysis.title, why)
             continue
         try:
             analysis.imported(analysis.run)(work)
@@ -246,6 +247,10 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
 
     They are computed for the rules only. If they have no answer, the checks of those rules are not judged there.
     """
+    if not study.rules:
+        return findings
+    from torsion.rules.demands import demanded_study, in_rpm, unjudged
+
     above = demanded_study(study)
     if above is None or above.operation.speeds is None:
         return findings
@@ -356,6 +361,8 @@ def _judge(work: Work) -> None:
             checks_found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(checks_found)} checks"
+        from torsion.rules.demands import unjudged_variants
+
         of_variants = (with_basis(check, "") for check in unjudged_variants(work.study))
         checks += (*checks_found, *of_variants)
         for rule in rules.of_study(work.study):

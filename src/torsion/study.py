@@ -4,7 +4,9 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from functools import cached_property
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -15,7 +17,6 @@ from torsion.errors import Fault, refusal, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, needs, refuse, required
 from torsion.model.machine_torques import Load
 from torsion.results import RPM, Displayed, listed, one_line
-from torsion.study_actions import StudyActions
 from torsion.train import Train
 
 ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
@@ -259,7 +260,7 @@ class Variation:
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Displayed, StudyActions):
+class Study(Displayed):
     """A scene: everything that a file says."""
 
     name: str
@@ -355,6 +356,45 @@ class Study(Displayed, StudyActions):
         """Something in the train excites it by order, or at a frequency of its own."""
         train = self.train
         return bool(train.periodic_torques) or any(mesh.error for mesh in train.constraints)
+
+    # What a study does from Python; each action is the function of the package, named so that no floor is passed.
+
+    @cached_property
+    def system(self) -> Any:
+        """The train as assembled, in the model of the file."""
+        return resolve_name("torsion.analyses.discretisation:assembled")(self)
+
+    def modes(self, count: int = 6) -> Any:
+        """Return the lowest `count` elastic modes."""
+        return resolve_name("torsion.analyses.undamped_modes:modes")(self.system, count)
+
+    def response(self) -> Any:
+        """Return the response over the speed range of the file."""
+        return resolve_name("torsion.analyses.response.over_speed:response")(self, self.system)
+
+    def critical_rpm(self, order: float, count: int = 6) -> list[float]:
+        """Return the speeds of the reference, rpm, at which an order meets the lowest modes."""
+        return [60.0 * hertz / float(order) for hertz in self.modes(count).frequency.tolist()]
+
+    def run(self) -> Any:
+        """Return the findings of everything that the file requests."""
+        return resolve_name("torsion.runner:run")(self)
+
+    def with_(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        factor: Mapping[str, Any] | None = None,
+        remove: Sequence[str] = (),
+        **values: Any,
+    ) -> Self:
+        """Return the study with other values, by the paths of `cases: set`, times factors, without components.
+
+        The result has the changed text; its cases are left out. Raises InputError as a case of the file does.
+        """
+        vary = resolve_name("torsion.schema.builder:vary")
+        varied: Self = vary(self, {**(changes or {}), **values}, factor or {}, remove)
+        return varied
 
 
 def states_mean_torque(train: Train, operation: Operation) -> bool:

@@ -1,11 +1,22 @@
-"""How files of a user are read: a regular file of a stated size at most, as bytes; nothing else opens one."""
+"""How files of a user are read, and a text with the place of every value in it.
+
+A file is a regular one of a stated size at most, read as bytes; nothing else opens one.
+"""
 
 import errno
 import os
+import re
 import stat
 from contextvars import ContextVar
-from pathlib import Path
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from operator import itemgetter
+from pathlib import Path as FilePath
+from typing import Any
 
+from torsion.errors import Fault, Path
+
+_BREAK = re.compile(r"\r\n|[\n\r\x85\u2028\u2029]")
 LARGEST_SCENE = 10_000_000  # bytes; a train of 20,000 stations has about 3 MB
 LARGEST_TABLE = 20_000_000  # bytes; 200 a row of the longest table
 LARGEST_SIGNAL = 100_000_000  # bytes; 50 a row of the longest signal
@@ -16,7 +27,7 @@ Stamp = tuple[int, int, int] | None
 OPENED: ContextVar[dict[str, Stamp] | None] = ContextVar("OPENED", default=None)
 
 
-def stamp(file: str | Path) -> Stamp:
+def stamp(file: str | FilePath) -> Stamp:
     """Return the stamp of a file as it is now."""
     try:
         status = os.stat(file)
@@ -25,7 +36,7 @@ def stamp(file: str | Path) -> Stamp:
     return status.st_mtime_ns, status.st_size, status.st_ino
 
 
-def read_file(file: str | Path, largest: int) -> bytes:
+def read_file(file: str | FilePath, largest: int) -> bytes:
     """The content of a file of at most so many bytes; raises OSError, whose `strerror` says why it is not read.
 
     A device or a pipe is refused before it is opened: it may have no end, or wait for a writer.
@@ -37,7 +48,7 @@ def read_file(file: str | Path, largest: int) -> bytes:
     return content
 
 
-def check_file(file: str | Path, largest: int, size: int = 0) -> None:
+def check_file(file: str | FilePath, largest: int, size: int = 0) -> None:
     """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself.
 
     size: as far as more is known of it than the file system says.
@@ -53,3 +64,90 @@ def check_file(file: str | Path, largest: int, size: int = 0) -> None:
         unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
         words = f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read"
         raise OSError(errno.EFBIG, words, str(file))
+
+
+@dataclass(slots=True, eq=False)
+class Node:
+    """A value where it stands; `parts` are the values in it by key or position, `keys` the places of its keys."""
+
+    value: Any
+    line: int
+    column: int
+    parts: "dict[str | int, Node]" = field(default_factory=dict)
+    keys: dict[str, tuple[int, int]] = field(default_factory=dict)
+    size: int = 1  # values in it and itself, aliases written out
+    height: int = 0  # lists and mappings within each other
+    begin: int = 0  # position in the text of the file
+    end: int = 0  # behind it; of a list or mapping without brackets behind the last value in it
+    is_flow: bool = False  # it stands in brackets
+    source: "Source | None" = None  # of a value that a table states: the text of that table
+
+    def as_list(self, parts: "list[Node]") -> "Node":
+        """Return the parts as a list in its place."""
+        values = [part.value for part in parts]
+        return replace(self, value=values, parts=dict(enumerate(parts)), keys={})
+
+    def as_mapping(
+        self, parts: "dict[str | int, Node]", keys: dict[str, tuple[int, int]] | None = None
+    ) -> "Node":
+        """Return the parts as a mapping in its place; `keys`: where its keys stand, else where the parts do."""
+        value = {str(key): part.value for key, part in parts.items()}
+        places = {str(key): (part.line, part.column) for key, part in parts.items()}
+        return replace(self, value=value, parts=parts, keys=places if keys is None else keys)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A text and what it says: plain dict, list, str, int, float, bool and None."""
+
+    name: str
+    text: str
+    root: Node = field(
+        default_factory=lambda: Node(None, 1, 1)
+    )  # nothing, of a text to quote from alone
+    tables: "tuple[tuple[str, Source], ...]" = ()  # every table by the name that the text gives it
+    faults: tuple[Fault, ...] = ()  # of its tables, which can be read all the same
+
+    @property
+    def data(self) -> Any:
+        return self.root.value
+
+    @cached_property
+    def lines(self) -> list[str]:
+        return _BREAK.split(self.text)
+
+    def at(self, path: Path) -> Node | None:
+        """What stands at a path; None where nothing does."""
+        node = self.root
+        for step in path:
+            if step not in node.parts:
+                return None
+            node = node.parts[step]
+        return node
+
+    def find(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
+        """The text in which the value at `path` stands, this one or a table's, and its place there."""
+        node, source = self.root, self
+        label = node.line, node.column
+        for step in path:
+            part = node.parts.get(step)
+            if part is None:
+                break
+            label = node.keys.get(str(step), (part.line, part.column))
+            node, source = part, part.source or source
+        return source, source.within(label if key else (node.line, node.column))
+
+    def within(self, position: tuple[int, int]) -> tuple[int, int]:
+        """The place, or the end of the text if it lies behind it (where the parser puts what is missing there)."""
+        return min(position, (len(self.lines), len(self.lines[-1]) + 1), key=itemgetter(0))
+
+
+def end_of(text: str) -> tuple[int, int]:
+    """Line and column behind a text."""
+    lines = _BREAK.split(text)
+    return len(lines), len(lines[-1]) + 1
+
+
+def line_starts(text: str) -> list[int]:
+    """Position in a text at which each of its lines begins."""
+    return [0, *(ending.end() for ending in _BREAK.finditer(text))]

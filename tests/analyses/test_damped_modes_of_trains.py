@@ -12,8 +12,7 @@ from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
-from torsion.model.machine import Motor
-from torsion.model.propeller import Propeller
+from torsion.model.machine import Motor, Propeller
 from torsion.train import Link
 
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 import torsion
+from torsion import assembly
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.undamped_modes import Modes
-from torsion.assembly import system_builder
 
 MODELS = {"lumped": 1e-3, "fem": 1e-6, "exact": 1e-12}  # error that each promises
 SHAFTS = [(3.0, 0.09), (2.0, 0.14), (4.0, 0.07)]  # m, length and diameter
@@ -124,7 +124,7 @@ def test_more_modes_than_segments_are_an_error_only_where_they_must_not_be_refin
 
 
 def test_shafts_that_cannot_be_refined_enough_are_an_error(monkeypatch):
-    monkeypatch.setattr(system_builder, "MOST", 8)
+    monkeypatch.setattr(assembly, "MOST", 8)
     for count in (7, 60):  # resolved too coarsely, and fewer modes than requested
         with pytest.raises(torsion.SolveError, match="resolved up to"):
             torsion.modes(assembled(STEPPED, "lumped"), count=count)

@@ -13,8 +13,7 @@ from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear, GearBranch
-from torsion.model.machine import Motor
-from torsion.model.propeller import Propeller
+from torsion.model.machine import Motor, Propeller
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m

@@ -18,6 +18,14 @@ rules: [coupling-maker]
 JOINT = COUPLING.replace(
     "- propeller", "- joint: {angle: 5 deg}\n- shaft: {length: 1 m, diameter: 60 mm}\n- propeller"
 )
+STEP = """
+name: two discs
+train:
+- disc: {name: a, inertia: 1 kg*m^2}
+- coupling: {stiffness: 100 N*m/rad}
+- disc: {name: b, inertia: 2 kg*m^2}
+analyses: {transient: {duration: 1 s, events: [{at: a, step: {torque: 5 N*m}}]}}
+"""
 COUNT = """
 import contextlib, io, sys
 source, scene = sys.argv[1:]
@@ -40,7 +48,9 @@ print(len(entered))
 
 
 @pytest.mark.parametrize(
-    ("scene", "most"), [(COUPLING, 75), (JOINT, 86)], ids=["stiffness", "angle of a joint"]
+    ("scene", "most"),
+    [(COUPLING, 59), (JOINT, 71), (STEP, 60)],
+    ids=["stiffness", "angle of a joint", "step of torque"],
 )
 def test_a_figure_enters_few_files(scene: str, most: int, tmp_path: Path) -> None:
     """Files in which a function or the body of a class runs, from the command to the text of the results."""

@@ -6,7 +6,7 @@ import pytest
 from torsion.kernels.modes.loops import jacobi_svd, star_mesh_factor
 from torsion.kernels.modes.mode_shapes import shape_sign
 from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.trees.reduction import rigidity
+from torsion.kernels.trees.tree import rigidity
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])

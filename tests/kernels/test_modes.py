@@ -309,7 +309,7 @@ def test_a_start_that_misses_a_mode_is_found_out_and_mended(random_tree, monkeyp
 
 
 def test_bisection_alone_finds_every_frequency(random_tree):
-    from torsion.kernels.modes.sturm import brackets
+    from torsion.kernels.modes.natural_modes import brackets
 
     tree = random_tree(21, size=15)
     low, high = brackets(tree, np.arange(1, 15), tolerance=2.0**-52)
@@ -317,7 +317,7 @@ def test_bisection_alone_finds_every_frequency(random_tree):
 
 
 def test_a_wrong_frequency_is_never_proven(random_tree):
-    from torsion.kernels.modes.sturm import enclose
+    from torsion.kernels.modes.natural_modes import enclose
 
     tree = random_tree(22, size=12)
     right = tree_modes(tree).frequency

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.modes.natural_modes import count_below
 from torsion.kernels.trees.tree import Tree
 
 

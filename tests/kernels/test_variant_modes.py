@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.modes.natural_modes import count_below, tree_modes
 from torsion.kernels.modes.variant_modes import variant_modes
 from torsion.kernels.trees.tree import Tree
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from torsion.kernels.modes.mode_shapes import shapes_at
-from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.modes.sturm import count_below, enclose, expected_width
+from torsion.kernels.modes.natural_modes import count_below, enclose, expected_width, tree_modes
 from torsion.kernels.trees.tree import Tree
 
 

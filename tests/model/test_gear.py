@@ -14,9 +14,8 @@ from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear, GearBranch
-from torsion.model.machine import Motor
+from torsion.model.machine import Motor, Propeller
 from torsion.model.machine_torques import Excitation
-from torsion.model.propeller import Propeller
 from torsion.study import Operation, Study
 from torsion.train import Link, train
 

@@ -6,7 +6,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
-from torsion.model import component_class
+from torsion.model.component import component_class
 from torsion.model.machine_torques import LoadLaw, read_load
 
 ABSORB = ("generator", "pump", "fan", "machine", "propeller")

@@ -17,8 +17,7 @@ from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.assembly import assemble
 from torsion.fields import Declared
 from torsion.findings import Results
-from torsion.model import component_class
-from torsion.model.component import Material
+from torsion.model.component import Material, component_class
 from torsion.rules import needed
 from torsion.study import Operation, Study
 from torsion.train import train

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.motion.derived.resonances_passed import share_of_steady
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
-from torsion.kernels.motion.resonance_passage import share_of_steady
 from torsion.output.blocks import Table
 from torsion.output.chapters.verdict import barred_ranges
 from torsion.output.results_json import results

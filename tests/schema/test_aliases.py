@@ -9,7 +9,8 @@ from docs.site.model_file_manual import pages
 
 import torsion
 from torsion.errors import InputError
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import component_class
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, keys_of, other_words
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source

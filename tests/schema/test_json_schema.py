@@ -13,7 +13,8 @@ from tests.for_all import for_all
 
 from torsion.analyses import settings_classes
 from torsion.errors import InputError
-from torsion.model import KINDS, component_class
+from torsion.model import KINDS
+from torsion.model.component import component_class
 from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of

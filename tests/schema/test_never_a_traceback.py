@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from torsion.errors import InputError
-from torsion.model import KINDS, component_class
+from torsion.model import KINDS
+from torsion.model.component import component_class
 from torsion.schema import template
 from torsion.schema.scene_reader import parse
 from torsion.study import Study

@@ -10,17 +10,17 @@ from tests.for_all import for_all
 
 from torsion.errors import InputError
 from torsion.fields import LARGEST, SMALLEST
-from torsion.model import KINDS, component_class
-from torsion.model.component import Material
+from torsion.model import KINDS
+from torsion.model.component import Material, component_class
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
+from torsion.model.machine import Propeller
 from torsion.model.machine_torques import Excitation
 from torsion.model.planetary import Planetary
-from torsion.model.propeller import Propeller
 from torsion.model.shaft import Shaft
 from torsion.schema.json_schema import json_schema
 from torsion.schema.scene_reader import parse
-from torsion.usual_ranges import USUAL
+from torsion.units import USUAL
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
 

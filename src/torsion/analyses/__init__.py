@@ -36,6 +36,8 @@ class Analysis:
     )  # name in every output: class, or module:class
     # By a study that does not name it; True of one that says itself what it leaves out.
     wanted: bool | Callable[["Study"], bool] = False
+    # Function (study, system, analyses that rules read) -> str: why it finds nothing; its module is then not imported.
+    lacks: str = ""
     chapters: tuple[
         str, ...
     ] = ()  # of the report, in output/chapters; where none, its results as they are declared
@@ -104,6 +106,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("couplings by table",),
         results={"damped_modes": "DampedModes"},
         wanted=True,
+        lacks="torsion.analyses.discretisation:no_damped_modes",
         chapters=("natural_frequencies",),
         place=("analyses", "modes", "damped"),
     ),
@@ -142,8 +145,17 @@ ANALYSES: dict[str, Analysis] = {
         needs=("damped",),
         results={"mean": "Steady", "machines": "PowerBalance", "mean_loads": "MeanLoads"},
         wanted=True,
+        lacks="torsion.analyses.discretisation:no_mean_torque",
         chapters=("mean_torques",),
         place=("operation",),
+    ),
+    "slopes": Analysis(
+        "slopes of the laws of load and drive",
+        "torsion.analyses.law_slopes",
+        needs=("steady",),
+        wanted=lambda study: any(
+            part.machine and (part.machine.drive or part.machine.load) for part in study.train.parts
+        ),
     ),
     "system data": Analysis(
         "data of the system",
@@ -173,6 +185,7 @@ ANALYSES: dict[str, Analysis] = {
             "synthesis": "torsion.analyses.response.amplitudes:Synthesis",
         },
         wanted=True,
+        lacks="torsion.analyses.discretisation:no_response",
         chapters=(
             "forced_response",
             "component_loads:shafts",
@@ -272,7 +285,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.component_loads",
         needs=("response", "nonlinear peaks"),
         results={"component_loads": "ComponentLoads"},
-        wanted=True,
+        wanted=lambda study: study.excites,
         chapters=("component_loads:gears", "component_loads:couplings"),
         place=("analyses", "response"),
     ),

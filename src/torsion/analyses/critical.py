@@ -3,13 +3,16 @@
 import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Operation
+
+if TYPE_CHECKING:
+    from torsion.analyses.damped_modes import DampedModes
+    from torsion.analyses.response.harmonic_components import Line
 
 
 @reported
@@ -31,8 +34,10 @@ class CriticalSpeed:
     )
 
     @property
-    def line(self) -> Line:
+    def line(self) -> "Line":
         """The harmonic component that excites."""
+        from torsion.analyses.response.harmonic_components import Line
+
         return Line(self.order, None, self.sources, self.own_orders)
 
 
@@ -46,7 +51,7 @@ class CriticalSpeeds:
 
 
 def critical_speeds(
-    modes: Modes | DampedModes, lines: tuple[Line, ...], operation: Operation
+    modes: "Modes | DampedModes", lines: "tuple[Line, ...]", operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
     """Return every crossing of an order with a mode, by ascending speed; fixed frequencies cross nothing."""
     frequencies = list(enumerate(modes.frequency.tolist(), start=1))
@@ -60,7 +65,7 @@ def critical_speeds(
 
 
 def _ascending(
-    lines: tuple[Line, ...],
+    lines: "tuple[Line, ...]",
     crossings: Callable[[Fraction], Iterable[tuple[int, float, float]]],
     operation: Operation,
 ) -> tuple[CriticalSpeed, ...]:
@@ -87,7 +92,11 @@ def _ascending(
 def run(work: Work) -> None:
     """Put the critical speeds where orders excite and modes were computed."""
     modes = work.get(Modes)
-    components = lines(work.system)
+    components: tuple[Line, ...] = ()
+    if work.study.excites:
+        from torsion.analyses.response.harmonic_components import lines
+
+        components = lines(work.system)
     operation = work.study.operation
     crossings: tuple[CriticalSpeed, ...] = ()
     if modes is None or not any(line.order is not None for line in components):

@@ -109,8 +109,6 @@ def _why_not(study: Study, system: System) -> str:
     """Return why there are no damped modes though they are wanted; empty where there are."""
     needs_torque = any(damper.needs_torque for damper in system.dampers)
     needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
-    if not system.damps:
-        return "nothing in the train damps"
     if any(not table.is_complex for table in system.tables_over("frequency").values()):
         return f"{ONLY_REAL}; the modal loss factors stand for them"
     if system.bars is not None:
@@ -135,7 +133,7 @@ def run(work: Work) -> None:
     if settings is None:
         return
     if why := "`damped: false`" if settings.damped is False else _why_not(study, system):
-        if settings.damped and system.damps:
+        if settings.damped:
             hint = "leave `damped: true` out"
             raise SolveError(f"the damped modes are not found: {why}", hint)
         work.log.without("damped modes", why)

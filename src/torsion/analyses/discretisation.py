@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.undamped_modes import (
     Ruled,
     chord_spans,
@@ -26,6 +25,8 @@ def highest_excited(study: Study, system: System, ruled: Ruled) -> float:
     """Return the highest frequency (Hz) of the response that is requested; 0 where none is."""
     if not response_is_requested(study, ruled):
         return 0.0
+    from torsion.analyses.response.harmonic_components import excitations
+
     frequencies = getattr(study.analyses.get("response"), "frequencies", None)
     highest = frequencies.last if frequencies is not None else 0.0
     speeds = study.operation.speeds
@@ -52,6 +53,20 @@ def no_response(study: Study, system: System, ruled: Ruled) -> str:
     if not has_inertia(system):
         return "no component has an inertia"
     return "" if study.operation.speeds is not None else "`operation` has no speeds"
+
+
+def no_mean_torque(study: Study, system: System, ruled: Ruled) -> str:
+    """Return why no mean torque is known; empty where one is."""
+    if study.has_mean_torque:
+        return ""
+    return "the file states neither the power of the loads nor a table of the load"
+
+
+def no_damped_modes(study: Study, system: System, ruled: Ruled) -> str:
+    """Return why modes that are requested are undamped, by the train alone; empty where something damps."""
+    settings = modes_settings(study, ruled)
+    is_requested = settings is not None and settings.damped is not False
+    return "nothing in the train damps" if is_requested and not system.damps else ""
 
 
 def has_inertia(system: System) -> bool:

@@ -5,24 +5,13 @@ A slope is -dT/dω of a drive and +dT/dω of a load, at own speed; a positive on
 
 import numpy as np
 
-from torsion.analyses.power_balance import Balance, interpolated, power_balance, uncovered
-from torsion.arrays import FloatArray
+from torsion.analyses.power_balance import interpolated, power_balance, uncovered
+from torsion.analyses.steady import driven_by_law, rated_point, slopes_of_laws
 from torsion.errors import Fault, InputError
-from torsion.model.machine_torques import DriveLaw
-from torsion.model.parts import Part
-from torsion.study import Operation, Study
-from torsion.train import Train
+from torsion.findings import Work
+from torsion.study import Study
 
 SAME_TORQUE = 0.01  # relative: what the table of a drive may miss of the balance at the rated speed
-
-
-def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
-    """Return the machines that drive by a law of the file, each with that law."""
-    return [
-        (part, part.machine.drive)
-        for part in train.parts
-        if part.machine is not None and part.machine.drive
-    ]
 
 
 def mean_speed_slopes(study: Study) -> dict[str, str]:
@@ -44,45 +33,6 @@ def mean_speed_slopes(study: Study) -> dict[str, str]:
                 part = study.train.parts[study.train.stations[station].part]
                 lacking[part.name] = "damping: law"
     return lacking
-
-
-def slopes_of_laws(
-    train: Train, operation: Operation, balance: Balance, ratio: FloatArray, speed: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the slopes (stations, speeds) N m s/rad of the loads, and of the drives, at reference speeds (rad/s).
-
-    A drive with a lag has none here: it is a damper of the train. ratio: (stations,) own speed / reference speed.
-    """
-    loads, drives = np.zeros((2, len(ratio), len(speed)))
-    for load in balance.loads:
-        at_reference = load.law.slope(speed, load.speed, load.torque)
-        for station, share in load.stations:
-            loads[station] += float(share * balance.delivered) * at_reference / ratio[station] ** 2
-    for part, law in driven_by_law(train):
-        if law.lag is None:
-            station = part.stations[0]
-            rated_speed, rated_torque = rated_point(part, operation, balance)
-            drives[station] += law.slopes(speed * abs(ratio[station]), rated_torque, rated_speed)
-    return loads, drives
-
-
-def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[float, float]:
-    """Return own speed (rad/s) and torque (N m) of a machine that drives: as it states them, else by the balance.
-
-    Raises InputError where neither its own speed nor that of the operation is rated.
-    """
-    machine = part.machine
-    ratio = abs(float(part.ratio))
-    rated_speed = None if operation.rated is None else operation.rated.speed * ratio
-    speed = (None if machine is None else machine.speed) or rated_speed
-    if speed is None:
-        message = f"`drive` of '{part.name}' needs a rated speed"
-        hint = "give its `power` and `speed`, or `operation: {rated: {speed: ...}}`"
-        raise InputError([Fault((*part.path, "drive"), message, hint)])
-    torque = None if machine is None else machine.rated_torque(speed)
-    if torque is None:
-        torque = float(balance.applied(part.stations[0], np.array([speed / ratio]))[0]) / ratio
-    return speed, torque
 
 
 def drive_faults(study: Study) -> list[Fault]:
@@ -142,22 +92,21 @@ def drive_faults(study: Study) -> list[Fault]:
     return faults
 
 
-def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
-    """Return the machines whose stated law has a slope that does not act in vibration, with it and the key it lacks.
-
-    The slope is in N m s/rad at own speed.
-    """
-    operation = study.operation
+def run(work: Work) -> None:
+    """Note every machine whose stated law has a slope that does not act in vibration, with it and the key it lacks."""
+    study, operation = work.study, work.study.operation
+    if work.results.get("mean") is None or operation.speed is None:
+        return
     lacking = mean_speed_slopes(study)
-    if not study.has_mean_torque or operation.speed is None:
-        return []
     balance = power_balance(study.train, operation)
     speed = np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
     loads, drives = slopes_of_laws(study.train, operation, balance, ratio, speed)
-    return [
-        (part.name, slope, lacking[part.name])
-        for part in study.train.parts
-        if part.machine and (part.machine.drive or part.machine.load) and part.name in lacking
-        if (slope := float((loads + drives)[part.stations[0], 0]))
-    ]
+    for part in study.train.parts:
+        is_stated = part.machine and (part.machine.drive or part.machine.load)
+        if not is_stated or part.name not in lacking:
+            continue
+        if slope := float((loads + drives)[part.stations[0], 0]):
+            why = f"its {slope:.6g} N m s/rad act on the mean speed alone"
+            why += f"; `{lacking[part.name]}` lets it damp vibration too"
+            work.log.without(f"slope of '{part.name}' in vibration", why)

@@ -9,7 +9,6 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.law_slopes import slopes_of_laws, slopes_without_vibration
 from torsion.analyses.power_balance import (
     TABLE,
     Balance,
@@ -20,11 +19,11 @@ from torsion.analyses.power_balance import (
     uncovered,
 )
 from torsion.arrays import FloatArray
-from torsion.assembly.elements import elements
-from torsion.assembly.system import System
+from torsion.assembly.system import System, elements
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
 from torsion.kernels.trees.tree import closing_no_loop, walk
+from torsion.model.machine_torques import DriveLaw
 from torsion.model.parts import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study
@@ -184,6 +183,54 @@ def _unit_loads(
     return unit_loads
 
 
+def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
+    """Return the machines that drive by a law of the file, each with that law."""
+    return [
+        (part, part.machine.drive)
+        for part in train.parts
+        if part.machine is not None and part.machine.drive
+    ]
+
+
+def slopes_of_laws(
+    train: Train, operation: Operation, balance: Balance, ratio: FloatArray, speed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the slopes (stations, speeds) N m s/rad of the loads, and of the drives, at reference speeds (rad/s).
+
+    A drive with a lag has none here: it is a damper of the train. ratio: (stations,) own speed / reference speed.
+    """
+    loads, drives = np.zeros((2, len(ratio), len(speed)))
+    for load in balance.loads:
+        at_reference = load.law.slope(speed, load.speed, load.torque)
+        for station, share in load.stations:
+            loads[station] += float(share * balance.delivered) * at_reference / ratio[station] ** 2
+    for part, law in driven_by_law(train):
+        if law.lag is None:
+            station = part.stations[0]
+            rated_speed, rated_torque = rated_point(part, operation, balance)
+            drives[station] += law.slopes(speed * abs(ratio[station]), rated_torque, rated_speed)
+    return loads, drives
+
+
+def rated_point(part: Part, operation: Operation, balance: Balance) -> tuple[float, float]:
+    """Return own speed (rad/s) and torque (N m) of a machine that drives: as it states them, else by the balance.
+
+    Raises InputError where neither its own speed nor that of the operation is rated.
+    """
+    machine = part.machine
+    ratio = abs(float(part.ratio))
+    rated_speed = None if operation.rated is None else operation.rated.speed * ratio
+    speed = (None if machine is None else machine.speed) or rated_speed
+    if speed is None:
+        message = f"`drive` of '{part.name}' needs a rated speed"
+        hint = "give its `power` and `speed`, or `operation: {rated: {speed: ...}}`"
+        raise InputError([Fault((*part.path, "drive"), message, hint)])
+    torque = None if machine is None else machine.rated_torque(speed)
+    if torque is None:
+        torque = float(balance.applied(part.stations[0], np.array([speed / ratio]))[0]) / ratio
+    return speed, torque
+
+
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
     """Return mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
     if not study.has_mean_torque:
@@ -205,10 +252,6 @@ def run(work: Work) -> None:
     study = work.study
     operation = work.study.operation
     speeds = work.study.operation.speeds
-    if not study.has_mean_torque:
-        reason = "the file states neither the power of the loads nor a table of the load"
-        work.log.without("mean torque", reason)
-        return
     balance = power_balance(study.train, operation)
     grid = np.array([] if operation.speed is None else [operation.speed])
     if speeds is not None:
@@ -227,9 +270,6 @@ def run(work: Work) -> None:
         work.put(mean=mean, machines=PowerBalance(machines), mean_loads=loads)
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
-    for name, slope, key in slopes_without_vibration(study):
-        why = f"its {slope:.6g} N m s/rad act on the mean speed alone; `{key}` lets it damp vibration too"
-        work.log.without(f"slope of '{name}' in vibration", why)
 
 
 def mean_loads(system: System, mean: Steady, point: int) -> MeanLoads:

@@ -7,19 +7,22 @@ import math
 from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import Steady, steady_if_known
-from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.spans import bar_segments
+from torsion.assembly.system import Element, damps, elements
 from torsion.errors import InputError, without_controls
 from torsion.findings import Results, Work
 from torsion.model.parts import GearRating, MachineRecord
 from torsion.primitives import Inertia, SectionMesh
 from torsion.results import reported, result
+
+if TYPE_CHECKING:
+    from torsion.analyses.steady import Steady
+
 
 GIVEN_AS = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", "damping": "c"}
 
@@ -309,7 +312,7 @@ def _ground(evidence: Results) -> Iterator[GroundDamping]:
     """Yield the damping to ground of every damper, at the rated speed where it varies."""
     system = evidence.system
     rated = evidence.study.operation.rated
-    steady = evidence.get(Steady)
+    steady: Steady | None = evidence.results.get("mean")
     for station in dict.fromkeys(damper.station for damper in system.dampers):
         part = evidence.study.train.parts[system.stations[station].part]
         dampers = [damper for damper in system.dampers if damper.station == station]
@@ -345,6 +348,9 @@ def _torques(evidence: Results) -> Iterator[TorqueRow]:
         ):
             speed = np.array([rated.speed])
             steady = None
+            from torsion.analyses.response.harmonic_components import amplitude
+            from torsion.analyses.steady import steady_if_known
+
             with suppress(InputError):  # the table of the load may not reach to it
                 steady = steady_if_known(study, evidence.system, speed) if torque.of_mean else None
             if steady is not None or not torque.of_mean:

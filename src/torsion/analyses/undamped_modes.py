@@ -11,9 +11,8 @@ from pydantic import Field
 from torsion.analyses.modes.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
-from torsion.assembly.elements import by_part, elements
 from torsion.assembly.spans import phase
-from torsion.assembly.system import System
+from torsion.assembly.system import System, by_part, elements
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.kernels.trees.tree import Tree
@@ -276,8 +275,8 @@ def _table_end(system: System) -> float:
 def _refined(system: System, count: int) -> Modes:
     """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
     from torsion.analyses.modes.mode_nodes import reach
-    from torsion.kernels.modes.sturm import brackets
-    from torsion.kernels.trees.reduction import rigidity
+    from torsion.kernels.modes.natural_modes import brackets
+    from torsion.kernels.trees.tree import rigidity
 
     # So that the last of them, which counts find, lies in reach, as far as settings allow.
     highest = system.requested.frequency

@@ -7,10 +7,10 @@ from itertools import count, pairwise
 
 import numpy as np
 
+from torsion.assembly import MOST, Collected
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.spans import Piece, Row, Span, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
-from torsion.assembly.system_builder import MOST, Collected
 from torsion.primitives import Bar, Station
 from torsion.train import Train
 

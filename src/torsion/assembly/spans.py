@@ -7,7 +7,6 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.columns import plain
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar, Station
 
@@ -30,6 +29,8 @@ def is_uniform(bar: Bar) -> bool:
 
 def area_along(bar: Bar, share: FloatArray | float) -> FloatArray:
     """I_p in m4 at shares of the length, from 0 at the driving to 1 at the driven end of a shaft."""
+    from torsion.columns import plain
+
     outer, outer_end, bore, bore_end = map(plain, (*bar.outer, *bar.bore))
     return polar_area_moment(outer + (outer_end - outer) * share, bore + (bore_end - bore) * share)
 
@@ -39,6 +40,8 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
 
     Of a shaft in columns a second axis is that of the variants.
     """
+    from torsion.columns import plain
+
     length, modulus, density = map(plain, (bar.length, bar.shear_modulus, bar.density))
     begin = area_along(bar, 0.0)
     if is_uniform(bar):

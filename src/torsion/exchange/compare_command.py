@@ -7,13 +7,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from torsion.command_endings import say
 from torsion.errors import printable, refusal
 from torsion.exchange.comparison import (
     CaseComparison,
     compare_results,
     read_results,
 )
-from torsion.lasting_output import say
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.html import html as render_page

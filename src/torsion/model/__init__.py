@@ -1,20 +1,14 @@
 """The kinds of component: one file each; a kind is imported when a scene first names it."""
 
-from pkgutil import resolve_name
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from torsion.model.component import Component
-
 KINDS = {
     "disc": "torsion.model.disc:Disc",
     "motor": "torsion.model.machine:Motor",
     "turbine": "torsion.model.machine:Turbine",
     "generator": "torsion.model.machine:Generator",
-    "pump": "torsion.model.propeller:Pump",
-    "fan": "torsion.model.propeller:Fan",
+    "pump": "torsion.model.machine:Pump",
+    "fan": "torsion.model.machine:Fan",
     "machine": "torsion.model.machine:GeneralMachine",
-    "propeller": "torsion.model.propeller:Propeller",
+    "propeller": "torsion.model.machine:Propeller",
     "damper": "torsion.model.damper:RingDamper",
     "pendulum": "torsion.model.pendulum:Pendulum",
     "shaft": "torsion.model.shaft:Shaft",
@@ -39,9 +33,3 @@ KINDS_BY_ALIAS = {
     "roll": "machine",
     "load": "machine",
 }
-
-
-def component_class(kind: str) -> "type[Component]":
-    """The class of a kind; raises KeyError for a word that is no kind."""
-    kind_class: type[Component] = resolve_name(KINDS[kind])
-    return kind_class

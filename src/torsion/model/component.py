@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from pkgutil import resolve_name
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import InstanceOf, WithJsonSchema
@@ -15,6 +16,7 @@ from pydantic import InstanceOf, WithJsonSchema
 from torsion import fields
 from torsion.errors import Fault, Path, nearest
 from torsion.fields import Quantity, Sized, given, refuse, required
+from torsion.model import KINDS
 from torsion.model.parts import PLAIN, DataSheet, Part, Symbol
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
@@ -284,3 +286,9 @@ def lower_branch(
     for position, component in enumerate(components):
         component.enter(build, (*path, position))
     build.arrival = main
+
+
+def component_class(kind: str) -> type[Component]:
+    """The class of a kind; raises KeyError for a word that is no kind."""
+    kind_class: type[Component] = resolve_name(KINDS[kind])
+    return kind_class

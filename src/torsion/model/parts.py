@@ -329,6 +329,12 @@ class Part:
         return ("T_Kmax2", ratings.max_torque_rare) if is_rare else ("T_Kmax1", ratings.max_torque)
 
     @property
+    def limits_torque(self) -> bool:
+        """Its maker limits the torque of a motion, or the range of it."""
+        has_range = self.ratings is not None and self.ratings.max_torque_range is not None
+        return has_range or self.greatest_torque(is_rare=False) is not None
+
+    @property
     def stiffness_tolerance(self) -> float:
         """Relative tolerance of the stiffness of a coupling; 0 where the file gives none."""
         return 0.0 if self.ratings is None else self.ratings.tolerance or 0.0

@@ -36,7 +36,7 @@ from torsion.model.shaft_details import (
     refuse_details,
 )
 from torsion.primitives import Bar, SectionMesh
-from torsion.usual_ranges import WIDEST
+from torsion.units import WIDEST
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}  # m, in which a mesh may be drawn
 

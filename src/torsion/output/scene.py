@@ -5,16 +5,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.elements import Element, by_part, damps, elements, pieces
-from torsion.assembly.system import System
-from torsion.output.numbers import Scale, scale
+from torsion.assembly.system import Element, System, by_part, damps, elements, pieces
 from torsion.results import Quantity, derived, reported, result
 from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.output.numbers import Scale
 
 
 @reported
@@ -238,8 +239,10 @@ def highest(values: FloatArray) -> float:
     return float(np.nanmax(np.append(values, 0.0)))
 
 
-def torques(curves: Iterable[FloatArray]) -> Scale:
+def torques(curves: Iterable[FloatArray]) -> "Scale":
     """Return the unit that suits the largest torque of some curves."""
+    from torsion.output.numbers import scale
+
     return scale("N m", [highest(values) for values in curves])
 
 

@@ -1,6 +1,6 @@
 """Rules: one a file, imported when a scene names it."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
@@ -36,11 +36,21 @@ RULES = {  # name in the file: class
     "ice": "torsion.rules.ice_peaks:IcePeaks",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }
-STANDING = {  # result that a rule judges which needs no name in the file: class
-    "response": "torsion.rules.stable_vibration:StableVibration",
-    "stability": "torsion.rules.stable_motion:StableMotion",
-    "lateral": "torsion.rules.stable_motion:StableBending",
-    "transient": "torsion.rules.greatest_torque:GreatestTorque",
+STANDING: dict[str, tuple[str, Callable[["Results"], bool]]] = {
+    # Result that a rule judges which needs no name in the file: class, and whether it has anything to judge.
+    "response": (
+        "torsion.rules.stable_vibration:StableVibration",
+        lambda evidence: any(damper.load_factor for damper in evidence.system.dampers),
+    ),
+    "stability": ("torsion.rules.stable_motion:StableMotion", lambda evidence: True),
+    "lateral": ("torsion.rules.stable_motion:StableBending", lambda evidence: True),
+    "transient": (
+        "torsion.rules.greatest_torque:GreatestTorque",
+        lambda evidence: (
+            any(part.limits_torque for part in evidence.study.train.parts)
+            or any(motion.damage is not None for motion in evidence.results["transient"].each)
+        ),
+    ),
 }
 
 
@@ -99,8 +109,8 @@ def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of the rules that hold wherever there is something for them to judge."""
     kinds: list[type[Rule[Any]]] = [
         resolve_name(target)
-        for name, target in STANDING.items()
-        if evidence.results.get(name) is not None
+        for name, (target, has_any) in STANDING.items()
+        if evidence.results.get(name) is not None and has_any(evidence)
     ]
     return _checks([kind(kind.settings_class()) for kind in kinds], evidence)
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.events.acting_torques import LEFT_OUT
 from torsion.analyses.motion.events.transient_settings import cases
+from torsion.analyses.motion.train.state_before import LEFT_OUT
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray

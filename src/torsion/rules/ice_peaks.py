@@ -10,7 +10,7 @@ from typing import Annotated
 
 import numpy as np
 
-from torsion.analyses.motion.events.following_events import Start
+from torsion.analyses.motion.events.machine_events import Start
 from torsion.analyses.motion.events.milling_ice import CASES, Ice
 from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients

@@ -21,14 +21,14 @@ class StableVibration(Rule[RuleSettings]):
     """The rule on a train in which a damping to ground is negative."""
 
     def judge(self, evidence: Results) -> Iterable[Check]:
-        """Yield one check of the whole train; none where no damping is negative."""
+        """Yield one check of the whole train; none where no damping by the law of a load is negative."""
         study, system = evidence.study, evidence.system
         operated, single = study.operation.speeds, study.operation.speed
         speeds = np.array([] if single is None else [single])
         if operated is not None:
             speeds = np.linspace(operated.first, operated.last, SPEEDS)
         steady = steady_if_known(study, system, speeds) if speeds.size else None
-        if not any(damper.load_factor for damper in system.dampers) or steady is None:
+        if steady is None:
             return
         damping = ground_damping(system, speeds, steady)
         if not np.any(damping < 0.0):

@@ -4,9 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from torsion.errors import Fault
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import component_class
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, keys_of, mappings_of
-from torsion.schema.fault_text import Node
+from torsion.user_files import Node
 
 
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from torsion.errors import Fault, refusal
-from torsion.model import KINDS, component_class
+from torsion.model import KINDS
+from torsion.model.component import component_class
 from torsion.schema.cases import CaseKeys, change_overlay, merge_changes
 from torsion.schema.declaration_reader import declared, keys_of
 from torsion.schema.edited_text import edited

@@ -13,9 +13,10 @@ from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
 from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
-from torsion.schema.fault_text import Node, Source, input_error
+from torsion.schema.fault_text import input_error
 from torsion.schema.overlay import Overlay, in_words, multiplied, remove_components
 from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
+from torsion.user_files import Node, Source
 
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end

@@ -14,8 +14,8 @@ from pydantic_core import ErrorDetails, PydanticCustomError, PydanticUndefined
 from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import Declared, Quantity, shown
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.model.component import Component
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import Component, component_class
 from torsion.schema import template
 from torsion.schema.fault_text import without_mark, words_for
 

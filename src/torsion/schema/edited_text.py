@@ -7,9 +7,9 @@ from typing import Any
 
 from torsion.analyses import VARYING
 from torsion.errors import InputError, Path
-from torsion.schema.fault_text import Node, Source, line_starts
 from torsion.schema.scene_tables import with_tables
 from torsion.schema.yaml_source import in_brackets, parse_source, yaml_text
+from torsion.user_files import Node, Source, line_starts
 
 Edit = tuple[int, int, str]  # from, to, what stands there instead
 LIBRARY = {"from", "size"}  # of a coupling whose row is written out

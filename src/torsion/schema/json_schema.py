@@ -10,8 +10,8 @@ from pydantic_core import core_schema
 
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import Declared, OneOrMany, Quantity
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
-from torsion.model.component import Component, Material
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import Component, Material, component_class
 from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings

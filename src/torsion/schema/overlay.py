@@ -11,8 +11,8 @@ from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
-from torsion.schema.fault_text import Node, Source
 from torsion.study import Change, Study
+from torsion.user_files import Node, Source
 
 SECTIONS = (
     "materials",

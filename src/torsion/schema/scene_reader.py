@@ -27,7 +27,7 @@ from torsion.schema.declaration_reader import (
     one_component,
     unknown_word,
 )
-from torsion.schema.fault_text import Source, input_error
+from torsion.schema.fault_text import input_error
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
@@ -41,6 +41,7 @@ from torsion.study import (
     Study,
 )
 from torsion.train import Link, lowered, name_fault, taken
+from torsion.user_files import Source
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 EXAMPLES = {  # of the sections that are mappings of names, and of those that are lists

@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from torsion.errors import nearest
 from torsion.fields import shown
 from torsion.model.component import section_name
-from torsion.schema.fault_text import Node, Source, input_error
+from torsion.schema.fault_text import input_error
 from torsion.schema.table_rows import (
     BY_LOAD,
     HARMONICS,
@@ -28,6 +28,7 @@ from torsion.schema.table_rows import (
     Rows,
 )
 from torsion.tables import first_comment, table_text
+from torsion.user_files import Node, Source
 
 BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS,

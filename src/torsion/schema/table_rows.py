@@ -15,12 +15,13 @@ from pydantic import BaseModel
 from torsion import units
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
-from torsion.model import KINDS, KINDS_BY_ALIAS, component_class
+from torsion.model import KINDS, KINDS_BY_ALIAS
+from torsion.model.component import component_class
 from torsion.schema.aliases import aliases_of
 from torsion.schema.declaration_reader import entries_of, items_of, key_for, keys_of
-from torsion.schema.fault_text import Node, Source
 from torsion.schema.yaml_source import is_number, parse_source, resolved
 from torsion.tables import FORMULA_ERROR, Cell, Table, head_of, unit_fault
+from torsion.user_files import Node, Source
 
 SECTIONS = "sections"  # of a shaft
 TRAIN, KIND = "train", "kind"  # the column of a train that says the kind of every row
@@ -65,7 +66,7 @@ _PAIR = ListKind(
 )
 _RIPPLE, _BLADES = (
     "torsion.model.machine_torques:Ripple",
-    "torsion.model.propeller:BladeTorque",
+    "torsion.model.machine:BladeTorque",
 )
 MAPPINGS = {  # lists of mappings
     "excitations": ListKind(_TORQUES, ("torsion.model.machine_torques:Excitation",)),

@@ -17,11 +17,11 @@ from torsion.model import KINDS
 from torsion.model.component import Material
 from torsion.model.machine_torques import Excitation
 from torsion.schema.declaration_reader import declared, one_component
-from torsion.schema.fault_text import Source
 from torsion.schema.overlay import Overlay
 from torsion.schema.varied_figures import Figure
 from torsion.study import Study
 from torsion.train import Link, Train, lowered
+from torsion.user_files import Source
 
 SECTIONS = {name: name for name in ("links", "excitations", "materials")} | {"train": "components"}
 Operation = Callable[[Any], Any]

@@ -13,7 +13,6 @@ from torsion.columns import NotInColumns, picker
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.model import KINDS
 from torsion.schema.declaration_reader import one_component
-from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words
 from torsion.schema.study_faults import study_faults
 from torsion.schema.train_in_columns import Pieces, train_in_columns
@@ -21,6 +20,7 @@ from torsion.schema.varied_figures import Figure, named, with_tolerance
 from torsion.study import Study
 from torsion.study import Variation as VariationOfStudy
 from torsion.train import Train
+from torsion.user_files import Node, Source
 
 FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
 MOST_TRIALS = 500  # readings of the file for one figure

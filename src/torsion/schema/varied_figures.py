@@ -12,10 +12,10 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
 from torsion.model.parts import Part
 from torsion.schema.cases import stiffness_paths
-from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words, multiplied
 from torsion.schema.table_rows import CATALOGUE, LABEL, STATED, Reading, Rows
 from torsion.study import Study
+from torsion.user_files import Node, Source
 from torsion.what_if.variants.laws import Choice, Law, factors
 
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial

@@ -14,8 +14,8 @@ import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
 from torsion.schema.declaration_reader import ALIAS
-from torsion.schema.fault_text import Node, Source, end_of, input_error, missing_mark
-from torsion.user_files import LARGEST_SCENE, read_file
+from torsion.schema.fault_text import input_error, missing_mark
+from torsion.user_files import LARGEST_SCENE, Node, Source, end_of, read_file
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to

@@ -9,7 +9,6 @@ from threading import Lock
 
 from torsion.errors import refusal
 from torsion.findings import Work, version
-from torsion.rules import rule_over_speed
 from torsion.runner import run
 from torsion.study import Variation
 from torsion.sweeping.sweep_folder import LIBRARIES, digests
@@ -60,4 +59,4 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
     if fault:
         raise refusal(fault)
     work, variation = pickle.loads(given.scene)
-    return replace(work, solve=run, rules=rule_over_speed), variation
+    return replace(work, solve=run), variation

@@ -18,7 +18,7 @@ from torsion.analyses.compare.model_errors import (
 )
 from torsion.analyses.compare.side_by_side import CheckSettings, check, operating_speeds
 from torsion.analyses.response.over_speed import requested_orders
-from torsion.assembly.system_builder import SHARE_OF_ERROR
+from torsion.assembly import SHARE_OF_ERROR
 from torsion.errors import InputError
 
 SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(

@@ -15,9 +15,8 @@ from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
 from torsion.model.joint import Joint
-from torsion.model.machine import Motor
+from torsion.model.machine import Motor, Propeller
 from torsion.model.machine_torques import Excitation
-from torsion.model.propeller import Propeller
 from torsion.study import Operation
 from torsion.train import Link
 

@@ -18,8 +18,7 @@ from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
 from torsion.model.gear import Gear
 from torsion.model.joint import Joint
-from torsion.model.machine import Motor
-from torsion.model.propeller import Propeller
+from torsion.model.machine import Motor, Propeller
 from torsion.model.shaft import Shaft
 from torsion.study import Operation
 from torsion.train import train

@@ -16,7 +16,7 @@ from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import SolveError
-from torsion.kernels.motion.torque_history import value
+from torsion.kernels.motion.loaded_modes import value
 
 
 def moved(

@@ -5,7 +5,7 @@ import pytest
 import torsion
 from torsion.analyses.motion.derived import nonlinear_peaks
 from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
-from torsion.analyses.motion.train.built_train import Built
+from torsion.analyses.motion.train.loaded_train import Built
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings
 from torsion.output.chapters.couplings import nonlinear_at_peaks

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.assembly import MODELS, assemble
+from torsion.assembly import MODELS, assemble, bar_segments
 from torsion.assembly.section.solved_sections import resolved, section_results, stress_modulus
-from torsion.assembly.system_builder import bar_segments
 from torsion.kernels.round_sections import section_modulus
 from torsion.primitives import Section, SectionMesh
 

@@ -14,8 +14,7 @@ from torsion.kernels.distributed.finite_elements import (
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.modes.mode_shapes import TreeModes
 from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.trees.reduction import rigidity
-from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree import Tree, rigidity
 
 
 def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.kernels.distributed.continuous_shafts import uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
-from torsion.kernels.modes.sturm import count_below, margins
+from torsion.kernels.modes.natural_modes import count_below, margins
 from torsion.kernels.trees.tree import Tree
 
 STEP = 2.0**-52

@@ -10,8 +10,7 @@ from torsion.errors import SolveError
 from torsion.kernels.distributed.continuous_shafts import UniformShafts, uniform_shafts
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.modes.mode_shapes import TreeModes
-from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.modes.sturm import count_below
+from torsion.kernels.modes.natural_modes import count_below, tree_modes
 from torsion.kernels.trees.tree import Tree
 
 

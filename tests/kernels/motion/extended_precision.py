@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain, Piece
 from torsion.kernels.motion.piecewise_elements import Clearance, Friction
-from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.trees.tree import Tree
 
 

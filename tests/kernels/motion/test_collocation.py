@@ -11,21 +11,22 @@ from tests.kernels.motion.test_damped_motion import chain
 
 from torsion.errors import SolveError
 from torsion.kernels.motion import torque_laws as laws
-from torsion.kernels.motion.closed_answers import (
+from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.loaded_modes import (
     NODES,
     POINTS,
     POWERS,
     SERIES,
+    LoadedModes,
+    ModalTrain,
+    Piece,
     answers,
+    history,
+    polynomial_value,
     turning,
-    value,
 )
-from torsion.kernels.motion.collocation import Conditions, Law, Marched, Points, Scheme, march
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.loaded_modes import LoadedModes
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.torque_history import Piece, history
 from torsion.kernels.motion.torque_laws import FORWARD, STANDS, DryFriction
 
 SYNCHRONOUS = 50.0 * math.pi
@@ -108,7 +109,7 @@ def test_slow_and_fast_modes_answer_together_as_each_alone() -> None:
 def test_a_polynomial_goes_through_its_values_at_the_nodes() -> None:
     values = np.sin(np.arange(POINTS * 2.0)).reshape(POINTS, 2)
     polynomial = (POWERS @ (SERIES @ values))[:, :, None]
-    assert value(polynomial, NODES) == pytest.approx(values.T, abs=1e-11)
+    assert polynomial_value(polynomial, NODES) == pytest.approx(values.T, abs=1e-11)
 
 
 def test_a_motion_without_root_turns_by_the_second_integral_of_its_torque() -> None:

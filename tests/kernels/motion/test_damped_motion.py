@@ -5,12 +5,16 @@ import numpy as np
 import pytest
 
 from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.motion.closed_answers import answers
-from torsion.kernels.motion.damped_modes import ModalTrain
 from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.loaded_modes import (
+    LoadedModes,
+    ModalTrain,
+    Piece,
+    answers,
+    history,
+    value,
+)
 from torsion.kernels.motion.march import March
-from torsion.kernels.motion.torque_history import Piece, history, value
 from torsion.kernels.trees.tree import Tree
 
 PIECES = [

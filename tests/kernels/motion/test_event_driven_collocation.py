@@ -8,13 +8,10 @@ from tests.kernels.motion.piecewise_discs import Discs
 
 from torsion.kernels.motion import torque_laws as laws
 from torsion.kernels.motion.collocation import Marched, Scheme, march
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.energy_balance import energy_balance
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, energy_balance
+from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain, Piece
 from torsion.kernels.motion.march import March
 from torsion.kernels.motion.piecewise_elements import Clearance, Friction
-from torsion.kernels.motion.torque_history import Piece
 
 SYNCHRONOUS = 50.0 * math.pi
 

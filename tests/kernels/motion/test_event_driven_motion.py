@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from tests.kernels.motion.extended_precision import ten_stations
 
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.energy_balance import energy_balance
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
-from torsion.kernels.motion.loaded_modes import LoadedModes
+from torsion.kernels.motion.event_driven_motion import EventDrivenMotion, energy_balance
+from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain, Piece
 from torsion.kernels.motion.march import Chatter, March, TooManyEvents
 from torsion.kernels.motion.piecewise_elements import (
     OPEN,
@@ -22,7 +20,6 @@ from torsion.kernels.motion.piecewise_elements import (
     Friction,
     Switch,
 )
-from torsion.kernels.motion.torque_history import Piece
 
 
 def loaded(w, damping, elements, loads=(), force=None) -> LoadedModes:

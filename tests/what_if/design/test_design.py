@@ -14,7 +14,6 @@ import torsion
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.output.chapters.design import conclusion
-from torsion.rules import rule_over_speed
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 from torsion.what_if.design.design_results import Design
@@ -301,7 +300,7 @@ def test_a_choice_that_the_ordinary_solution_disagrees_with_gives_way_to_the_nex
             raise SolveError("no answer here")
         return torsion.run(study, **given)
 
-    work = Work(study, dict(before.results), rules=rule_over_speed, solve=one_without_answer)
+    work = Work(study, dict(before.results), solve=one_without_answer)
     run(work)
     found = work.need(Design)
     assert [one.proven for one in found.best] == ["disagrees", "kept", ""]

@@ -12,7 +12,6 @@ import torsion
 from torsion import processes, rules
 from torsion.findings import Findings, Work
 from torsion.output.chapters.design import design_line
-from torsion.rules import rule_over_speed
 from torsion.rules.verdict_line import Checks
 from torsion.what_if.design.design_results import Design
 from torsion.what_if.variants.chunks import solved
@@ -110,7 +109,7 @@ def test_the_true_optimum_of_a_mixed_choice_is_found_from_two_of_two_seeds(
     own = replace(
         study, analyses={key: one for key, one in study.analyses.items() if key != "design"}
     )
-    work = Work(own, {}, ruled=rules.needed(own), rules=rule_over_speed, solve=torsion.run)
+    work = Work(own, {}, ruled=rules.needed(own), solve=torsion.run)
     axes = np.arange(float(ROWS)), np.linspace(40, 75, 6), np.linspace(-90, 90, 5)
     grid = np.array(list(product(*axes)))
     answers = solved(work, study.variations["design"], grid, 2, judged=True)

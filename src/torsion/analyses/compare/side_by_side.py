@@ -25,9 +25,9 @@ from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.arrays import FloatArray
+from torsion.assembly import SHARE_OF_ERROR
 from torsion.assembly.spans import bar_segments
 from torsion.assembly.system import System
-from torsion.assembly.system_builder import SHARE_OF_ERROR
 from torsion.errors import InputError
 from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Progress, Work, silent
@@ -343,7 +343,7 @@ def _count_below(solved_modes: Modes, highest: float) -> int:
     tree = undamped_tree(solved_modes.system)
     w = 2.0 * math.pi * highest
     if tree.shafts is None:
-        from torsion.kernels.modes.sturm import count_below
+        from torsion.kernels.modes.natural_modes import count_below
 
         return int(count_below(tree, w)[0]) - solved_modes.rigid
     from torsion.analyses.modes.mode_nodes import reach

@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.elements import elements
-from torsion.assembly.system import System
+from torsion.assembly.system import System, elements
 from torsion.results import derived, reported, result
 
 

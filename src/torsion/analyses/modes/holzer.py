@@ -20,7 +20,6 @@ from torsion.analyses.modes.mode_nodes import TINY
 from torsion.analyses.undamped_modes import HolzerMode, HolzerRow, Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import taken_at
 from torsion.primitives import STEP
 
 MOST_TABLES, MOST_ROWS = 12, 600  # of modes that are declared, and their rows
@@ -137,7 +136,10 @@ def holzer_modes(modes: Modes) -> tuple[HolzerMode, ...]:
 def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     """Return the table of one mode (counted from 0)."""
     w = 2.0 * math.pi * float(modes.frequency[mode])
-    system = taken_at(system, w)
+    if system.tables:
+        from torsion.assembly.tabled_spans import taken_at
+
+        system = taken_at(system, w)
     square = w**2
     rows = list(_rows(system))
     station, before = np.array([row[:2] for row in rows], dtype=np.int64).T

@@ -19,10 +19,8 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.modes.mode_shapes import TreeModes
-from torsion.kernels.modes.natural_modes import tree_modes
-from torsion.kernels.modes.sturm import SHARE_OF_LIMIT, count_below
-from torsion.kernels.trees.reduction import rigidity
-from torsion.kernels.trees.tree import Tree, connected
+from torsion.kernels.modes.natural_modes import SHARE_OF_LIMIT, count_below, tree_modes
+from torsion.kernels.trees.tree import Tree, connected, rigidity
 
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 TINY = 1e-12  # of the largest amplitude (referred to one speed): an angle that may be rounding

@@ -3,26 +3,24 @@
 import math
 from collections import Counter
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from torsion.analyses.motion.curves.peaks import PER_PERIOD
 from torsion.analyses.motion.curves.torque_curves import Curves, Seen, look_at, sample_times
 from torsion.analyses.motion.derived.fatigue import damages
-from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested
-from torsion.analyses.motion.derived.resonances_passed import passages
-from torsion.analyses.motion.derived.worst_case import faults_of, worst_motion
-from torsion.analyses.motion.events.acting_torques import acting_torques, without_excluded_torques
-from torsion.analyses.motion.events.following_events import SpeedProgram
+from torsion.analyses.motion.events.machine_events import SpeedProgram
 from torsion.analyses.motion.events.milling_ice import Ice
 from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings, cases
-from torsion.analyses.motion.train.built_train import Built, build, in_modes
-from torsion.analyses.motion.train.following_torques import replaced_dampers
-from torsion.analyses.motion.train.joints import joint_cuts, parts_of
-from torsion.analyses.motion.train.loaded_train import LoadedTrain, load_train
+from torsion.analyses.motion.train.loaded_train import Built, LoadedTrain, in_modes, load_train
 from torsion.analyses.motion.train.modal_train import kept_modes, train_in_modes
-from torsion.analyses.motion.train.state_before import point, state_before
+from torsion.analyses.motion.train.state_before import (
+    acting_torques,
+    point,
+    state_before,
+    without_excluded_torques,
+)
 from torsion.analyses.motion.transient_motion import (
     RESOLVED,
     TINY,
@@ -33,16 +31,17 @@ from torsion.analyses.motion.transient_motion import (
     TransientMotion,
     Transients,
 )
-from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress, Work, silent
-from torsion.kernels.motion.collocation import Marched
-from torsion.kernels.motion.energy_balance import EnergyBalance, energy_balance
+from torsion.kernels.motion.event_driven_motion import EnergyBalance, energy_balance
 from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.kernels.motion.collocation import Marched
 
 TOLERANCE = 1e-6  # of the peak of a span: two runs that differ by more are not the same motion
 COMPARED = 2000  # times at which they are compared
@@ -66,19 +65,24 @@ def transient(
     """
     torques = acting_torques(study, settings)
     study, system = without_excluded_torques(study, system, settings)
-    is_nonlinear = study.train.has_nonlinear_couplings
-    if modes is None and faults_of(settings, scanned=True):
-        modes = kept_modes(system, "all" if is_nonlinear else settings.modes, path)
-    frequency = np.empty(0) if modes is None else modes[0].frequency
 
     def solve(settings: TransientSettings) -> TransientMotion:
-        if is_nonlinear:
+        if study.train.has_nonlinear_couplings:
             return _event_driven(study, system, settings, path, damping_ratio, progress)
         return _linear(study, system, settings, path, modes, damping_ratio, progress)
 
-    limits = [part.ratings and part.ratings.max_torque for part in study.train.parts]
-    limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    worst = worst_motion(settings, solve, limit, frequency, path)
+    if any(event.body.leaves_open for event in settings.events):
+        from torsion.analyses.motion.derived.worst_case import faults_of, worst_motion
+
+        if modes is None and faults_of(settings, scanned=True):
+            all_modes = study.train.has_nonlinear_couplings
+            modes = kept_modes(system, "all" if all_modes else settings.modes, path)
+        frequency = np.empty(0) if modes is None else modes[0].frequency
+        limits = [part.ratings and part.ratings.max_torque for part in study.train.parts]
+        limit = [limits[part] or np.nan for part in system.span_part.tolist()]
+        worst = worst_motion(settings, solve, np.array(limit, dtype=float), frequency, path)
+    else:
+        worst = solve(settings)
     moved = _with_ratings(study, system, settings, worst)
     return replace(moved, acting=torques.acting, not_acting=torques.not_acting)
 
@@ -94,9 +98,13 @@ def _linear(
 ) -> TransientMotion:
     """The motion of a train whose couplings are linear; settings leave no phase open."""
     before = state_before(study, system, settings, path)
-    cuts = joint_cuts(system, before.mean)
-    if modes is None or cuts:
+    if system.uneven_joints.size:
+        from torsion.analyses.motion.train.joints import joint_cuts, parts_of
+
+        cuts = joint_cuts(system, before.mean)
         modes = kept_modes(parts_of(system, cuts), settings.modes, path)
+    elif modes is None:
+        modes = kept_modes(system, settings.modes, path)
     kept, twice = modes
     needed = 8.0 * (len(system.spans) + len(system.stations)) * len(sample_times(settings, kept))
     if needed > study.memory:
@@ -134,6 +142,8 @@ def _modal_motion(
     curves = Curves(built, moved)
     seen = look_at(curves, progress, counts=loaded.settings.fatigue is not None)
     if marched is not None and loaded.follows is not None:
+        from torsion.analyses.motion.derived.resonances_passed import passages
+
         noise = loaded.settings.tolerance * marched.largest
         added["noise"] = noise / np.abs(system.speed_ratio[system.driving])
         straight = loaded.damping
@@ -141,9 +151,12 @@ def _modal_motion(
             modes = modes_as_discretised(system, None)
             straight = train_in_modes(system, modes, loaded.before, is_driven=True).damped()
         added["passages"] = passages(system, loaded.follows, straight, seen.time, seen.turning)
-    if (requested := orders_requested(study, system, loaded, seen)) is not None:
-        size = max(loaded.shape.shape[1], len(system.spans))
-        added["orders"] = order_tracking(curves, requested, seen.time, size)
+    if loaded.follows is not None or loaded.settings.orders is not None:
+        from torsion.analyses.motion.derived.order_tracking import order_tracking, orders_requested
+
+        if (requested := orders_requested(study, system, loaded, seen)) is not None:
+            size = max(loaded.shape.shape[1], len(system.spans))
+            added["orders"] = order_tracking(curves, requested, seen.time, size)
     highest = max(float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
     residual = energy_balance(moved).residual
     return _result(system, curves, seen, residual, marched, fastest=highest, **added)
@@ -158,6 +171,8 @@ def _event_driven(
     progress: Progress,
 ) -> TransientMotion:
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
+    from torsion.analyses.motion.train.nonlinear_couplings import build
+
     built = build(study, system, settings, path, damping_ratio=damping_ratio)
     ((motion, marched),) = built.run(progress=progress)
     curves, balance = Curves(built, motion), energy_balance(motion)
@@ -224,7 +239,7 @@ def _result(
     curves: Curves,
     seen: Seen,
     residual: float,
-    marched: Marched | None,
+    marched: "Marched | None",
     *,
     noise: FloatArray | float = 0.0,
     **added: Any,
@@ -267,6 +282,8 @@ def _with_ratings(
     """With rated torques, stresses and damage, ice torques, and what loads and ice do to the speed."""
     operation, rated = study.operation, None
     if operation.rated is not None and study.has_mean_torque:
+        from torsion.analyses.steady import steady
+
         speed = np.array([operation.rated.speed])
         rated = steady(study.train, system, operation, speed).torque[:, 0]
     stress = np.full(len(system.spans), np.nan)
@@ -278,6 +295,11 @@ def _with_ratings(
         for event in settings.events
         if isinstance(event.body, Ice)
     )
+    undamped: tuple[str, ...] = ()
+    if settings.has_damping_loads:
+        from torsion.analyses.motion.train.following_torques import replaced_dampers
+
+        undamped = tuple(replaced_dampers(study, system, settings, PATH).values())
     damage = None if settings.fatigue is None else damages(system, settings.fatigue, moved.turns)
     return replace(
         moved,
@@ -288,7 +310,7 @@ def _with_ratings(
         is_rare=settings.is_rare,
         ice=tuple(torque for torque in ice if torque is not None),
         slowed=_slowed(study, system, settings, moved),
-        undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
+        undamped=undamped,
     )
 
 

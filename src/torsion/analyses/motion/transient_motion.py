@@ -2,15 +2,10 @@
 
 import numpy as np
 
-from torsion.analyses.motion.derived.order_tracking import OrderTracking
-from torsion.analyses.motion.derived.resonances_passed import Passage
 from torsion.analyses.motion.events.milling_ice import IceTorque
 from torsion.analyses.motion.events.transient_settings import DEFAULT_MOST
-from torsion.analyses.response.amplitudes import spans_by_name
-from torsion.analyses.response.component_loads import NOTHING
-from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.elements import elements
-from torsion.assembly.system import System
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.assembly.system import NOTHING, System, elements, spans_by_name
 from torsion.results import by_name, derived, reported, result
 
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
@@ -76,6 +71,63 @@ class Switching:
         "and minimum torques are over both step sizes, and verdicts add the difference",
         default=None,
     )
+
+
+@reported
+class Passage:
+    """A mode that an order, or a pulsation, meets while the speed changes."""
+
+    mode: int = result("the elastic mode, from 1")
+    what: str = result("what excites it")
+    time: float = result("s", "when")
+    speed: float = result("rad/s", "reference speed there")
+    frequency: float = result("Hz", "of the mode")
+    seconds: float = result("s", "how long within the range of half the power")
+    share: float = result(
+        "1", "maximum amplitude / steady amplitude at that speed; by a closed form"
+    )
+
+
+@reported
+class TrackedTorque:
+    """A torque by orders."""
+
+    element: str = result("whose torque")
+    torque: ComplexArray = result(
+        "N*m",
+        ("window", "order"),
+        "its phasor of every order that is tracked: amplitude, and phase over the angle",
+    )
+    waterfall: FloatArray = result(
+        "N*m", ("window", "multiple"), "amplitude of the multiples of the resolution, from 0"
+    )
+
+    @derived("N*m", "order", "largest amplitude of every order that is tracked")
+    def largest(self) -> FloatArray:
+        """The largest amplitude of each order over all windows, (orders,) N m."""
+        return np.asarray(np.abs(self.torque).max(axis=0, initial=0.0))
+
+    @property
+    def window(self) -> IntArray:
+        """(orders,) the window of the largest amplitude; there is one."""
+        return np.asarray(np.abs(self.torque).argmax(axis=0))
+
+
+@reported
+class OrderTracking:
+    """Torques by orders of the reference."""
+
+    reference: str = result("the point over whose angle")
+    turns: float = result("revolutions that it makes in one sense; orders need 8")
+    order: FloatArray = result("1", "order", "orders of the reference that are tracked")
+    resolution: float = result("1", "step between the orders of a waterfall")
+    time: FloatArray = result("s", "window", "middle of each window")
+    speed: FloatArray = result("rad/s", "window", "of the reference, mean of each window")
+    aliased: float = result(
+        "1", "largest change of an amplitude with half of the samples, of the largest"
+    )
+    left_out: int = result("windows omitted, because the torque changes too fast for their samples")
+    each: tuple[TrackedTorque, ...] = result("every torque that is tracked")
 
 
 @reported

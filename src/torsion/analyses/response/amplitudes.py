@@ -14,8 +14,7 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line, Sources
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from torsion.assembly.elements import elements
-from torsion.assembly.system import System
+from torsion.assembly.system import System, elements, spans_by_name
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.trees.tree_response import Status
 from torsion.results import (
@@ -145,16 +144,6 @@ class SpanTorque:
         return one_line(
             f"Torque of {self.name} [N m]: {peak} at {self.at_max_rpm:.5g} rpm; order {orders}"
         )
-
-
-def spans_by_name(system: System) -> dict[str, list[int]]:
-    """Return the spans of every component by its name, and every segment by its own."""
-    spans: dict[str, list[int]] = {}
-    for position, span in enumerate(system.spans):
-        part = system.train.parts[span.part]
-        for name in {part.whole, part.name, span.name}:
-            spans.setdefault(name, []).append(position)
-    return spans
 
 
 @reported

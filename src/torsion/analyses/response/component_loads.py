@@ -14,16 +14,14 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.elements import elements
 from torsion.assembly.section.solved_sections import span_moduli, stress_modulus
-from torsion.assembly.system import System
+from torsion.assembly.system import NOTHING, System, elements
 from torsion.findings import Results, Work
 from torsion.kernels.trees.tree_response import Status
 from torsion.primitives import Bar
 from torsion.results import derived, reported, result
 
 SMALLEST = 0.02  # of the element's largest amplitude of one order; a lower peak is not listed
-NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is 0
 SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
 TINY = 1e-12  # of the largest angle: less may be rounding
 Largest = tuple[float | None, float | None]  # value and reference speed (rad/s); None where unknown

@@ -8,17 +8,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby, zip_longest
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.power_balance import interpolated
-from torsion.analyses.steady import Steady
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.primitives import Torque
 from torsion.results import listed, reported, result
 from torsion.train import Train
+
+if TYPE_CHECKING:
+    from torsion.analyses.steady import Steady
 
 
 @reported
@@ -205,7 +207,7 @@ def _excitation(
 
 
 def sources(
-    system: System, excitation: Excitation, speed: FloatArray, steady: Steady | None
+    system: System, excitation: Excitation, speed: FloatArray, steady: "Steady | None"
 ) -> Sources:
     """Return complex amplitudes of one line at reference speeds (speeds,) rad/s, which `steady` holds.
 
@@ -253,7 +255,7 @@ def sources(
 
 
 def amplitude(
-    system: System, torque: Torque, speed: FloatArray, steady: Steady | None
+    system: System, torque: Torque, speed: FloatArray, steady: "Steady | None"
 ) -> ComplexArray:
     """Return the complex amplitude (speeds,) N m of a torque at its own station.
 
@@ -265,6 +267,8 @@ def amplitude(
     size = np.full(len(speed), torque.torque)
     if torque.table:
         about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")
+        from torsion.analyses.power_balance import interpolated
+
         size = size + interpolated(torque.table, own_speed, about)
     if torque.of_mean:
         if steady is None:

@@ -13,7 +13,6 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import (
     Balanced,
@@ -301,9 +300,6 @@ def solve_components(
 
 def run(work: Work) -> None:
     """Put response and synthesis of a train that something excites, at speeds that are given."""
-    if why := no_response(work.study, work.system, work.ruled):
-        work.log.without("response over speed", why)
-        return
     result = _logged_response(work)
     orders = "the orders requested" if result.left_out else "all orders"
     with work.log.step("synthesis", f"rules and readers judge {orders} together") as step:

@@ -13,7 +13,6 @@ from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised, span_torques
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
-from torsion.assembly.tabled_spans import complex_stiffness
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.trees.tree_response import Chords, complex_compliance, status, tree_response
 
@@ -121,6 +120,8 @@ def answers(
     mean: (spans, speeds) N m; speed: (speeds,) rad/s of the reference; vibratory: (speeds,) N m of spans by table.
     """
     if added or system.tables:
+        from torsion.assembly.tabled_spans import complex_stiffness
+
         for own_w, force in zip(w, sources, strict=True):
             stiffness = complex_stiffness(system, own_w, mean, speed, vibratory)
             yield answer(system, own_w, force, damping, added, stiffness=stiffness)
@@ -189,7 +190,11 @@ def swept(
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
 
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
-    stiffness = complex_stiffness(system, w) if stiffness is None else stiffness
+    if stiffness is None and system.tables:
+        from torsion.assembly.tabled_spans import complex_stiffness
+
+        stiffness = complex_stiffness(system, w)
+    stiffness = stiffness or {}
     secants = {span: secant for span, secant in added.items() if not secant.is_linear}
     if stiffness or secants:
         shape = tree.size, len(w)

@@ -22,8 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, Shafts
 from torsion.kernels.modes.mode_shapes import ShaftModes, TreeModes, shape_sign
-from torsion.kernels.trees.reduction import bends, rigid_shapes, rigidity
-from torsion.kernels.trees.tree import Tree
+from torsion.kernels.trees.tree import Tree, bends, rigid_shapes, rigidity
 
 _ROUNDINGS = 64.0  # of stiffness, inertia and coupling, in comparison with many digits
 _AT_ONCE = 2**18  # modes inside times frequencies; 2 MB an array

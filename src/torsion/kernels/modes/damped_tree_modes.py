@@ -14,8 +14,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.modes.natural_modes import start_frequencies
 from torsion.kernels.trees.elimination import EPS, Layout, SpanSides, eliminate, layout, spread
-from torsion.kernels.trees.reduction import cut, rigidity
-from torsion.kernels.trees.tree import Tree, connected
+from torsion.kernels.trees.tree import Tree, connected, cut, rigidity
 from torsion.sources import source
 
 if TYPE_CHECKING:

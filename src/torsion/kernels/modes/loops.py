@@ -16,14 +16,16 @@ from torsion.kernels.modes.mode_shapes import (
 )
 from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.trees.elimination import eliminate_undamped, forced
-from torsion.kernels.trees.reduction import (
+from torsion.kernels.trees.tree import (
     Rigidity,
+    Tree,
+    closing_no_loop,
     cut,
     rigid_shapes,
     rigidity,
+    walk,
     with_reactions,
 )
-from torsion.kernels.trees.tree import Tree, closing_no_loop, walk
 from torsion.kernels.trees.tree_response import around, pairs
 from torsion.sources import source
 

@@ -7,14 +7,18 @@ in its flexibility; its elastic energy is, twice, t^2 d(s h)/ds + s^2 (a^2 dJi/d
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.trees.elimination import eliminate_undamped, forced, spread
 from torsion.kernels.trees.tree import Tree
 from torsion.sources import source
+
+if TYPE_CHECKING:
+    from torsion.kernels.distributed.span_laws import Shafts
+
 
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
@@ -148,7 +152,7 @@ def end_torques(
 
 
 def shaft_energies(
-    tree: Tree, shafts: Shafts, square: FloatArray, angle: FloatArray, torque: FloatArray
+    tree: Tree, shafts: "Shafts", square: FloatArray, angle: FloatArray, torque: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Share (shafts, m) of each shaft in the generalised inertia, kg m2 rad2, and twice its elastic energy, N m."""
     slopes, node = shafts.slopes(square), shafts.node

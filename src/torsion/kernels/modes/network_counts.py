@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.kernels.modes.sturm import margins, pass_on
+from torsion.kernels.modes.natural_modes import margins, pass_on
 from torsion.kernels.trees.tree import Step, Tree
 
 _UNIT_ROUNDOFF = 2.0**-53

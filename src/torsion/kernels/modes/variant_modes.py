@@ -13,9 +13,8 @@ import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.modes.mode_shapes import TreeModes, free_shapes
-from torsion.kernels.modes.natural_modes import tree_modes
+from torsion.kernels.modes.natural_modes import count_below, expected_width, tree_modes
 from torsion.kernels.modes.network_counts import Way
-from torsion.kernels.modes.sturm import count_below, expected_width
 from torsion.kernels.trees.tree import Tree
 
 _FURTHER = 30  # modes of the middle train beside those wanted, by which all others begin

@@ -12,8 +12,8 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.modes.loops import graph_modes, stiffest_tree
 from torsion.kernels.modes.mode_shapes import TreeModes
+from torsion.kernels.modes.natural_modes import expected_width
 from torsion.kernels.modes.network_counts import Network, Way, modal_way, network_count
-from torsion.kernels.modes.sturm import expected_width
 from torsion.kernels.modes.variant_modes import (
     VariantModes,
     enclosed,

@@ -16,8 +16,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.bracketed_search import find_root
-from torsion.kernels.motion.closed_answers import ENDS, POINTS, SERIES, value
-from torsion.kernels.motion.loaded_modes import SAME_TIME
+from torsion.kernels.motion.loaded_modes import ENDS, POINTS, SAME_TIME, SERIES, polynomial_value
 from torsion.kernels.motion.march import GAIN, March
 
 NEWTON = 12
@@ -306,7 +305,7 @@ class _Collocation:
         def margin(share: float, number: int, which: int) -> float:
             law, shares = self.laws[number], np.array([share])
             turning = self.train.at(time, start, shares * length)
-            motion = np.stack([value(start.polynomial, shares), *turning])
+            motion = np.stack([polynomial_value(start.polynomial, shares), *turning])
             points = _points(law, time + shares * length, motion)
             return float(law.limits(self.regimes[number], points)[which][0][0])
 

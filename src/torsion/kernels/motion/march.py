@@ -17,13 +17,20 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.closed_answers import AT_END, ENDS, POINTS, POWERS, SERIES
 from torsion.kernels.motion.event_driven_motion import Event, EventDrivenMotion
 from torsion.kernels.motion.first_root import first_root
 from torsion.kernels.motion.linear_regime import Modes, Regime, regime_of
-from torsion.kernels.motion.loaded_modes import SAME_TIME, LoadedModes, Start, Turning
-from torsion.kernels.motion.piecewise_elements import OPEN, Friction
-from torsion.kernels.motion.sampled_rows import Rows, coordinate_rows, features, rows_of, sample
+from torsion.kernels.motion.loaded_modes import (
+    AT_END,
+    ENDS,
+    POINTS,
+    POWERS,
+    SAME_TIME,
+    SERIES,
+    LoadedModes,
+    Start,
+    Turning,
+)
 
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
@@ -51,19 +58,6 @@ class Chatter(SolveError):
 
 class TooManyEvents(SolveError):
     """More events than are kept."""
-
-
-def _event_rows(regime: Regime) -> Rows:
-    """Switching functions and their rates."""
-    return rows_of(regime, regime.events, slice(None))
-
-
-def _interface_rows(regime: Regime) -> Rows:
-    """Angles, speeds and accelerations of the interfaces."""
-    position, speed, _, rates = regime.train.columns
-    values = np.zeros((2, len(regime.train.shape), rates.stop))
-    values[0, :, position] = values[1, :, speed] = regime.train.shape
-    return rows_of(regime, np.concatenate(values), slice(len(values[0]), None))
 
 
 @dataclass
@@ -139,7 +133,7 @@ class March:
             np.ones(1),
             self.begun[:, None],
         )
-        self.features = features(train, self.interval, self.start)
+        self.features: FloatArray | None = None
         # A cached matrix is of a regime, and of the loads, their rates, and which of them have slopes.
         kind = self.modes, train.history.acting[self.interval].kind
         self.kept = self.matrices.setdefault(kind, {})
@@ -151,7 +145,9 @@ class March:
             self.modes = (0,) * len(train.elements)
         self.interval = int(np.searchsorted(train.history.begin, time, side="right")) - 1
         for number, element in enumerate(train.elements):
-            if isinstance(element, Friction) and element.signal is not None:
+            if element.signal is not None:
+                from torsion.kernels.motion.piecewise_elements import OPEN
+
                 acts = bool((train.history.acting[self.interval].load == element.signal).any())
                 if acts == (self.modes[number] != OPEN):
                     continue
@@ -260,7 +256,7 @@ class March:
             if first >= number:
                 break
             times = part * np.arange(first, min(last, number) + 1.0)
-            values = self._samples(_event_rows, times, length)
+            values = self._samples("events", times, length)
             value, rise = values.reshape(2, -1, len(times))
             ahead = np.minimum(value, value + part * rise)[:, :-1] <= 0.0
             below = ahead | (np.minimum(value, value - part * rise)[:, 1:] <= 0.0)
@@ -280,6 +276,8 @@ class March:
         """The first root of some of the functions within a part that begins so late, in shares of it; coordinates there."""
         regime, start = self.regime, self.start
         if ("watch",) not in self.kept:
+            from torsion.kernels.motion.sampled_rows import rows_of
+
             rows = rows_of(regime, regime.events)
             self.kept["watch",] = rows, np.abs(regime.events), np.abs(rows.by_y)
         rows, sizes, sizes_by_y = self.kept["watch",]
@@ -316,24 +314,26 @@ class March:
         time, size = np.array([late]), len(self.start.y)
         if not (self.number or self.modes):  # no time is met again
             return self.regime.coordinates(self.interval, self.start, time)
-        samples = self._samples(coordinate_rows, time, length)
+        samples = self._samples("coordinates", time, length)
         return samples[:size] + 1j * samples[size : 2 * size], samples[2 * size :]
 
-    def _samples(
-        self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
-    ) -> FloatArray:
+    def _samples(self, rows: str, times: FloatArray, length: float) -> FloatArray:
         """(rows, times) of the step that begins, at times since then (s)."""
+        if self.features is None:
+            from torsion.kernels.motion.sampled_rows import features
+
+            self.features = features(self.train, self.interval, self.start)
         begin = np.concatenate([self.features, self.start.polynomial.ravel()])
         return np.asarray(self._sampled(rows, times, length) @ begin)
 
-    def _sampled(
-        self, rows: Callable[[Regime], Rows], times: FloatArray, length: float
-    ) -> FloatArray:
+    def _sampled(self, rows: str, times: FloatArray, length: float) -> FloatArray:
         """(rows, times, features) of the present regime, built once."""
         key = rows, times[0], times[-1], len(times), length if self.number else 0.0
         if key not in self.kept:
+            from torsion.kernels.motion.sampled_rows import ROWS, sample
+
             regime, acting = self.regime, self.train.history.acting[self.interval]
-            self._keep(key, sample(regime, acting, rows(regime), times, length))
+            self._keep(key, sample(regime, acting, ROWS[rows](regime), times, length))
         return np.asarray(self.kept[key])
 
     def _keep(self, key: tuple[object, ...], matrix: FloatArray) -> None:
@@ -370,7 +370,7 @@ class March:
     def influence(self, length: float) -> FloatArray:
         """What torques of 1 at the nodes of a step (s) add to torques and a turning, (4, interfaces, ENDS, torques)."""
         if ("influence", length) not in self.kept:
-            sampled = self._sampled(_interface_rows, length * ENDS, length)
+            sampled = self._sampled("interfaces", length * ENDS, length)
             number, shape = self.number, (3, self.number, len(ENDS), POINTS, self.number)
             by_powers = sampled[:, :, -POINTS * number :].reshape(shape)
             matrix = np.empty((4, number, len(ENDS), number, POINTS))
@@ -387,7 +387,7 @@ class March:
 
     def going_on(self, time: float, length: float) -> Turning:
         """At the ENDS of a step, with no torques in it."""
-        samples = self._samples(_interface_rows, length * ENDS, length)
+        samples = self._samples("interfaces", length * ENDS, length)
         turning = self._turning(time + length * ENDS, samples.reshape(3, self.number, len(ENDS)))
         sizes = np.abs(self.train.shape) @ np.abs(self.speed)
         self.parts = np.abs(turning[1]).max(axis=1, keepdims=True) + sizes[:, None]

@@ -20,8 +20,8 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 
-Quantity = Literal["twist", "speed", "torque", "contact"]
 OPEN = 9  # regime of friction that has no capacity at present
+Quantity = Literal["twist", "speed", "torque", "contact"]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,8 @@ class Clearance:
     stiffness: float  # N m/rad
     half: float  # rad, half the play
     viscous: float = 0.0  # N m s/rad
-    capacity: ClassVar[float] = 0.0  # it never slips
+    slips: ClassVar[bool] = False
+    capacity: ClassVar[float] = 0.0
     signal: ClassVar[int | None] = None
 
     def law(self, regime: int) -> Law:
@@ -90,6 +91,7 @@ class Friction:
     capacity: float = 0.0  # N m
     signal: int | None = None  # the signal that is its capacity over time, in place of a constant
     viscous: ClassVar[float] = 0.0
+    slips: ClassVar[bool] = True
 
     def law(self, regime: int) -> Law:
         if regime == OPEN:
@@ -117,6 +119,7 @@ class DelayedFriction:
     capacity: float
     half: float
     viscous: ClassVar[float] = 0.0
+    slips: ClassVar[bool] = True
     signal: ClassVar[int | None] = None
 
     def law(self, regime: int) -> Law:

@@ -10,10 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.kernels.motion.closed_answers import POINTS, answers, turning
 from torsion.kernels.motion.linear_regime import Regime
-from torsion.kernels.motion.loaded_modes import LoadedModes, Start
-from torsion.kernels.motion.torque_history import Acting
+from torsion.kernels.motion.loaded_modes import POINTS, Acting, LoadedModes, Start, answers, turning
 
 
 class Rows(NamedTuple):
@@ -49,6 +47,22 @@ def coordinate_rows(regime: Regime) -> Rows:
     by_y = np.concatenate([np.eye(size), -1j * np.eye(size), np.zeros((number, size))])
     by_turned = np.eye(len(by_y), number, -2 * size)
     return Rows(by_y, by_turned, np.zeros((3, len(by_y), regime.train.inputs)))
+
+
+def event_rows(regime: Regime) -> Rows:
+    """Switching functions and their rates."""
+    return rows_of(regime, regime.events, slice(None))
+
+
+def interface_rows(regime: Regime) -> Rows:
+    """Angles, speeds and accelerations of the interfaces."""
+    position, speed, _, rates = regime.train.columns
+    values = np.zeros((2, len(regime.train.shape), rates.stop))
+    values[0, :, position] = values[1, :, speed] = regime.train.shape
+    return rows_of(regime, np.concatenate(values), slice(len(values[0]), None))
+
+
+ROWS = {"events": event_rows, "interfaces": interface_rows, "coordinates": coordinate_rows}
 
 
 def features(train: LoadedModes, interval: int, start: Start) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.motion.collocation import AT_LIMIT, Conditions, Law, Limits, Points
-from torsion.kernels.motion.torque_history import History
+from torsion.kernels.motion.loaded_modes import History
 
 BACKWARD, STANDS, FORWARD, FREE = range(4)  # FREE: none of it acts
 # of the speed scale: what the accuracy of a step may leave of the speed of a station that stands

@@ -2,16 +2,18 @@
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.distributed.span_laws import Pi
 from torsion.kernels.trees.elimination import EPS, Layout, eliminate, forced, layout
 from torsion.kernels.trees.tree import Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.distributed.span_laws import Pi
 
 
 @dataclass(frozen=True)
@@ -188,7 +190,7 @@ class Equations:
     force: NDArray[Any]  # (stations, 1) or (stations, columns) N m, 0 on fixed stations
     twist: NDArray[Any] | None  # rad, the same of the spans; none: 0
     # What the distributed shafts have brought: hc, and -w^2 J at both ends, (shafts, columns)
-    pi: Pi | None = None
+    pi: "Pi | None" = None
 
 
 @dataclass(frozen=True)

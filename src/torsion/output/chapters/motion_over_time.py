@@ -5,13 +5,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.derived.order_tracking import TURNS, OrderTracking
-from torsion.analyses.motion.events.acting_torques import ActingTorques
+from torsion.analyses.motion.derived.order_tracking import TURNS
 from torsion.analyses.motion.events.event_kind import settings_in_words
+from torsion.analyses.motion.events.machine_events import ShortCircuit
 from torsion.analyses.motion.events.milling_ice import Ice
-from torsion.analyses.motion.events.short_circuit import ShortCircuit
 from torsion.analyses.motion.events.transient_settings import TransientSettings, cases
-from torsion.analyses.motion.transient_motion import Switching, TransientMotion, Transients
+from torsion.analyses.motion.train.state_before import ActingTorques
+from torsion.analyses.motion.transient_motion import (
+    OrderTracking,
+    Switching,
+    TransientMotion,
+    Transients,
+)
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.curves import amplitudes, over_time, span

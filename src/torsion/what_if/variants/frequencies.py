@@ -9,10 +9,16 @@ from numpy.typing import NDArray
 from torsion.analyses.discretisation import highest_excited
 from torsion.analyses.undamped_modes import chord_spans, modes, undamped_tree
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly import as_divided, of_train
+from torsion.assembly import (
+    SHARE_OF_ERROR,
+    as_divided,
+    excess,
+    is_refined,
+    of_train,
+    segments_along,
+)
 from torsion.assembly.spans import bar_segments, phase
 from torsion.assembly.system import System
-from torsion.assembly.system_builder import SHARE_OF_ERROR, excess, is_refined, segments_along
 from torsion.columns import NotInColumns, plain
 from torsion.errors import SolveError
 from torsion.findings import Work

@@ -9,9 +9,9 @@ import pytest
 
 import torsion
 from torsion import commands
-from torsion.analyses.motion.events.acting_torques import acting_torques
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
+from torsion.analyses.motion.train.state_before import acting_torques
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.response.amplitudes import Response
 from torsion.assembly import assemble

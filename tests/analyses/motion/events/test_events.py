@@ -12,7 +12,7 @@ from torsion.analyses.motion.events.events import Event, Point
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.over_speed import response
 from torsion.errors import InputError
-from torsion.kernels.motion.torque_history import value
+from torsion.kernels.motion.loaded_modes import value
 
 TIME = np.linspace(0.0, 2.0, 201)
 SCENE = """name: x

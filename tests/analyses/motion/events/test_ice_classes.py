@@ -13,7 +13,7 @@ from torsion.analyses.motion.events.events import Event, Point
 from torsion.analyses.motion.events.milling_ice import CLASSES, greatest_ice_torque
 from torsion.analyses.motion.transient_motion import Transients
 from torsion.errors import InputError
-from torsion.kernels.motion.torque_history import value
+from torsion.kernels.motion.loaded_modes import value
 from torsion.model.parts import PropellerRecord
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.chapters.motion_over_time import chapter

@@ -14,9 +14,12 @@ from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.assembly import assemble
-from torsion.kernels.motion.damped_modes import ModalTrain
-from torsion.kernels.motion.energy_balance import EnergyBalance, energy_balance
-from torsion.kernels.motion.event_driven_motion import EventDrivenMotion
+from torsion.kernels.motion.event_driven_motion import (
+    EnergyBalance,
+    EventDrivenMotion,
+    energy_balance,
+)
+from torsion.kernels.motion.loaded_modes import ModalTrain
 
 
 def integrated(

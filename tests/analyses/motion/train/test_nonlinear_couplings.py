@@ -10,7 +10,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
-from torsion.analyses.motion.train import built_train
+from torsion.analyses.motion.train import nonlinear_couplings
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
@@ -262,7 +262,7 @@ def test_a_band_of_modes_with_the_compliance_of_the_others(monkeypatch: pytest.M
     assert whole.modes == 6
     assert whole.switching.band_change == 0.0
     monkeypatch.setattr(
-        built_train, "LARGEST_ANGLE", 0.3 * 2e4
+        nonlinear_couplings, "LARGEST_ANGLE", 0.3 * 2e4
     )  # rad/s of the band: below the stiff spans
     band = moved(text, **body)
     assert band.switching is not None

@@ -8,12 +8,12 @@ from tests.analyses.motion.test_given_cases import chain, moved
 from tests.for_all import for_all
 
 import torsion
+from torsion.analyses.motion.derived.resonances_passed import share_of_steady
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
-from torsion.kernels.motion.resonance_passage import share_of_steady
 
 KLOSS = {"pull_out": 900, "slip": 0.2, "synchronous": "1500 rpm"}
 FAN = {"law": "propeller", "torque": 300, "speed": "1500 rpm"}

@@ -21,8 +21,7 @@ from torsion.analyses.motion.events.transient_settings import (
     DEFAULT_PER_PERIOD,
     TransientSettings,
 )
-from torsion.analyses.motion.train.built_train import Built
-from torsion.analyses.motion.train.loaded_train import LoadedTrain
+from torsion.analyses.motion.train.loaded_train import Built, LoadedTrain
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
 from torsion.findings import Progress

@@ -12,8 +12,8 @@ import numpy as np
 
 from torsion.analyses.motion.curves.torque_curves import Curves
 from torsion.analyses.motion.events.transient_settings import TransientSettings
-from torsion.analyses.motion.train.built_train import Built, build
-from torsion.analyses.motion.train.nonlinear_couplings import Standing
+from torsion.analyses.motion.train.loaded_train import Built, Standing
+from torsion.analyses.motion.train.nonlinear_couplings import build
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
 from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.undamped_modes import modes_as_discretised

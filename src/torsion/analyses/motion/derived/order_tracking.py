@@ -15,13 +15,13 @@ from torsion.analyses.motion.curves.torque_curves import Curves, Seen
 from torsion.analyses.motion.derived.resonances_passed import mean_speed
 from torsion.analyses.motion.events.transient_settings import ABOVE, HIGHEST, TransientSettings
 from torsion.analyses.motion.train.loaded_train import LoadedTrain
+from torsion.analyses.motion.transient_motion import OrderTracking, TrackedTorque
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.steady import reference_station
-from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.kernels.motion.order_spectrum import hann, phasors, phasors_of, times_at
-from torsion.results import derived, reported, result
 from torsion.study import Study
 
 TURNS = 8  # revolutions of a window
@@ -34,48 +34,6 @@ DOUBTFUL = 0.01
 MOST_POINTS = 2**18
 BLOCK = 2**21  # values of one array at once
 SWEPT = 0.05  # of the largest speed: by how much it changes where orders are tracked unrequested
-
-
-@reported
-class TrackedTorque:
-    """A torque by orders."""
-
-    element: str = result("whose torque")
-    torque: ComplexArray = result(
-        "N*m",
-        ("window", "order"),
-        "its phasor of every order that is tracked: amplitude, and phase over the angle",
-    )
-    waterfall: FloatArray = result(
-        "N*m", ("window", "multiple"), "amplitude of the multiples of the resolution, from 0"
-    )
-
-    @derived("N*m", "order", "largest amplitude of every order that is tracked")
-    def largest(self) -> FloatArray:
-        """The largest amplitude of each order over all windows, (orders,) N m."""
-        return np.asarray(np.abs(self.torque).max(axis=0, initial=0.0))
-
-    @property
-    def window(self) -> IntArray:
-        """(orders,) the window of the largest amplitude; there is one."""
-        return np.asarray(np.abs(self.torque).argmax(axis=0))
-
-
-@reported
-class OrderTracking:
-    """Torques by orders of the reference."""
-
-    reference: str = result("the point over whose angle")
-    turns: float = result("revolutions that it makes in one sense; orders need 8")
-    order: FloatArray = result("1", "order", "orders of the reference that are tracked")
-    resolution: float = result("1", "step between the orders of a waterfall")
-    time: FloatArray = result("s", "window", "middle of each window")
-    speed: FloatArray = result("rad/s", "window", "of the reference, mean of each window")
-    aliased: float = result(
-        "1", "largest change of an amplitude with half of the samples, of the largest"
-    )
-    left_out: int = result("windows omitted, because the torque changes too fast for their samples")
-    each: tuple[TrackedTorque, ...] = result("every torque that is tracked")
 
 
 @dataclass(frozen=True)

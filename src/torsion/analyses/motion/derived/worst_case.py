@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.motion.events.event_kind import Kind
-from torsion.analyses.motion.events.following_events import WORST, Start
-from torsion.analyses.motion.events.short_circuit import FINER, ShortCircuit
+from torsion.analyses.motion.events.machine_events import FINER, WORST, ShortCircuit, Start
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.arrays import FloatArray, IntArray

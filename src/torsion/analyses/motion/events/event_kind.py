@@ -5,14 +5,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 
 from pydantic import BeforeValidator
 
 from torsion.fields import Declared, Quantity, refuse
-from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torque_history import Piece
+from torsion.kernels.motion.loaded_modes import Piece
 from torsion.model.parts import PropellerRecord
+
+if TYPE_CHECKING:
+    from torsion.kernels.motion.collocation import Law
 
 Time = Annotated[float, Quantity("s", at_least=0)]
 Length = Annotated[float, Quantity("s", above=0)]
@@ -67,11 +69,21 @@ class Kind(Declared):
         """Name of its field in an event."""
         return cls.key.replace("-", "_")
 
+    @property
+    def damps(self) -> bool:
+        """Its torque changes with the speed, and takes the place of a damping there."""
+        return False
+
+    @property
+    def leaves_open(self) -> bool:
+        """Its phase, sense or time is open, and the worst of them is judged."""
+        return False
+
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
         return iter(())
 
-    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+    def laws(self, begin: float, point: Point) -> "Iterator[Law]":
         """What of its torque follows the motion, at interface 0."""
         return iter(())
 

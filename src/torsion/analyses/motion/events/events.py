@@ -18,23 +18,11 @@ from torsion.analyses.motion.events.event_kind import (
     Time,
     rows_over_time,
 )
-from torsion.analyses.motion.events.following_events import Load, SpeedProgram, Start
+from torsion.analyses.motion.events.machine_events import Load, ShortCircuit, SpeedProgram, Start
 from torsion.analyses.motion.events.milling_ice import Ice
-from torsion.analyses.motion.events.short_circuit import ShortCircuit
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.kernels.motion import torque_laws
-from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torque_history import Piece
-from torsion.tables import Columns, pairs
+from torsion.kernels.motion.loaded_modes import Piece
 
-TIME_AND_TORQUE = Columns(
-    ("time", "torque"),
-    ("s", "N*m"),
-    "time [s], torque [N*m]",
-    "0.5, 120",
-    "a finite torque at a finite time from 0 on",
-    0.0,
-)
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
 SignedTorque = Annotated[float, Quantity("N*m")]
 Rows = Annotated[
@@ -90,7 +78,17 @@ class Table(Kind):
         """(s, N m) of every row; raises ValueError as `pairs` does."""
         if self.file is None:
             return self.rows or ()
-        rows = pairs(point.folder / self.file, TIME_AND_TORQUE)
+        from torsion.tables import Columns, pairs
+
+        columns = Columns(
+            ("time", "torque"),
+            ("s", "N*m"),
+            "time [s], torque [N*m]",
+            "0.5, 120",
+            "a finite torque at a finite time from 0 on",
+            0.0,
+        )
+        rows = pairs(point.folder / self.file, columns)
         return tuple((time, torque) for time, torque in rows)
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
@@ -157,7 +155,9 @@ class Sine(Lasting):
         hint = "give `frequency`, or an `initial` speed"
         return "an order has no frequency in a train that stands still", hint
 
-    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+    def laws(self, begin: float, point: Point) -> "Iterator[Law]":
+        from torsion.kernels.motion import torque_laws
+
         if self.order is not None:
             size, order = torque_laws.constant(self.torque), float(self.order)
             window = torque_laws.Window(begin, begin + self.lasts)
@@ -303,6 +303,8 @@ class _Event(Declared):
 
 
 if TYPE_CHECKING:
+    from torsion.kernels.motion.collocation import Law
+
     Event = _Event
 else:
     _FIELDS = {kind.field(): (kind | None, given(kind.meaning, alias=kind.key)) for kind in KINDS}

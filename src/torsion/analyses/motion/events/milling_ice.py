@@ -9,18 +9,19 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Lack, Point
 from torsion.fields import Quantity, given, refuse
-from torsion.kernels.motion import torque_laws
-from torsion.kernels.motion.collocation import Law
-from torsion.kernels.motion.torque_history import Piece, history
+from torsion.kernels.motion.loaded_modes import Piece, history
 from torsion.model.parts import PropellerRecord
 from torsion.results import reported, result
+
+if TYPE_CHECKING:
+    from torsion.kernels.motion.collocation import Law
 
 CASES = {  # factor C_q, contact angle in deg by number of blades
     1: (0.75, {3: 90.0, 4: 90.0, 5: 72.0, 6: 60.0}),
@@ -195,7 +196,9 @@ class Ice(Kind):
             greatest_ice_torque(factor, thickness, screw, speed),
         )
 
-    def laws(self, begin: float, point: Point) -> Iterator[Law]:
+    def laws(self, begin: float, point: Point) -> "Iterator[Law]":
+        from torsion.kernels.motion import torque_laws
+
         over_angle = list(self.pieces(0.0, point, 1.0))
         yield torque_laws.ByAngle(0, history([over_angle]), torque_laws.Window(begin))
 

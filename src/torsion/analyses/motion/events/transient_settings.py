@@ -11,8 +11,12 @@ from pydantic import BeforeValidator, Field
 from torsion import fields
 from torsion.analyses.motion.events.event_kind import Kind, Length, Point
 from torsion.analyses.motion.events.events import Clutch, Event, Pulse, Stop, Table
-from torsion.analyses.motion.events.following_events import SpeedProgram, Start
-from torsion.analyses.motion.events.short_circuit import ELECTRICAL, ShortCircuit
+from torsion.analyses.motion.events.machine_events import (
+    ELECTRICAL,
+    ShortCircuit,
+    SpeedProgram,
+    Start,
+)
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study, mesh_faults
@@ -174,6 +178,16 @@ class TransientSettings(Declared):
     fatigue: Fatigue | None = given(
         "{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum"
     )
+
+    @property
+    def changes_speed(self) -> bool:
+        """An event changes the speed by itself: dampers to ground then count from the motion as one."""
+        return any(event.body.drives for event in self.events)
+
+    @property
+    def has_damping_loads(self) -> bool:
+        """The law of a load damps its point."""
+        return any(event.body.damps for event in self.events)
 
     @property
     def is_rare(self) -> bool:

@@ -11,9 +11,9 @@ import numpy as np
 
 from torsion.analyses.motion.events.event_kind import Point
 from torsion.analyses.motion.events.events import Event
-from torsion.analyses.motion.events.following_events import Load
+from torsion.analyses.motion.events.machine_events import Load
 from torsion.analyses.motion.events.transient_settings import TransientSettings
-from torsion.analyses.motion.train.joints import JointCut, joint_spans
+from torsion.analyses.motion.train.joints import JointCut
 from torsion.analyses.motion.train.state_before import State
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
@@ -57,11 +57,6 @@ def carried_by_joints(
                 carried[span, follower.law.interface + side] += factor
                 mean_carried[span] += factor * (cut.mean if side else -cut.mean)
     return carried, mean_carried, mean
-
-
-def changes_speed(system: System, events: Sequence[Event]) -> bool:
-    """An event or a joint changes the speed by itself: dampers to ground then count from the motion as one."""
-    return bool(joint_spans(system).size) or any(event.body.drives for event in events)
 
 
 def following(

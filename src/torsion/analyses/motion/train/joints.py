@@ -142,16 +142,8 @@ class JointCut:
         speed[inside] = scale[:, None] * gain
 
 
-def joint_spans(system: System) -> IntArray:
-    """Return the spans of joints that turn unevenly, (joints,)."""
-    spans = [number for number, span in enumerate(system.own_spans) if span.error]
-    return np.array(spans, dtype=np.int64)
-
-
 def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
     """The train without its uneven joints; an elastic span that is taken along stays, and carries nothing."""
-    if not cuts:
-        return system
     names = ("flexibility", "viscous", "loss_factor")
     changed = {name: getattr(system, name).copy() for name in names}
     changed["flexibility"][[cut.span for cut in cuts]] = np.inf
@@ -162,9 +154,7 @@ def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
 
 def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     """Every uneven joint; raises SolveError where it can be taken neither as rigid nor with an elastic span."""
-    spans = joint_spans(system)
-    if not spans.size:
-        return ()
+    spans = system.uneven_joints
     number = len(system.stations)
     rigid, joined = system.flexibility == 0, np.ones(len(system.spans), dtype=bool)
     rigid[spans], joined[spans] = False, False
@@ -213,7 +203,7 @@ def _cut(
     elastic = int(spans[0])
     ends = int(system.driving[elastic]), int(system.driven[elastic])
     behind = ends[1] if ends[0] in inside else ends[0]
-    if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
+    if not heavy[behind] or elastic in system.uneven_joints or system.spans[elastic].ratio != 1:
         message = "the elastic span next to {} leads to no inertia of the same speed"
         hint = f"give the yokes of the joint an inertia: {GIVE_YOKES}"
         raise _refusal(system, span, message, hint)
@@ -254,24 +244,21 @@ def standing_angles(
     """
     ratio = system.speed_ratio
     offset, rate = np.zeros(len(ratio)), np.ones(len(ratio))
-    if cuts:
-        joined = np.ones(len(system.spans), dtype=bool)
-        joined[[cut.span for cut in cuts]] = False
-        part = connected(len(ratio), system.driving[joined], system.driven[joined])
-        settled, left = {int(part[0])}, list(cuts)
-        while left:
-            cut = next(
-                cut for cut in left if {int(part[cut.front]), int(part[cut.behind])} & settled
-            )
-            left.remove(cut)
-            forward = int(part[cut.front]) in settled
-            source, target = (cut.front, cut.behind) if forward else (cut.behind, cut.front)
-            angle = float(ratio[source] * offset[source])
-            angle, factor = _beyond(cut.joint, angle, forward=forward)
-            members = part == part[target]
-            offset[members] = angle / ratio[target]
-            rate[members] = rate[source] * ratio[source] * factor / ratio[target]
-            settled.add(int(part[target]))
+    joined = np.ones(len(system.spans), dtype=bool)
+    joined[[cut.span for cut in cuts]] = False
+    part = connected(len(ratio), system.driving[joined], system.driven[joined])
+    settled, left = {int(part[0])}, list(cuts)
+    while left:
+        cut = next(cut for cut in left if {int(part[cut.front]), int(part[cut.behind])} & settled)
+        left.remove(cut)
+        forward = int(part[cut.front]) in settled
+        source, target = (cut.front, cut.behind) if forward else (cut.behind, cut.front)
+        angle = float(ratio[source] * offset[source])
+        angle, factor = _beyond(cut.joint, angle, forward=forward)
+        members = part == part[target]
+        offset[members] = angle / ratio[target]
+        rate[members] = rate[source] * ratio[source] * factor / ratio[target]
+        settled.add(int(part[target]))
     return offset * ratio, speed * rate * ratio
 
 

@@ -14,13 +14,11 @@ import numpy as np
 from torsion.analyses.modes.mode_nodes import beside_modes, massless, rigid_shapes
 from torsion.analyses.motion.events.transient_settings import PATH
 from torsion.analyses.motion.train.state_before import State
-from torsion.analyses.response.harmonic_components import Sources
-from torsion.analyses.response.solver import ground_damping, swept, undamped
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
-from torsion.kernels.motion.damped_modes import ModalTrain
+from torsion.kernels.motion.loaded_modes import ModalTrain
 
 MOST_MODES = 3000
 MOST_OF_ELEMENTS = 200  # modes of a train with finite elements and nonlinear couplings
@@ -58,6 +56,8 @@ class TrainInModes:
     @property
     def ground(self) -> FloatArray:
         """(stations,) N m s/rad of the dampers to ground at the speed before the events."""
+        from torsion.analyses.response.solver import ground_damping
+
         return ground_damping(self.system, np.array([self.before.speed]), self.before.mean)[:, 0]
 
     def twists(self, spans: IntArray) -> FloatArray:
@@ -199,6 +199,9 @@ def direct_torques(
     loads = np.flatnonzero(acting.any(axis=0))
     if not (rows.size and loads.size):
         return direct
+    from torsion.analyses.response.harmonic_components import Sources
+    from torsion.analyses.response.solver import swept, undamped
+
     w = 2.0 * math.pi * modes.frequency
     slow = 0.5 * float(w.min(initial=2.0))  # rad/s, far from every mode
     condensed, ratio = system.condensed, system.speed_ratio[:, None]

@@ -1,8 +1,9 @@
-"""The nonlinear couplings of a train as elements between its linear parts, and how they stand before the events."""
+"""The nonlinear couplings of a train as elements between its linear parts, and the train with them at its begin."""
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,38 +11,36 @@ import numpy as np
 from torsion.analyses.modes.mode_nodes import massless
 from torsion.analyses.motion.events.events import Clutch, ramps
 from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings
+from torsion.analyses.motion.train.following_torques import (
+    carried_by_joints,
+)
+from torsion.analyses.motion.train.loaded_train import (
+    Built,
+    Coupling,
+    Load,
+    LoadedTrain,
+    Standing,
+    in_modes,
+    load_train,
+)
+from torsion.analyses.motion.train.state_before import state_before, without_excluded_torques
+from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Fault, InputError, Path, SolveError
+from torsion.kernels.motion.loaded_modes import Piece
 from torsion.kernels.motion.piecewise_elements import (
     OPEN,
     Clearance,
     DelayedFriction,
-    Element,
     Friction,
 )
-from torsion.kernels.motion.torque_history import Piece
-from torsion.model.parts import NonlinearRecord, Part
+from torsion.kernels.trees.tree import connected
+from torsion.model.parts import NonlinearRecord
+from torsion.study import Study
 from torsion.train import Train
 
-
-@dataclass(frozen=True)
-class Coupling:
-    """A nonlinear coupling: its part, its span, its record."""
-
-    part: Part
-    span: int
-    record: NonlinearRecord
-
-
-@dataclass(frozen=True)
-class Standing:
-    """An element with how it stands at time 0."""
-
-    element: Element
-    coupling: int
-    twist: float  # rad
-    regime: int
+LARGEST_ANGLE = 2e7  # rad of the fastest mode within the duration, up to which all modes are kept
 
 
 def couplings(train: Train, system: System) -> tuple[Coupling, ...]:
@@ -166,3 +165,103 @@ def _twist_under(record: NonlinearRecord, torque: float) -> float:
             break
         carried += total * (end - begin)
     return record.play + begin + (torque - carried) / total
+
+
+def build(
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    path: Path,
+    *,
+    damping_ratio: float | None = None,
+    halved: bool = False,
+    speed: float | None = None,
+) -> Built:
+    """The train with its nonlinear couplings in modes of its linear parts.
+
+    halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
+    in place of the operation's.
+    """
+    study, system = without_excluded_torques(study, system, settings)
+    nonlinear = couplings(study.train, system)
+    if speed is not None and (settings.changes_speed or system.uneven_joints.size):
+        message = "the joints of the train turn unevenly, and a settled vibration with them is not supported yet"
+        raise SolveError(message)
+    before = state_before(study, system, settings, path, vibrates=False, speed=speed)
+    loaded = load_train(
+        study,
+        system,
+        settings,
+        path,
+        before,
+        opened=partial(opened, nonlinear=nonlinear),
+        damping_ratio=damping_ratio,
+        is_settled=speed is not None,
+    )
+    if loaded.cuts and before.speeds:
+        message = "parts at different speeds together with uneven joints are not supported yet"
+        hint = "begin with `initial: rest` or `{speed: ...}`"
+        raise SolveError(message, hint, (*path, "initial"))
+    loads = [*loaded.loads, *_steady_torques(system, loaded, has_orders=speed is not None)]
+    nothing, capacities = np.zeros(len(system.stations)), dict[int, tuple[int, bool]]()
+    for number, coupling in enumerate(nonlinear):
+        capacity = capacity_pieces(settings, coupling)
+        if capacity is not None:
+            begins_at_zero = not any(piece.begin == 0.0 for piece in capacity)
+            capacities[number] = len(loads), begins_at_zero
+            loads.append(Load(capacity, nothing))
+    loaded = replace(loaded, loads=tuple(loads))
+
+    turning = _speeds_of_parts(study, loaded)
+    twists = loaded.twists(np.array([coupling.span for coupling in nonlinear]))
+    torques, elements = before.torque + before.twist, list[Standing]()
+    for number, coupling in enumerate(nonlinear):
+        torque = float(torques[coupling.span])
+        torques[coupling.span], stands = standing(
+            number, coupling, twists[number], torque, turning, capacities.get(number)
+        )
+        elements += stands
+    flexibility = loaded.system.flexibility
+    start = loaded.positions(np.where(np.isfinite(flexibility), flexibility, 0.0) * torques)
+    # As many modes as requested, and as the duration allows.
+    highest = np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration
+    kept, half = np.searchsorted(loaded.w, highest).tolist()
+    if settings.modes != "all":
+        kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
+    kept = max(min(half, kept - 1), 0) if halved else kept
+    # Inside finite elements the torque is not that of the modes alone.
+    is_fem = loaded.system.bars is not None
+    return in_modes(loaded, start, turning, nonlinear, tuple(elements), kept=kept, is_band=is_fem)
+
+
+def _steady_torques(system: System, loaded: LoadedTrain, *, has_orders: bool) -> Iterator[Load]:
+    """The mean torques before the events, and of a train that vibrates steadily its periodic ones.
+
+    has_orders: it turns at one speed, at which orders have frequencies.
+    """
+    before = loaded.before
+    if before.mean is not None:
+        _, carried, of_joints = carried_by_joints(system, loaded.follows or ())
+        acting = before.mean.applied[:, 0] + of_joints
+        yield Load((Piece(0.0, math.inf, 1.0),), acting, carried)
+    speed = np.array([before.speed])
+    for excitation in excitations(system) if has_orders else ():
+        vibrating = np.zeros(len(system.stations), dtype=complex)
+        for torque in excitation.torques:
+            vibrating[torque.station] += amplitude(system, torque, speed, before.mean)[0]
+        rate = 1j * float(excitation.line.circular_frequency(speed)[0])
+        for factor, column in ((1.0, vibrating.real), (1j, vibrating.imag)):
+            yield Load((Piece(0.0, math.inf, factor, rate=rate),), column)
+
+
+def _speeds_of_parts(study: Study, loaded: LoadedTrain) -> FloatArray:
+    """(rigid motions + modes,) of parts that turn at speeds of their own, those of their named points."""
+    bare, turning = loaded.system, np.zeros(len(loaded.shape))
+    finite = np.isfinite(bare.flexibility)
+    part = connected(len(turning), bare.driving[finite], bare.driven[finite])
+    for name, speed in loaded.before.speeds.items():
+        station = study.train[name].stations[0]
+        members = part == part[station]
+        turning[members] = speed * bare.speed_ratio[members] / bare.speed_ratio[station]
+    inertia = np.where(bare.held, 0.0, bare.lumped_inertia)
+    return np.asarray(loaded.shape.T @ (inertia * turning))

@@ -1,25 +1,26 @@
 """How a train runs before its events: at rest, at a speed, in its steady state, or twisted and let go."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.motion.events.event_kind import Lack, Point
 from torsion.analyses.motion.events.events import Event, Stop
-from torsion.analyses.motion.events.following_events import Load, SpeedProgram, Start
-from torsion.analyses.motion.events.short_circuit import ShortCircuit
+from torsion.analyses.motion.events.machine_events import Load, ShortCircuit, SpeedProgram, Start
 from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings
-from torsion.analyses.power_balance import power_balance
-from torsion.analyses.response.over_speed import response
-from torsion.analyses.steady import Steady, steady
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
-from torsion.kernels.trees.tree_response import Status
+from torsion.primitives import Torque
 from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.analyses.steady import Steady
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class State:
     """How the train runs before its events."""
 
     speed: float  # rad/s, reference
-    mean: Steady | None
+    mean: "Steady | None"
     torque: FloatArray  # (spans,) N m of the mean torques
     frequency: FloatArray  # (components,) rad/s of its steady vibration
     amplitude: ComplexArray  # (components, spans) N m
@@ -75,12 +76,17 @@ def state_before(
     if not (speed or operation.speed):
         fault = Fault(path, "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
+    from torsion.analyses.steady import steady_if_known
+
     speeds = np.array([speed or operation.speed])
-    mean = steady(study.train, system, operation, speeds) if study.has_mean_torque else None
+    mean = steady_if_known(study, system, speeds)
     torque = none if mean is None else mean.torque[:, 0]
     state = replace(standstill, speed=float(speeds[0]), mean=mean, torque=torque)
     if not (study.excites and vibrates):
         return state
+    from torsion.analyses.response.over_speed import response
+    from torsion.kernels.trees.tree_response import Status
+
     vibration = response(study, system, speeds=speeds, refine=False)
     if (vibration.status != Status.OK).any():
         message = "its steady vibration at the operating speed has no finite value"
@@ -171,7 +177,7 @@ def _lack_of_freedom(study: Study, system: System, event: Event) -> Lack:
 
 
 def point(
-    study: Study, system: System, speed: float, name: str, mean: Steady | None = None
+    study: Study, system: System, speed: float, name: str, mean: "Steady | None" = None
 ) -> Point:
     """The train where an event acts, at a reference speed (rad/s) and with the mean torques before it."""
     part, rated = study.train[name], study.operation.rated
@@ -180,6 +186,8 @@ def point(
     rated_speed = 0.0 if rated is None else rated.speed * ratio
     torque = None if part.machine is None else part.machine.rated_torque(rated_speed)
     if torque is None and rated is not None and study.has_mean_torque:
+        from torsion.analyses.power_balance import power_balance
+
         # Its share of the torque when every cylinder fires.
         balance = power_balance(study.train, study.operation)
         if balance.delivered:
@@ -198,3 +206,116 @@ def point(
         is_clutch=part.is_clutch,
         propeller=part.propeller,
     )
+
+
+# orders of one component that are named with their amplitudes; of more their number is
+MOST_AMOUNTS = 4
+STEPS_PER_PERIOD = 8.0  # of the highest order, at most about, at a tolerance of 1e-6
+SECONDS_PER_STEP = 3e-4  # of one station at which orders act
+# end of the words of a periodic torque that the file leaves out
+LEFT_OUT = "(left out by `torques`)"
+
+
+@dataclass(frozen=True)
+class ActingTorques:
+    """The torques of a motion in words."""
+
+    acting: tuple[str, ...]
+    not_acting: tuple[str, ...]
+
+    @property
+    def words(self) -> str:
+        """Both lists in one line for a reader."""
+        without = f" Not acting: {'; '.join(self.not_acting)}." if self.not_acting else ""
+        return f"Acting: {'; '.join(self.acting) or 'no torque'}.{without}"
+
+
+def without_excluded_torques(
+    study: Study, system: System, settings: TransientSettings
+) -> tuple[Study, System]:
+    """The study and the system without the periodic torques that do not act in the motion."""
+    names = settings.torques
+    if names is None:
+        return study, system
+    trains = []
+    for train in (study.train, system.train):
+        torques = tuple(torque for name in names for torque in train.periodic_torques[name])
+        trains.append(replace(train, torques=torques))
+    return replace(study, train=trains[0]), replace(system, train=trains[1])
+
+
+def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
+    """All torques of a motion, and all that are not part of it with the reason."""
+    acting, not_acting = list[str](), list[str]()
+    for name, torques in study.train.periodic_torques.items():
+        if settings.torques is None or name in settings.torques:
+            acting += _in_words(name, torques, has_amounts=True)
+        else:
+            words = _in_words(name, torques, has_amounts=False)
+            not_acting += (f"{text} {LEFT_OUT}" for text in words)
+
+    reason = _reason_without_mean(study, settings)
+    if reason:
+        not_acting.append(f"mean torques ({reason})")
+    else:
+        bodies = [(event.at, event.body) for event in settings.events]
+        ended = dict.fromkeys(at for at, body in bodies if body.drives or isinstance(body, Stop))
+        but = f", but for those at {', '.join(ended)} that events end or replace" if ended else ""
+        acting.append(
+            f"mean torques (they stay at their initial values{but}; the law of a load acts by an event `load`)"
+        )
+
+    torques = study.train.torques
+    swept = [torque.name for torque in torques if torque.order is None and torque.frequency is None]
+    for name in dict.fromkeys(swept):
+        not_acting.append(f"excitation at {name} (of the response over frequency only)")
+    for event in settings.events:
+        torque = getattr(event.body, "torque", None)
+        amount = f" {torque:g} N m" if isinstance(torque, float) else ""
+        acting.append(f"{event.body.key}{amount} at {event.at} from {event.time:g} s")
+    return ActingTorques(tuple(acting), tuple(not_acting))
+
+
+def expected_steps(study: Study, system: System, settings: TransientSettings) -> str:
+    """How many steps orders take and how long that lasts, by the speed that is known; empty where it is short."""
+    given = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
+    speed = given if isinstance(given, float) else study.operation.speed or 0.0
+    _, acting = without_excluded_torques(study, system, settings)
+    orders = {
+        torque.station: float(torque.order) * abs(float(system.speed_ratio[torque.station]))
+        for torque in sorted(acting.train.torques, key=lambda torque: torque.order or 0)
+        if torque.order is not None
+    }
+    per_period = STEPS_PER_PERIOD * (1e-6 / settings.tolerance) ** (1.0 / 6.0)
+    fastest = speed * max(orders.values(), default=0.0)
+    steps = settings.duration * fastest / (2.0 * math.pi) * per_period
+    lasts = SECONDS_PER_STEP * steps * len(orders)
+    return f" At most about {steps:.1g} steps, {lasts:.1g} s of computing." if lasts >= 1.0 else ""
+
+
+def _reason_without_mean(study: Study, settings: TransientSettings) -> str:
+    """Why no mean torque acts; empty where it does."""
+    if isinstance(settings.initial, dict):
+        is_speed = "speed" in settings.initial
+        return "the initial speed is given" if is_speed else "a twist is released"
+    if settings.initial == "rest" or not study.operation.speed:
+        return "the motion begins at rest"
+    return "" if study.has_mean_torque else "no power is stated"
+
+
+def _in_words(name: str, torques: Sequence[Torque], *, has_amounts: bool) -> Iterator[str]:
+    """The periodic torques of one component: by order one after the other, or their number where there are many."""
+    for is_order, group in groupby(torques, key=lambda torque: torque.order is not None):
+        alike = list(group)
+        if len(alike) > MOST_AMOUNTS or any(torque.cylinder for torque in alike):
+            number = len({torque.order if is_order else torque.frequency for torque in alike})
+            words = f"{number} {'orders' if is_order else 'frequencies'} at {name}"
+            yield f"{words} (by its angle)" if is_order and has_amounts else words
+            continue
+        for torque in alike:
+            what = f"order {torque.order}" if is_order else f"{torque.frequency:g} Hz"
+            law = ", by its angle" if is_order else ""
+            share = f"{100.0 * torque.of_mean:g} % of its mean torque" if torque.of_mean else ""
+            amount = "a table over its speed" if torque.table else share
+            amount = amount or f"{torque.torque:g} N m"
+            yield f"{what} at {name}" + (f" ({amount}{law})" if has_amounts else "")

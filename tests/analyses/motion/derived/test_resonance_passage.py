@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from torsion.kernels.motion.resonance_passage import share_of_steady
+from torsion.analyses.motion.derived.resonances_passed import share_of_steady
 
 
 @pytest.mark.parametrize("p", [0.16, 0.4, 1.58])
