@@ -16,7 +16,7 @@ from torsion.analyses.undamped_modes import ModesSettings
 from torsion.errors import InputError
 from torsion.findings import NORMAL, Findings
 from torsion.output.results_json import results
-from torsion.schema.cases import _effect
+from torsion.schema.cases import _effect, _is_same
 from torsion.schema.overlay import multiplied
 from torsion.study import Study
 
@@ -528,7 +528,8 @@ def test_any_digit_of_any_array_is_an_effect_of_a_case() -> None:
     parts[place] = parts[place].with_records(
         replace(record, gas=replace(record.gas, firing=firing))
     )
-    assert _effect(replace(study, train=replace(study.train, parts=tuple(parts)))) != _effect(study)
-    assert _effect(
-        replace(study, train=replace(study.train, parts=tuple(study.train.parts)))
-    ) == _effect(study)
+    changed = replace(study, train=replace(study.train, parts=tuple(parts)))
+    assert not _is_same(_effect(changed), _effect(study))
+    parts = [replace(part) for part in study.train.parts]
+    same = replace(study, train=replace(study.train, parts=tuple(parts)))
+    assert _is_same(_effect(same), _effect(study))

@@ -191,7 +191,7 @@ def _case(
         except InputError as error:
             overlay.faults += error.faults
         else:
-            if _effect(changed_study) != _effect(base):
+            if not _is_same(_effect(changed_study), _effect(base)):
                 changes = (*(base.case.changes if base.case else ()), *overlay.changes)
                 is_corner = bool(case.corner or (base.case and base.case.is_corner))
                 merged, is_judged = merge_changes(changes), case.keys.judged
@@ -296,21 +296,28 @@ def _effect(study: Study) -> Any:
     links = train.stations, train.inertias, train.springs, train.bars, train.constraints
     analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}
     settings = (study.operation, study.model, study.fem, analyses, study.rules, train.modal_damping)
-    return _content((parts, torques, links, train.dampers, settings, dict(train.materials)))
+    return settings, parts, torques, links, train.dampers, dict(train.materials)
 
 
-def _content(value: Any) -> Any:
-    """Return the same in tuples, bytes and words that compare; of an array every digit."""
-    if isinstance(value, np.ndarray):
-        return value.dtype.str, value.shape, value.tobytes()
-    if is_dataclass(value) and not isinstance(value, type):
-        names = [field.name for field in fields(value) if field.repr]
-        return type(value), *(_content(getattr(value, name)) for name in names)
-    if isinstance(value, BaseModel):
-        return type(value), _content(dict(value))
-    if isinstance(value, Mapping):
-        return tuple((_content(key), _content(entry)) for key, entry in value.items())
-    return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)
+def _is_same(first: Any, second: Any) -> bool:
+    """Return whether two values are the same in all that they hold, arrays in every digit."""
+    if first is second:
+        return True
+    if type(first) is not type(second):
+        return False
+    if isinstance(first, np.ndarray):
+        kinds = [(array.dtype, array.shape) for array in (first, second)]
+        return kinds[0] == kinds[1] and first.tobytes() == second.tobytes()
+    if is_dataclass(first) and not isinstance(first, type):
+        names = [field.name for field in fields(first) if field.repr]
+        return all(_is_same(getattr(first, name), getattr(second, name)) for name in names)
+    if isinstance(first, BaseModel):
+        return _is_same(dict(first), dict(second))
+    if isinstance(first, Mapping):
+        return _is_same(tuple(first.items()), tuple(second.items()))
+    if isinstance(first, tuple | list):
+        return len(first) == len(second) and all(map(_is_same, first, second))
+    return repr(first) == repr(second)
 
 
 SCALED = {"stiffness": "other stiffness", "flexibility": "other stiffness"}  # last word of a key
