@@ -139,7 +139,7 @@ analyses: {response: }
 
 TRAIN = """
 name: x
-operation: {{speeds: {{from: 300 rpm, to: 660 rpm}}, rated: {{speed: 640 rpm, power: 6.70206 kW}}, load: constant}}
+operation: {{speeds: {{from: 300 rpm, to: 660 rpm, steps: 37}}, rated: {{speed: 640 rpm, power: 6.70206 kW}}, load: constant}}
 train:
 - motor: {{held: true}}
 - coupling:
@@ -205,7 +205,7 @@ def test_no_verdict_passes_where_a_play_or_stage_leaves_its_linear_range(
 def test_a_play_that_carries_no_mean_torque_never_passes() -> None:
     text = """
 name: it rattles for good once it does, and harmonic balance finds it open
-operation: {speeds: {from: 950 rpm, to: 1500 rpm}}
+operation: {speeds: {from: 950 rpm, to: 1500 rpm, steps: 56}}
 train:
 - motor: {inertia: 2}
 - coupling: {name: c, stiffness: 2e4, clearance: {angle: 0.5 deg, viscous: 2000}, viscous: 1, vibratory_torque: 36}

@@ -8,12 +8,12 @@ from torsion.schema.cases import states_of_cases
 
 SCENE = """
 name: n
-operation: {speeds: {from: 300 rpm, to: 600 rpm, steps: 16}, rated: {speed: 600 rpm, power: 50 kW}}
+operation: {speeds: {from: 300 rpm, to: 600 rpm, steps: 4}, rated: {speed: 600 rpm, power: 50 kW}}
 materials: {s: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850, tensile_strength: 600 MPa}}
 train:
   - engine: {name: diesel, ENGINE}
   - coupling: {name: rubber, stiffness: 40 kN*m/rad, psi: 0.9, vibratory_torque: 9 kN*m}
-  - shaft: {name: line, length: 2 m, diameter: 150 mm, role: intermediate, material: s}
+  - shaft: {name: line, length: 2 m, diameter: 150 mm, role: intermediate, material: s, segments: 1}
   - propeller: {name: wheel, inertia: 60, PITCH}
 rules: [RULE]
 """

@@ -20,7 +20,7 @@ operation: {rated: {speed: 600 rpm, power: 60 kW}}
 train:
 - motor: {name: drive, inertia: 1}
 - coupling: {name: rubber, stiffness: 1e4, viscous: 20, max_torque: 1 kN*m}
-- shaft: {name: line, length: 1 m, diameter: 60 mm, segments: 40}
+- shaft: {name: line, length: 1 m, diameter: 60 mm, segments: 8}
 - propeller: {name: screw, inertia: 2}
 analyses:
   transient:
@@ -74,10 +74,14 @@ def test_a_faulty_list_of_motions_is_refused(text: str, words: str) -> None:
         torsion.parse(text)
 
 
-def test_too_few_samples_are_refused_where_what_they_miss_counts() -> None:
+def test_too_few_samples_are_refused_where_what_they_miss_counts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in ("peaks", "torque_curves"):
+        monkeypatch.setattr(f"torsion.analyses.motion.curves.{module}.MOST_TIMES", 40_000)
     text = """name: x
 train: [disc: {name: d1, inertia: 2}, coupling: {stiffness: 1e7}, disc: {inertia: 3}]
-analyses: {transient: {duration: 1e5 s, samples: 100, events: [{at: d1, step: {torque: 1}}]}}
+analyses: {transient: {duration: 1e3 s, samples: 100, events: [{at: d1, step: {torque: 1}}]}}
 """
     (one,) = torsion.run(torsion.parse(text)).plan.unanswered
     assert "modes with fewer than 4 samples in a period" in one.why
@@ -101,7 +105,9 @@ def test_finite_elements_move_as_the_segments_of_a_shaft() -> None:
     lumped, fem = (
         torsion.run(
             torsion.parse(
-                (SCENE + HIT).replace("  transient:\n", f"  model: {model}\n  transient:\n")
+                (SCENE + HIT.replace("1 s,", "0.2 s,", 1)).replace(
+                    "  transient:\n", f"  model: {model}\n  transient:\n"
+                )
             )
         )
         .need(Transients)
@@ -197,7 +203,7 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
 
 
 def test_shafts_are_divided_for_their_modes_where_a_file_names_a_motion_alone() -> None:
-    alone = SCENE.replace(", segments: 40", "") + TRIP
+    alone = SCENE.replace(", segments: 8", "") + TRIP.replace("1 s,", "0.01 s,")
     named = alone.replace("  transient:\n", "  modes:\n  transient:\n")
     first, second = (torsion.run(torsion.parse(text)) for text in (alone, named))
     assert first.system.segments == second.system.segments

@@ -30,11 +30,12 @@ def run(
     mean: float = 20.0,
     play: str = PLAY,
     speeds: tuple[float, float, int] = (60, 110, 51),
+    only: tuple[str, ...] = ("response",),
 ):
     load = f"rated: {{speed: 100 rad/s, power: {100.0 * mean} W}}, load: constant" if mean else ""
     first, last, steps = speeds
     text = TEXT.format(first=first, last=last, steps=steps, load=load, torque=torque, play=play)
-    return torsion.run(torsion.parse(text.replace(", }", "}")))
+    return torsion.run(torsion.parse(text.replace(", }", "}")), only=only)
 
 
 def carried(u):
@@ -137,7 +138,7 @@ def test_the_jump_lies_below_the_natural_frequency_and_the_peak_beside_it() -> N
 
 
 def test_the_exact_motion_beside_it_is_that_of_shooting() -> None:
-    found = run(2.0, speeds=(72, 110, 39))
+    found = run(2.0, speeds=(72, 110, 39), only=())
     response, balanced = found.results["response"], found.results["response"].balanced
     each = found.results["nonlinear_peaks"].each
     assert len(each) == 4
@@ -167,7 +168,7 @@ def test_the_exact_motion_beside_it_is_that_of_shooting() -> None:
 
 
 def test_without_mean_torque_the_play_floats_or_hammers() -> None:
-    found = run(2.0, mean=0.0, speeds=(30, 110, 41))
+    found = run(2.0, mean=0.0, speeds=(30, 110, 41), only=())
     response, balanced = found.results["response"], found.results["response"].balanced
     at = int(np.argmin(np.abs(response.speed - 35.0)))
     assert balanced.number[at, 0] == 3
@@ -180,7 +181,7 @@ def test_without_mean_torque_the_play_floats_or_hammers() -> None:
 
 def test_further_stages_stiffen_and_bend_the_resonance_up() -> None:
     stages = "stages: [{from: 0.004 rad, stiffness: 1e4}]"
-    found = run(4.0, mean=0.0, play=stages, speeds=(90, 150, 61))
+    found = run(4.0, mean=0.0, play=stages, speeds=(90, 150, 31), only=())
     response, balanced = found.results["response"], found.results["response"].balanced
     several = response.speed[balanced.number[:, 0] > 1]
     assert several.size
@@ -208,7 +209,7 @@ analyses: {response: }
 def test_friction_and_play_satisfy_both_balances_at_every_speed() -> None:
     from torsion.kernels.describing_functions import PiecewiseCoupling, Slider
 
-    below = TWO.replace("to: 120 rad/s, steps: 13", "to: 75 rad/s, steps: 4")
+    below = TWO.replace("to: 120 rad/s, steps: 13", "to: 64 rad/s, steps: 3")
     response = torsion.run(torsion.parse(below), only=["response"]).results["response"]
     balanced, w = response.balanced, response.speed[:, None] * [1.0, 2.0]
     assert balanced.settled.all()
@@ -235,7 +236,7 @@ def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(
     text = text.replace("torque: 9}", f"torque: {torque}}}") + "damping: {modal: 5 %}\n"
     if not opens:
         text = text.replace(", {at: m, order: 2, torque: 1}", "")
-        found = torsion.run(torsion.parse(text)).results["response"]
+        found = torsion.run(torsion.parse(text), only=["response"]).results["response"]
         assert (found.balanced.share == 1.0).all()
         return
     with pytest.raises(SolveError, match="damped by mode") as refused:
@@ -251,10 +252,10 @@ def test_over_frequency_a_play_opens_too() -> None:
     text = text.replace(
         "{response: }", "{response: {frequencies: {from: 11 Hz, to: 13 Hz, steps: 3}}}"
     )
-    found = torsion.run(torsion.parse(text)).results["frequency_response"]
-    linear = torsion.run(torsion.parse(text.replace("power: 500 W", "power: 100 kW"))).results[
-        "frequency_response"
-    ]
+    found, linear = (
+        torsion.run(torsion.parse(one)).results["frequency_response"]
+        for one in (text, text.replace("power: 500 W", "power: 100 kW"))
+    )
     both = [one.torque[np.searchsorted(one.frequency, 12.0), 1] for one in (found, linear)]
     assert abs(both[0]) > 5.0
     assert both[0] != pytest.approx(both[1], rel=0.01)
@@ -275,7 +276,7 @@ def test_a_play_that_closes_a_loop_stays_closed_or_there_is_no_response(
         "links: [{between: [d, p], coupling: {name: loop, stiffness: 1e4, clearance: 0.01 rad}}]\n"
     )
     if closed:
-        found = torsion.run(torsion.parse(text + loop)).results["response"]
+        found = torsion.run(torsion.parse(text + loop), only=["response"]).results["response"]
         assert (found.balanced.share == 1.0).all()
         return
     with pytest.raises(SolveError, match="closes a loop") as refused:

@@ -11,7 +11,7 @@ from torsion.findings import Findings
 from torsion.output.chapters.couplings import nonlinear_at_peaks
 
 TEXT = """name: x
-operation: {{speeds: {{from: 150 rpm, to: 700 rpm}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}
+operation: {{speeds: {{from: 240 rpm, to: 290 rpm, steps: 6}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}
 train:
 - motor: {{inertia: 20}}
 - coupling: {{name: teeth, stiffness: 300 kN*m/rad, {}}}
@@ -37,6 +37,7 @@ def solved(kind: str) -> tuple[Findings, tuple[NonlinearPeak, ...]]:
 @pytest.mark.parametrize("kind", [PLAY, FRICTION])
 def test_a_band_of_modes_is_as_good_as_all(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A damper of the contact takes part in what the modes left out give; without that the first is 3 % too low."""
+    monkeypatch.setattr(nonlinear_peaks, "PARTS", 1)  # the largest settles
     bands = list[bool]()
     known = nonlinear_peaks.Band.begin_motion
 
@@ -51,8 +52,7 @@ def test_a_band_of_modes_is_as_good_as_all(kind: str, monkeypatch: pytest.Monkey
     monkeypatch.setattr(nonlinear_peaks, "CHEAP", 0.0)
     _, band = solved(kind)
     assert all(bands)
-    assert len(band) == len(whole)
-    for one, other in zip(band[:2], whole[:2], strict=True):  # the largest, which settle
+    for one, other in zip(band, whole, strict=True):
         assert one.exact == pytest.approx(other.exact, rel=4e-3)
         assert one.half_range == pytest.approx(other.half_range, rel=5e-3)
         assert (one.half_ranges >= (1.0 - 1e-3) * other.half_ranges).all()  # for verdicts, raised

@@ -229,7 +229,7 @@ def test_narrow_drift_between_the_speeds_is_found_with_its_greatest_value():
 
 
 def test_drift_is_named_with_the_slope_that_removes_it_and_no_verdict_follows():
-    found = solved(first=250, last=1500, steps=126)
+    found = solved(first=250, last=1500, steps=51)
     stable, check = found.need(Stability), verdict(found, "stability")
     (drift,) = stable.drifts
     speed, growth = DRIFT["worst_rpm_and_1_per_s"]
@@ -256,7 +256,7 @@ def test_drift_is_named_with_the_slope_that_removes_it_and_no_verdict_follows():
     ],
 )
 def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
-    found = solved(drive=f", drive: {drive}", first=250, last=1500, steps=126)
+    found = solved(drive=f", drive: {drive}", first=250, last=1500, steps=51)
     assert [verdict(found, clause).verdict for clause in ("stability", "mean speed")] == verdicts
     if "fail" in verdicts:
         assert (
@@ -359,7 +359,7 @@ def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
         "torsion.analyses.stability.floquet_exponents.drift_slope",
         lambda at, speed, near: (1.0, None),
     )
-    found = solved.__wrapped__(first=250, last=1500, steps=126)  # not what an earlier test solved
+    found = solved.__wrapped__(first=250, last=1500, steps=51)  # not what an earlier test solved
     assert verdict(found, "stability").verdict == "fail"
     assert "were not distinguished" in verdict(found, "stability").note
 

@@ -232,27 +232,35 @@ def test_the_report_begins_with_the_cases_and_each_has_its_own(
     assert own == ["Verdict of the case warm", "Checks of the case warm", "Changes by this case"]
 
 
-def test_what_a_case_solved_alone_left_is_taken_away(ferry: Findings, tmp_path: Path) -> None:
-    write(ferry.cases["warm"], tmp_path / "warm")
-    assert (tmp_path / "warm" / "results.json").exists()
-    write(ferry, tmp_path)
-    assert [path.name for path in (tmp_path / "warm").iterdir()] == ["report.html"]
+@pytest.fixture(scope="module")
+def pair() -> Findings:
+    """A file and a case, with long arrays."""
+    return torsion.run(
+        torsion.parse(f"{TRAIN.replace('31', '701')}cases: {{soft: {GOOD}}}", "t.yaml")
+    )
+
+
+def test_what_a_case_solved_alone_left_is_taken_away(pair: Findings, tmp_path: Path) -> None:
+    write(pair.cases["soft"], tmp_path / "soft")
+    assert (tmp_path / "soft" / "results.json").exists()
+    write(pair, tmp_path)
+    assert [path.name for path in (tmp_path / "soft").iterdir()] == ["report.html"]
 
 
 def test_the_page_of_all_cases_is_drawn_again_and_those_of_the_cases_stay(
-    ferry: Findings, tmp_path: Path
+    pair: Findings, tmp_path: Path
 ) -> None:
-    write(ferry, tmp_path, also=("tables",))
+    write(pair, tmp_path, also=("tables",))
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
     (tmp_path / "report.html").unlink()
     commands.report(tmp_path)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == before
 
 
-def test_long_arrays_of_the_cases_stand_beside_the_results(ferry: Findings, tmp_path: Path) -> None:
-    write(ferry, tmp_path)
+def test_long_arrays_of_the_cases_stand_beside_the_results(pair: Findings, tmp_path: Path) -> None:
+    write(pair, tmp_path)
     read = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
-    whole = results(ferry)
+    whole = results(pair)
     with np.load(tmp_path / "series.npz") as series:
 
         def back(value: Any) -> Any:

@@ -28,13 +28,13 @@ def lack(frequency: float, length: float, diameter: float) -> float:
     return torque - SECOND * w**2 * (math.cos(along) + sine * math.sin(along))
 
 
-@pytest.mark.parametrize("count", ["", "{count: 2}"])
 @pytest.mark.parametrize(
-    ("what", "first", "last", "aim"),
+    ("what", "first", "last", "aim", "count"),
     [
-        ("diameter", "60 mm", "200 mm", "2.frequency: 800"),
-        ("length", "1 m", "4 m", "1.frequency: 70"),
-        ("diameter", "60 mm", "100 mm", "1.frequency: 60"),
+        ("diameter", "60 mm", "200 mm", "2.frequency: 800", ""),
+        ("diameter", "60 mm", "200 mm", "2.frequency: 800", "{count: 2}"),
+        ("length", "1 m", "4 m", "1.frequency: 70", "{count: 2}"),
+        ("diameter", "60 mm", "100 mm", "1.frequency: 60", ""),
     ],
 )
 def test_a_design_over_segments_ends_with_a_choice_at_its_frequency(
