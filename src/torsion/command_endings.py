@@ -37,7 +37,7 @@ def described(command: Callable[..., None]) -> Callable[..., None]:
     text = getdoc(command) or ""
     helps = dict(HELP.findall(OF_ALL + text))
     for name, parameter in signature(command).parameters.items():
-        limits = next(iter(getattr(parameter.annotation, "__metadata__", ())), {})
+        limits: dict[str, Any] = next(iter(getattr(parameter.annotation, "__metadata__", ())), {})
         traits: dict[str, Any] = {"help": helps.get(name), **limits}
         if parameter.kind is not parameter.KEYWORD_ONLY:
             stated = typer.Argument(**traits)

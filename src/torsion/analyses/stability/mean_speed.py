@@ -7,7 +7,7 @@ of the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes o
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -84,7 +84,6 @@ def missing_slope(
     worst = start.operation.loading.speed
     at_station = np.eye(len(mechanism.slopes))[station]
 
-    @cache
     def slope_of_all(speed: float, slope: float) -> float:
         """Return D at a speed with a slope at the station; infinite where there is no motion."""
         nonlocal before
@@ -112,9 +111,7 @@ def missing_slope(
         slope = float(root)
         reach = max(speed - around, limits[0]), min(speed + around, limits[1])
         tolerance = SMOOTH * speed
-        place, least = find_minimum(
-            lambda w, of=slope: slope_of_all(w, of), *reach, tolerance=tolerance
-        )
+        place, least = find_minimum(partial(slope_of_all, slope=slope), *reach, tolerance=tolerance)
         speed, around = place, 2.0 * abs(place - speed) + tolerance
     return np.nan
 

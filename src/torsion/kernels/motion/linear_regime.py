@@ -180,7 +180,7 @@ class Regime:
             force = self.force[:, 1 + acting.load[terms]]
             pushed = (force @ column[terms] for column in columns[:count])
             both = zip_longest(loads.get(rate, ()), pushed, fillvalue=0.0)
-            loads[rate] = [first + second for first, second in both]
+            loads[rate] = [np.add(first, second) for first, second in both]
         for rate, forces in loads.items():
             late = time ** np.arange(1, len(forces) + 1)[:, None]
             answered = answers(root, rate, time, len(forces), decay)
