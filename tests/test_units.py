@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from tests.for_all import for_all
 
 from torsion import units
-from torsion.units import UnitFault, needs_unit, speak, to_si
+from torsion.errors import Refusal
+from torsion.units import needs_unit, speak, to_si
 
 TURN = 2 * math.pi
 POUND_FORCE = 0.45359237 * 9.80665  # N, exact by definition of pound and standard gravity
@@ -207,7 +208,7 @@ def test_every_kind_has_words_and_an_example_that_can_be_read(unit: str) -> None
 def test_what_is_not_the_quantity_is_refused_in_words(
     text: str, unit: str, message: str, hint: str
 ) -> None:
-    with pytest.raises(UnitFault) as caught:
+    with pytest.raises(Refusal) as caught:
         to_si(text, unit)
     assert message in caught.value.message
     assert hint in caught.value.hint
@@ -232,7 +233,7 @@ def test_a_number_without_a_unit(text: str, value: float) -> None:
 
 @for_all("text", ["5 m", "five", "1e400", "1__0", "0x1F"])
 def test_text_that_is_not_a_number_is_refused(text: str) -> None:
-    with pytest.raises(UnitFault):
+    with pytest.raises(Refusal):
         to_si(text, "1")
 
 
@@ -305,7 +306,7 @@ TEXTS = st.text(max_size=30) | st.lists(PIECES, max_size=12).map("".join)
 def test_any_text_is_a_finite_number_or_a_unit_fault(text: str, unit: str) -> None:
     try:
         value, stated = to_si(text, unit), ""
-    except UnitFault as fault:
+    except Refusal as fault:
         value, stated = 0.0, str(fault)
     assert math.isfinite(value)
     assert stated.isprintable()

@@ -38,7 +38,7 @@ def described(command: Callable[..., None]) -> Callable[..., None]:
     helps = dict(HELP.findall(OF_ALL + text))
     for name, parameter in signature(command).parameters.items():
         limits: dict[str, Any] = next(iter(getattr(parameter.annotation, "__metadata__", ())), {})
-        traits: dict[str, Any] = {"help": helps.get(name), **limits}
+        traits = {"help": helps.get(name), **limits}
         if parameter.kind is not parameter.KEYWORD_ONLY:
             stated = typer.Argument(**traits)
         else:

@@ -18,7 +18,7 @@ from torsion.analyses.discretisation import (
 )
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, nearest, printable, refusal
+from torsion.errors import Fault, InputError, Refusal, nearest, printable, refusal
 from torsion.findings import NORMAL, Findings, Plan, Progress, silent
 from torsion.rules import needed, not_judged
 from torsion.runner import run
@@ -238,11 +238,11 @@ def study(
     SolveError.
     """
     from torsion.analyses.compare.run_times import TOLERANCE, study_times
-    from torsion.units import UnitFault, to_si
+    from torsion.units import to_si
 
     try:
         goal = to_si(str(TOLERANCE if tolerance is None else tolerance), "1")
-    except UnitFault as fault:
+    except Refusal as fault:
         raise refusal(f"the tolerance: {fault.message} (write 0.1 % or 1e-3)") from None
     if not 0.0 < goal < 1.0:
         raise refusal(f"the tolerance {tolerance} is out of range: more than 0 and less than 100 %")

@@ -38,6 +38,15 @@ class Fault:
         return f"{where}: {self.message}{origin}" + (f" ({self.hint})" if self.hint else "")
 
 
+class Refusal(ValueError):
+    """A value that is not possible: what is wrong, what would be right, and which entry of a mapping or list it is of."""
+
+    def __init__(self, message: str, hint: str = "", key: str | Path = ()) -> None:
+        self.message, self.hint = message, hint
+        self.key: Path = (key,) if isinstance(key, str) and key else tuple(key)
+        super().__init__(f"{message} ({hint})" if hint else message)
+
+
 class TorsionError(Exception):
     """Base of every error that `torsion` raises on purpose."""
 

@@ -23,10 +23,10 @@ from pydantic import (
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic_core import core_schema
 
 from torsion import units
-from torsion.errors import printable
+from torsion.errors import Refusal, printable
 from torsion.units import USUAL, UsualRange
 
 # In SI, of any number but 0: squares and cubes of these are numbers too.
@@ -43,8 +43,10 @@ class Clash:
 
     def check(self, declaration: "Declared") -> None:
         """Raise the fault of keys that are given together, or of one that is missing."""
-        first, keys = self.keys[0], declaration.keys_given(*self.keys)
-        missing = [f"`{key}`" for key in self.keys if key not in keys]
+        fields, given_names = type(declaration).model_fields, declaration.keys_given(*self.keys)
+        first, *_ = names = [fields[name].alias or name for name in self.keys]
+        keys = [key for key, name in zip(names, self.keys, strict=True) if name in given_names]
+        missing = [f"`{key}`" for key in names if key not in keys]
         if self.rule == "first with all":
             if first in keys and missing:
                 raise refuse(f"`{first}` needs {' and '.join(missing)}", self.hint, first)
@@ -88,8 +90,9 @@ class Declared(BaseModel):
         return self
 
     def keys_given(self, *keys: str) -> list[str]:
-        """Return those of these keys that have a value, in their order."""
-        return [key for key in keys if getattr(self, key) not in (None, ())]
+        """Return those of these keys, by the names of their fields, that were given a value, in their order."""
+        stated = self.model_fields_set
+        return [key for key in keys if getattr(self, key) not in (None, ()) and key in stated]
 
     def refuse_clashes(self) -> None:
         """Refuse values that do not go together, each of which is possible by itself."""
@@ -105,15 +108,7 @@ def required(meaning: str, **limits: Any) -> Any:
     return Field(description=meaning, **limits)
 
 
-def refuse(
-    message: str, hint: str = "", key: str | tuple[str | int, ...] = ""
-) -> PydanticCustomError:
-    """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault.
-
-    key: that of a mapping, or the steps to what stands deeper.
-    """
-    text = "{message} ({hint})" if hint else "{message}"
-    return PydanticCustomError("fault", text, {"message": message, "hint": hint, "key": key})
+refuse = Refusal  # what a reader of values raises
 
 
 _READING: ContextVar[tuple[str, bool]] = ContextVar(
@@ -179,8 +174,6 @@ class Quantity:
                 message = f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one"
                 raise refuse(message, "deg or rad" if self.unit == "rad" else "rpm or rad/s")
             return self._within(float(value), self.unit, 1.0)
-        except units.UnitFault as fault:
-            raise refuse(fault.message, fault.hint) from None
         except OverflowError:
             raise refuse("the number is too large", "numbers up to 1e308 are possible") from None
 
@@ -340,10 +333,8 @@ def read_item(collection: Any, step: str | int, read: Callable[[Any], Value]) ->
     """Read one item of a list or mapping; a fault is located at the item."""
     try:
         return read(collection[step])
-    except PydanticCustomError as error:
-        context = error.context or {}
-        message, hint = str(context.get("message", error)), str(context.get("hint", ""))
-        raise refuse(message, hint, (step, *(context.get("key") or ()))) from None
+    except Refusal as fault:
+        raise refuse(fault.message, fault.hint, (step, *fault.key)) from None
 
 
 Rows = tuple[tuple[float, float], ...]

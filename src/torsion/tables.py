@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from torsion import units
-from torsion.errors import REORDERING, Fault, printable
+from torsion.errors import REORDERING, Fault, Refusal, printable
 from torsion.user_files import LARGEST_SIGNAL, LARGEST_TABLE, read_file
 
 MOST_ROWS = 100_000
@@ -82,11 +82,11 @@ def head_of(text: str) -> tuple[str, str]:
     return (head[1].strip(), head[2].strip()) if head else (text.strip(), "")
 
 
-def unit_fault(written: str, unit: str) -> units.UnitFault | None:
+def unit_fault(written: str, unit: str) -> Refusal | None:
     """What is wrong with a unit of a column where one of `unit` is expected."""
     try:
         units.to_si(f"1 {written}", unit)
-    except units.UnitFault as fault:
+    except Refusal as fault:
         return fault
     return None
 
@@ -317,7 +317,7 @@ def _factors(file: Path, head: Sequence[Cell], columns: Columns) -> tuple[float,
         word = bracketed or name
         try:
             factors.append(units.to_si(f"1 {word}" if word else "", unit))
-        except units.UnitFault as fault:
+        except Refusal as fault:
             message = f"'{file}', line 1: '{cell.text}' has no unit of {unit}: {fault.message}"
             raise ValueError(message, f"the first line names the units: {columns.head}") from None
     return tuple(factors)

@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsion.errors import nearest, printable
+from torsion.errors import Refusal, nearest, printable
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -123,38 +123,29 @@ _REWRITES = (  # towards one spelling: pattern, replacement
 )
 
 
-class UnitFault(ValueError):
-    """A text that is not the quantity that is expected: what is wrong, and what would be right."""
-
-    def __init__(self, message: str, hint: str = "") -> None:
-        self.message = message
-        self.hint = hint
-        super().__init__(f"{message} ({hint})" if hint else message)
-
-
 def to_si(text: str, unit: str) -> float:
-    """The quantity `text` as a number in the SI unit `unit`, correctly rounded; raises UnitFault."""
+    """The quantity `text` as a number in the SI unit `unit`, correctly rounded; raises Refusal."""
     number, written = amount(text)
     if not written and needs_unit(unit):
         example = _KINDS[unit][1].split()[1]
         hint = f"write '{text.strip()} {example}' or '{text.strip()} {unit}'"
-        raise UnitFault(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
+        raise Refusal(f"{_quoted(text)} has no unit, {_expected(unit)} is expected", hint)
     if written not in ("", unit):
         scale = _COMMON.get(unit, {}).get(written)
         number = number * scale if scale else _converted(number, written, unit, text)
     try:
         value = float(number)
     except OverflowError:
-        raise UnitFault(f"{_quoted(text)} is too large for a number") from None
+        raise Refusal(f"{_quoted(text)} is too large for a number") from None
     if number and not value:
-        raise UnitFault(f"{_quoted(text)} is too small for a number other than 0")
+        raise Refusal(f"{_quoted(text)} is too small for a number other than 0")
     return value
 
 
 def written(text: str, unit: str) -> tuple[str, float]:
     """The unit that the quantity `text` is written in and its size in `unit`; `unit` itself where it is no common one.
 
-    Raises UnitFault.
+    Raises Refusal.
     """
     spelled = amount(text)[1]
     size = _COMMON.get(unit, {}).get(spelled)
@@ -185,7 +176,7 @@ def _quoted(text: str) -> str:
 
 
 def amount(text: str) -> tuple[Fraction, str]:
-    """The number in front, exact, and the unit behind it in one spelling (empty if there is none); raises UnitFault.
+    """The number in front, exact, and the unit behind it in one spelling (empty if there is none); raises Refusal.
 
     >>> amount("1.5 kN*m")
     (Fraction(3, 2), 'kN*m')
@@ -195,24 +186,24 @@ def amount(text: str) -> tuple[Fraction, str]:
     number = _NUMBER.match(spelled)
     if not number:
         if spelled.lstrip("+-.").casefold() in {"nan", "inf", "infinity"}:
-            raise UnitFault(f"{_quoted(text)} is not a finite number")
-        raise UnitFault(
+            raise Refusal(f"{_quoted(text)} is not a finite number")
+        raise Refusal(
             f"{_quoted(text)} does not begin with a number", "write a number, a space and a unit"
         )
     if len(spelled) > _LONGEST:
-        raise UnitFault(f"{_quoted(text)} is too long for a quantity")
+        raise Refusal(f"{_quoted(text)} is too long for a quantity")
     written = spelled[number.end() :].strip()
     if mark := _MARKED.match(spelled):
         right = f"write {re.sub(r'[^-+0-9]', '', mark[1])}{mark[3]}"
-        raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
+        raise Refusal(f"{_quoted(text)} has a mark between its thousands", right)
     if _DATE.fullmatch(spelled):
         cause = "a spreadsheet makes dates of cells that are not formatted as numbers"
-        raise UnitFault(f"{_quoted(text)} looks like a date", f"write the number; {cause}")
+        raise Refusal(f"{_quoted(text)} looks like a date", f"write the number; {cause}")
     if re.match(r",\s*[0-9]", written):
         hint = "write a decimal point, and no mark between thousands"
-        raise UnitFault(f"{_quoted(text)} has a comma in its number", hint)
+        raise Refusal(f"{_quoted(text)} has a comma in its number", hint)
     if number[1] and len(number[1].lstrip("+-0")) > 3:
-        raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
+        raise Refusal(f"{_quoted(text)} is outside the range of numbers")
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
     unit = f"1{written}" if written.startswith("/") else written
@@ -230,7 +221,7 @@ def _registry() -> "UnitRegistry[Any]":
 
 @cache
 def _container(written: str) -> "UnitsContainer":
-    """The unit as powers of the names of units.txt; raises UnitFault."""
+    """The unit as powers of the names of units.txt; raises Refusal."""
     from pint.errors import PintError
 
     usual = "units are written like kN*m/rad, kg*m**2, rpm"
@@ -243,7 +234,7 @@ def _container(written: str) -> "UnitsContainer":
         if tokens or end < len(written):
             raise LookupError
     except LookupError:
-        raise UnitFault(f"the unit {_quoted(written)} cannot be read", usual) from None
+        raise Refusal(f"the unit {_quoted(written)} cannot be read", usual) from None
     registry, powers = _registry(), Counter[str]()
     for name, power in named.items():
         try:
@@ -253,9 +244,9 @@ def _container(written: str) -> "UnitsContainer":
         except PintError:
             near = nearest(name, _spelled())
             hint = f"did you mean '{near}'?" if near else usual
-            raise UnitFault(f"'{name}' is not a known unit", hint) from None
+            raise Refusal(f"'{name}' is not a known unit", hint) from None
     if any(abs(power) > _HIGHEST for power in powers.values()):
-        raise UnitFault(f"'{written}' has a power that no quantity has")
+        raise Refusal(f"'{written}' has a power that no quantity has")
     return registry.UnitsContainer(
         {name: power for name, power in powers.items() if name and power}
     )
@@ -281,12 +272,12 @@ def _converted(number: Fraction, written: str, unit: str, text: str) -> Fraction
             hint = f"try '{plain}/rad'"
         elif plain.endswith("/rad") and missing == dimension(_container("rad")):
             hint = f"try '{plain.removesuffix('/rad')}'"
-        raise UnitFault(f"{_quoted(text)} is {measured}, {_expected(unit)} is expected", hint)
+        raise Refusal(f"{_quoted(text)} is {measured}, {_expected(unit)} is expected", hint)
     try:
         return Fraction(_registry().convert(number, container, expected))
     except PintError:
         message = f"{_quoted(text)} mixes a temperature scale with other units"
-        raise UnitFault(message, "write K") from None
+        raise Refusal(message, "write K") from None
 
 
 @cache

@@ -9,10 +9,10 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails, PydanticCustomError, PydanticUndefined
+from pydantic_core import ErrorDetails, PydanticUndefined
 
 from torsion import units
-from torsion.errors import Fault, Path, nearest, printable
+from torsion.errors import Fault, Path, Refusal, nearest, printable
 from torsion.fields import Declared, Quantity, shown
 from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import Component, component_class
@@ -157,9 +157,9 @@ def _between_sound_keys(
     for refuse in (*(clash.check for clash in kind.clashes), kind.refuse_clashes, *others):
         try:
             refuse(partly)
-        except PydanticCustomError as refusal:
-            context = refusal.context or {}
-            yield {"type": "fault", "loc": (), "msg": "", "input": values, "ctx": context}
+        except Refusal as refusal:
+            context = {"error": refusal}
+            yield {"type": "value_error", "loc": (), "msg": "", "input": values, "ctx": context}
             return
         except AttributeError:  # it reads a key that is faulty
             continue
@@ -251,10 +251,9 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
     context: dict[str, Any] = detail.get("ctx", {})
     hint = ""
     match detail["type"]:
-        case "fault":
-            key = context["key"]
-            steps, _ = _path(key if isinstance(key, tuple) else (key,), below)
-            return path, Fault((*path, *steps), context["message"], context["hint"])
+        case "value_error" if isinstance(refusal := context["error"], Refusal):
+            steps, _ = _path(refusal.key, below)
+            return path, Fault((*path, *steps), refusal.message, refusal.hint)
         case "missing" if isinstance(detail["loc"][-1], str):
             key = str(detail["loc"][-1])
             where = (*path, key)

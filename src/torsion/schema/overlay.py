@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsion import units
-from torsion.errors import Fault, Path, nearest, printable
+from torsion.errors import Fault, Path, Refusal, nearest, printable
 from torsion.fields import shown
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.study import Change, Study
@@ -233,7 +233,7 @@ def multiplied(value: Any, factor: Fraction) -> int | float | str | None:
     if isinstance(value, str):
         try:
             amount, unit = units.amount(value)
-        except units.UnitFault:
+        except Refusal:
             return None
         # The digits of the product, exact where they end.
         product = amount * factor

@@ -7,11 +7,10 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from torsion.arrays import FloatArray
 from torsion.columns import Column, NotInColumns, copied, field_names, joined
-from torsion.errors import Fault, Path
+from torsion.errors import Fault, Path, Refusal
 from torsion.fields import Amount, Declared
 from torsion.model import KINDS
 from torsion.model.component import Material
@@ -66,7 +65,7 @@ def train_in_columns(
             _refuse_clashes(declarations[section], changed[section])
         reference, folder = study.operation.at, str(FilePath(source.name).parent)
         lowered_train, faults = lowered(**changed, reference=reference, folder=folder)
-    except (TypeError, AttributeError, PydanticCustomError) as error:
+    except (TypeError, AttributeError, Refusal) as error:
         raise NotInColumns(str(error)) from error
     if lowered_train is None or faults:
         raise NotInColumns("; ".join(fault.message for fault in faults))

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion import units
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, Path
+from torsion.errors import Fault, Path, Refusal
 from torsion.model.parts import Part
 from torsion.schema.cases import stiffness_paths
 from torsion.schema.overlay import Overlay, in_words, multiplied
@@ -146,7 +146,7 @@ def amount_of(value: object) -> tuple[float, str] | None:
         return None
     try:
         amount, unit = units.amount(value) if isinstance(value, str) else (value, "")
-    except units.UnitFault:
+    except Refusal:
         return None
     return float(amount), unit
 
@@ -251,7 +251,7 @@ def _figure(
         return None
     # What the file gives in the unit of a range; NaN where that is not known.
     nominal = 1.0 if law.first is None else np.nan
-    with suppress(units.UnitFault):
+    with suppress(Refusal):
         if law.first is not None and isinstance(given.value, str):
             exact = None if law.unit else units.amount(given.value)[0]
             nominal = units.to_si(given.value, law.unit) if exact is None else float(exact)
@@ -297,8 +297,8 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
                 else:
                     stated[key] = float(units.amount(str(cell.value).partition(" ")[0])[0])
                 if stated[key] < 0.0:
-                    raise units.UnitFault(f"a {key} of {cell.value} is below 0", "0 or more")
-            except units.UnitFault as fault:
+                    raise Refusal(f"a {key} of {cell.value} is below 0", "0 or more")
+            except Refusal as fault:
                 note = Fault((), fault.message, fault.hint, line=cell.line, column=cell.column)
                 reading.faults.append(replace(note, file=reading.tables[name].name))
         changes = {key: node for key, node in row.parts.items() if key not in (LABEL, *STATED)}

@@ -342,7 +342,7 @@ AT_3 = "aim: {mode-1.frequency: 3}"
 @for_all(
     ("design", "place", "words"),  # the fault is where the text `place` begins
     [
-        ("choose: {}", "{}", "nothing is chosen"),
+        ("choose: {}", "{}", "the mapping is too short: 0"),
         (f"choose: {{{ONE}}}", "{choose", "has no limit"),
         (f"choose: {{{ONE}}}, aim: most", "most", "'most' is no aim"),
         (f"choose: {{{ONE}}}, aim: {{mode-0.frequency: 3}}", "3}", "none of `mode-2.frequency`"),

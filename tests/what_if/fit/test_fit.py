@@ -451,7 +451,7 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
     ("settings", "place", "expected"),
     [
         ("{vary: {soft.stiffness: 20 %}}", "9", "`measured` is missing"),
-        (of_frequencies("", FREQUENCY), "9:", "`vary` is empty"),
+        (of_frequencies("", FREQUENCY), "9:", "the mapping is too short: 0"),
         (
             of_frequencies("soft.stiffness: 20 %, soft.psi: 20 %", FREQUENCY),
             "9:37",
@@ -462,8 +462,16 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
         (of_frequencies("sift.stiffness: 20 %", FREQUENCY), "9:44", "did you mean `soft`"),
         (of_frequencies("m.name: 20 %", FREQUENCY), "9:44", "name"),
         (of_frequencies(SOFT, "frequency: 20 Hz, within: 0"), "9:105", "out of range"),
-        (of_frequencies(SOFT, "within: 1 %"), "9:", "nothing is measured"),
-        (of_frequencies(SOFT, "at: m, " + FREQUENCY), "9:", "`at` does not go with `frequency`"),
+        (
+            of_frequencies(SOFT, "within: 1 %"),
+            "9:",
+            "`frequency` or `torsiogram` or `signal` is missing",
+        ),
+        (
+            of_frequencies(SOFT, "at: m, " + FREQUENCY),
+            "9:",
+            "`frequency` and `at` exclude each other",
+        ),
         (
             of_frequencies(SOFT, "mode: 1, " + FREQUENCY, "mode: 1, " + FREQUENCY),
             "9:",
@@ -489,7 +497,7 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
             "9:",
             "an order is named twice",
         ),
-        (of_curve(f"[{GOOD}]", "at: m"), "9:", "`quantity` is missing"),
+        (of_curve(f"[{GOOD}]", "at: m"), "9:", "`torsiogram` needs `quantity`"),
         (
             of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("order: 2", "order: 3"),
             "9:",

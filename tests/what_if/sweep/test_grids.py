@@ -316,7 +316,11 @@ def test_indices_of_a_sweep_are_the_closed_form_within_their_intervals() -> None
             "8:110",
             "no samples",
         ),
-        ("vary: {coupling-1.stiffness: {uniform: 5 %}}, together: [[]]", "8:95", "two names"),
+        (
+            "vary: {coupling-1.stiffness: {uniform: 5 %}}, together: [[]]",
+            "8:96",
+            "the list is too short: 0",
+        ),
         ("vary: {coupling-1.stiffness: {uniform: 5 %}}, results: [checks]", "8:94", "no rules"),
         (
             "vary: {coupling-1.stiffness: {uniform: 5 %}}, indices: true, method: latin",

@@ -86,5 +86,5 @@ def test_intervals_cover_the_probability_of_a_closed_form(method: str) -> None:
 
 @pytest.mark.parametrize(("end", "missing"), [("from", "to"), ("to", "from")])
 def test_a_range_needs_both_of_its_ends(end: str, missing: str) -> None:
-    with pytest.raises(ValidationError, match=f"a range without `{missing}`"):
+    with pytest.raises(ValidationError, match=f"`{end}` needs `{missing}`"):
         Law.model_validate({end: "80 mm"})

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields, units
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, Path
+from torsion.errors import Fault, Path, Refusal
 from torsion.fields import Declared, Mass, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.kernels.engine.gas_torque import Cylinder, CylinderOrder, Diagram, GasLaw
@@ -58,7 +58,7 @@ def _pressures(value: Any) -> Any:
     if isinstance(value, str):
         try:
             units.to_si(value, "Pa")
-        except units.UnitFault:
+        except Refusal:
             if value.strip():
                 return value
             raise refuse("the name of the file is empty", "head_end: stage_1.csv") from None

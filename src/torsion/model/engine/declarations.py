@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from torsion import fields, units
+from torsion.errors import Refusal
 from torsion.fields import (
     Declared,
     Mass,
@@ -147,7 +148,7 @@ def _amount(value: object) -> tuple[float, str]:
     if not isinstance(value, str):
         return Quantity("N*m").read(value), "N*m"
     for unit in ("N*m", "Pa"):
-        with suppress(units.UnitFault):
+        with suppress(Refusal):
             return units.to_si(value, unit), unit
     message = f"{shown(value)} is neither a torque nor a pressure"
     raise refuse(message, "an amplitude of a cylinder is in N*m or `bar`")

@@ -7,25 +7,19 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, WithJsonSchema
-from pydantic_core import PydanticCustomError
 
-from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given, refuse, required, shown
+from torsion.errors import Fault, Refusal
+from torsion.fields import Declared, Quantity, excludes, given, refuse, required, shown
 from torsion.study import Study
-from torsion.what_if.variants.laws import Choice
+from torsion.what_if.variants.laws import Amount, Choice
 
 MODE = re.compile(r"mode-([1-9][0-9]{0,2})\.frequency")
 MOST = 10_000_000  # values of a grid
 SUBJECTS = "`mode-2.frequency`, `mass` or `cost`"
-AMOUNT = {"type": ["number", "string"]}
-Bound = Annotated[Any, WithJsonSchema(AMOUNT)]
-Range = Annotated[
-    Any, WithJsonSchema({"type": "array", "items": AMOUNT, "minItems": 2, "maxItems": 2})
-]
 AIM = {
     "anyOf": [
         {"const": "margin"},
-        {"type": "object", "additionalProperties": AMOUNT},
+        {"type": "object", "additionalProperties": {"type": ["number", "string"]}},
     ]
 }
 
@@ -52,15 +46,17 @@ class Kept:
 class Condition(Declared):
     """What a value of a design has to keep."""
 
-    outside: Range | None = given("[from, to]: not between these")
-    below: Bound | None = given("greatest value")
-    above: Bound | None = given("least value")
+    clashes = (excludes("outside", "below", "above"),)
+
+    outside: tuple[Amount, Amount] | None = given("[from, to]: not between these")
+    below: Amount | None = given("greatest value")
+    above: Amount | None = given("least value")
 
 
 class DesignSettings(Declared):
     """What the file states of `design`: variables, objective and constraints."""
 
-    choose: dict[str, Choice] = required(
+    choose: Annotated[dict[str, Choice], Field(min_length=1)] = required(
         "design variables by `component.key` with their values: `from` and `to`, or `values`; for a component a "
         "`catalogue`"
     )
@@ -86,10 +82,6 @@ class DesignSettings(Declared):
 
     def refuse_clashes(self) -> None:
         """Words and units of the aim and the conditions."""
-        if not self.choose:
-            raise refuse(
-                "nothing is chosen", "`{shaft-1.diameter: {from: 55 mm, to: 80 mm}}`", "choose"
-            )
         _ = self.target, self.kept
 
     @property
@@ -130,10 +122,6 @@ class DesignSettings(Declared):
             low, high, pair, limits = 0.0, math.inf, condition.outside, list[str]()
             if pair is not None:
                 ends = (*path, "outside")
-                if condition.below is not None or condition.above is not None:
-                    raise refuse("`outside` excludes `below` and `above`", "leave one out", ends)
-                if not isinstance(pair, list | tuple) or len(pair) != 2:
-                    raise refuse(f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", ends)
                 low, high = (_read(value, subject, (*ends, k)) for k, value in enumerate(pair))
                 limits = [f"outside {pair[0]} to {pair[1]}"]
             if condition.above is not None:
@@ -219,8 +207,5 @@ def _read(value: object, subject: Subject, path: tuple[str | int, ...]) -> float
     unit = "Hz" if subject.mode else "kg" if subject.name == "mass" else "1"
     try:
         return Quantity(unit, above=0).read(value)
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise refuse(
-            str(context.get("message", error)), str(context.get("hint", "")), path
-        ) from None
+    except Refusal as fault:
+        raise refuse(fault.message, fault.hint, path) from None

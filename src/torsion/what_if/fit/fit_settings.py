@@ -7,17 +7,12 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.errors import Path
-from torsion.fields import Declared, given, refuse, required
+from torsion.errors import Path, Refusal
+from torsion.fields import Declared, excludes, exclusive, given, needs, refuse, required
 from torsion.what_if.variants.laws import Choice, Law, Width
 
 FIT: Path = ("analyses", "fit")
 UNITS = {"angle": "rad", "speed": "rad/s", "torque": "N*m"}  # of an amplitude, by what was measured
-SORTS = {  # of a measurement, by the key that only it has: its other keys, and those that it needs
-    "frequency": (("mode",), ()),
-    "torsiogram": (("at", "order", "quantity"), ("at", "order", "quantity")),
-    "signal": (("at", "orders", "pulses", "revolutions"), ("at", "orders")),
-}
 Within = Annotated[
     float, fields.Quantity("1", above=0, below=1, usual="deviation of a measurement")
 ]
@@ -40,11 +35,25 @@ def _rows(value: Any) -> Any:
     return value
 
 
-Rows = Annotated[tuple[Reading, ...], BeforeValidator(_rows, str | tuple[Reading, ...])]
+Rows = Annotated[
+    tuple[Reading, ...],
+    BeforeValidator(_rows, str | tuple[Reading, ...]),
+    Field(min_length=1),
+]
+OF_SIGNAL = "orders", "pulses", "revolutions"  # keys that no other measurement has
 
 
 class Measured(Declared):
     """A measured frequency, torsiogram or signal with its standard deviation."""
+
+    clashes = (
+        exclusive("frequency", "torsiogram", "signal", hint="one measurement", needed=True),
+        excludes("frequency", "at", "order", "quantity", *OF_SIGNAL),
+        excludes("torsiogram", "mode", *OF_SIGNAL),
+        excludes("signal", "mode", "order", "quantity"),
+        needs("torsiogram", "at", "order", "quantity", hint="where and what was measured"),
+        needs("signal", "at", "orders", hint="where it was measured, and the orders to fit"),
+    )
 
     frequency: fields.Frequency | None = given("a measured natural frequency")
     mode: Annotated[int, Field(ge=1)] | None = given(
@@ -71,43 +80,16 @@ class Measured(Declared):
     within: Within = required("standard deviation of the measurement: 0.5 %")
 
     def refuse_clashes(self) -> None:
-        """One sort, with its own keys."""
-        declared = type(self).model_fields
-        given_keys = [key for key in declared if key in self.model_fields_set - {"within"}]
-        sorts = [key for key in SORTS if key in given_keys]
-        if len(sorts) != 1:
-            message = f"{' and '.join(sorts)} are two measurements"
-            message = message if sorts else "nothing is measured"
-            raise refuse(message, f"one of {', '.join(SORTS)}", "".join(sorts[1:2]))
-        permitted, needed = SORTS[sorts[0]]
-        for key in given_keys:
-            if key not in (*permitted, sorts[0]):
-                hint = f"with it go {', '.join(permitted)}, within"
-                raise refuse(f"`{key}` does not go with `{sorts[0]}`", hint, key)
-        for key in needed:
-            if key not in given_keys:
-                raise refuse(f"`{key}` is missing", declared[key].description or "")
-        if self.signal is not None and not self.orders:
-            hint = "the orders that are fitted, such as [1, 2]"
-            raise refuse("`orders` is an empty list", hint, "orders")
+        """Orders each once, and rows that are those of one torsiogram."""
         if len(set(self.orders)) < len(self.orders):
             raise refuse("an order is named twice", "each order once", "orders")
-        self._refuse_rows()
-
-    def _refuse_rows(self) -> None:
-        """Amplitudes of another quantity, speeds that do not rise, and phases of some rows alone."""
         rows = self.torsiogram or ()
-        if self.torsiogram == ():
-            hint = "speed and amplitude of at least one speed"
-            raise refuse("the torsiogram has no rows", hint, "torsiogram")
         for row_number, row in enumerate(rows):
             try:
                 self.amplitude(row)
-            except ValueError as error:
-                context = getattr(error, "context", None) or {}
+            except Refusal as fault:
                 key = ("torsiogram", row_number, "amplitude")
-                message = f"{self.quantity}: {context['message']}"
-                raise refuse(message, context["hint"], key) from None
+                raise refuse(f"{self.quantity}: {fault.message}", fault.hint, key) from None
             if (row.phase is None) != (rows[0].phase is None):
                 message = "some rows have a phase and some have none"
                 raise refuse(message, "all of them, or none", ("torsiogram", row_number))
@@ -124,18 +106,15 @@ class Measured(Declared):
 class FitSettings(Declared):
     """What the file states of `fit`: parameters that vary, and measurements."""
 
-    vary: dict[str, Width] = required(
+    vary: Annotated[dict[str, Width], Field(min_length=1)] = required(
         "figures by `component.key`, each with its standard deviation (of the logarithm) as known beforehand: 20 %"
     )
-    measured: tuple[Measured, ...] = required("what was measured, each a mapping")
+    measured: Annotated[tuple[Measured, ...], Field(min_length=1)] = required(
+        "what was measured, each a mapping"
+    )
 
     def refuse_clashes(self) -> None:
-        """Something varies and something is measured, a mode once."""
-        if not self.vary:
-            raise refuse("`vary` is empty", "for example {coupling-1.stiffness: 20 %}", "vary")
-        if not self.measured:
-            hint = "for example {frequency: 20 Hz, within: 1 %}"
-            raise refuse("`measured` is empty", hint, "measured")
+        """A mode is measured once, and modes rise."""
         measured: dict[int, tuple[int, float]] = {}  # position and frequency by the mode
         for position, measurement in enumerate(self.measured):
             if (mode := measurement.mode) in measured:

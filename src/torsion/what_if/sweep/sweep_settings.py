@@ -32,7 +32,7 @@ class SweepSettings(Declared):
         "figures by `component.key` and how they vary (default: uniformly within every tolerance of the file)",
         {},
     )
-    together: tuple[tuple[str, ...], ...] = given(
+    together: tuple[Annotated[tuple[str, ...], Field(min_length=2)], ...] = given(
         "figures that vary as one, such as two couplings of one batch", ()
     )
     samples: Annotated[int, Field(ge=FEWEST, le=MOST)] | None = given(
@@ -62,11 +62,8 @@ class SweepSettings(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        """Sobol's samples are a power of two, a grid has none, and one figure alone does not vary together."""
+        """Sobol's samples are a power of two, and a grid has none."""
         count = self.samples
-        if any(len(group) < 2 for group in self.together):
-            message = "a figure varies together with another"
-            raise refuse(message, "two names at least in each list", "together")
         if count is not None and self.method == "grid":
             message = "a grid has all combinations and no samples"
             raise refuse(message, "leave `samples` out", "samples")

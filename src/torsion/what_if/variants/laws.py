@@ -11,11 +11,13 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from torsion import fields, units
 from torsion.arrays import BoolArray, FloatArray
-from torsion.fields import Declared, given, refuse, shown
+from torsion.fields import Declared, exclusive, given, needs, refuse, shown, together
 
 MOST_STEPS = 10_000_000
-NO_WAY = "nothing says how the figure varies"
-Amount = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
+WAYS = ("values", "first", "catalogue")  # of a figure to vary in place of the file's value
+ONE_WAY = "a list, a range from `from` to `to`, or a catalogue"
+# As the file writes it.
+Amount = Annotated[Any, BeforeValidator(lambda value: value, float | str)]
 
 
 def _without_sign(value: Any) -> Any:
@@ -49,7 +51,7 @@ def _amount(value: Any, key: str) -> tuple[Fraction, str]:
         raise refuse(f"{shown(value)} is not a number with a unit", "such as 55 mm", key)
     try:
         return units.amount(value) if isinstance(value, str) else (Fraction(repr(value)), "")
-    except (units.UnitFault, ValueError, OverflowError) as fault:
+    except (ValueError, OverflowError) as fault:
         raise refuse(str(fault), "a number with its unit, such as 55 mm", key) from None
 
 
@@ -57,8 +59,14 @@ class Choice(Declared):
     """Values of one figure in place of that of the file: a list, a range, or the rows of a catalogue."""
 
     laws: ClassVar[tuple[str, ...]] = ()  # keys of laws about the value of the file
+    clashes = (
+        *together("first", "last"),
+        exclusive(*WAYS, hint=ONE_WAY, needed=True),
+        exclusive("steps", "step"),
+        *(needs(key, "first", hint="it is of a range") for key in ("steps", "step")),
+    )
 
-    values: tuple[Any, ...] | None = given(
+    values: Annotated[tuple[Any, ...], Field(min_length=2)] | None = given(
         "alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]"
     )
     first: Amount | None = given("minimum of a range, with its unit", alias="from")
@@ -72,29 +80,14 @@ class Choice(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        """One way, and a range with both ends in one unit."""
-        names = {"first": "from", "last": "to"}
-        ends = [key for end, key in names.items() if getattr(self, end) is not None]
-        listed = (*self.laws, "values", "catalogue")
-        ways = [key for key in listed if getattr(self, key) is not None] + ends[:1]
-        if len(ways) != 1:
-            message = f"{' and '.join(ways)} exclude each other" if ways else NO_WAY
-            hint = f"one of {', '.join((*self.laws, 'values', 'from and to', 'catalogue'))}"
-            raise refuse(message, hint, "".join(ways[-1:]))
+        """Values each once, and a range in one unit."""
         values = self.values or ()
-        if self.values is not None and len(values) < 2:
-            raise refuse("a list of values needs two at least", "give alternatives", "values")
         for position, value in enumerate(values):
             if value in values[:position]:
                 message = f"the value {shown(value)} is listed twice"
                 raise refuse(message, "each value once", ("values", position))
-        if not ends:
-            for extra in self.keys_given("steps", "step"):
-                raise refuse(f"`{extra}` is of a range, `from` and `to`", "leave it out", extra)
+        if self.first is None:
             return
-        for missing in {*names.values()} - {*ends}:
-            hint = f"give both `{ends[0]}` and `{missing}`"
-            raise refuse(f"a range without `{missing}`", hint, ends[0])
         (low, unit), (high, unit_of_last) = _amount(self.first, "from"), _amount(self.last, "to")
         first, last, step = shown(self.first), shown(self.last), shown(self.step)
         if unit != unit_of_last:
@@ -103,8 +96,6 @@ class Choice(Declared):
             raise refuse(f"`from` {first} is not below `to` {last}", "exchange them", "from")
         if self.step is not None:
             distance, unit_of_step = _amount(self.step, "step")
-            if self.steps is not None:
-                raise refuse("`steps` and `step` exclude each other", "leave one out", "step")
             fits = 0 < distance <= high - low <= MOST_STEPS * distance
             if unit_of_step != unit or not fits:
                 hint = f"in {unit or 'the same unit'}, above 0 and at most the range"
@@ -148,6 +139,11 @@ class Law(Choice):
     """How one figure varies: one of four laws relative to the value of the file, or values in place of it."""
 
     laws: ClassVar = ("uniform", "normal", "lognormal", "triangular")
+    clashes = (
+        *(clash for clash in Choice.clashes if clash.rule != "one"),
+        exclusive(*laws, *WAYS, hint=f"a law, {ONE_WAY}", needed=True),
+        needs("within", "normal", hint="{normal: 5 %, within: 15 %}"),
+    )
 
     uniform: Width | None = given("any value within this of the file's is as likely: +-15 %")
     normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
@@ -163,7 +159,7 @@ class Law(Choice):
     )
 
     def refuse_clashes(self) -> None:
-        """One way alone, and `within` with a normal law."""
+        """A triangle that rises, and `within` beyond the deviation of a normal law."""
         super().refuse_clashes()
         if self.triangular is not None and len(self.triangular) not in (1, 3):
             message = f"{len(self.triangular)} shares are no triangle"
@@ -175,7 +171,7 @@ class Law(Choice):
         if not low <= middle <= high or low == high:
             hint = "minimum, mode and maximum relative to the file's value: [70 %, 80 %, 100 %]"
             raise refuse(f"{low:g}, {middle:g} and {high:g} do not rise", hint, "triangular")
-        if self.within is not None and (self.normal is None or self.within <= self.normal):
+        if self.normal is not None and self.within is not None and self.within <= self.normal:
             message = "`within` cuts a normal law at more than its deviation"
             raise refuse(message, "{normal: 5 %, within: 15 %}", "within")
         if self.normal is not None and self.within is None and 3.0 * self.normal >= 1.0:
