@@ -22,7 +22,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.commands import plan, solved
 from torsion.errors import InputError, SolveError
 
-MUTATIONS, BATCHES = 400, 8
+MUTATIONS, BATCHES = 240, 8
 LONGEST = 30  # s of a mutation
 QUICK = (
     "three_discs",

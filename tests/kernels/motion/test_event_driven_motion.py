@@ -241,7 +241,7 @@ def trains(draw) -> tuple[LoadedModes, np.ndarray]:
     return loaded(w, damping, elements), speed
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(trains())
 def test_no_train_gains_energy_by_itself(drawn: tuple[LoadedModes, np.ndarray]) -> None:
     train, speed = drawn

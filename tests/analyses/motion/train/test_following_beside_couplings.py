@@ -268,14 +268,14 @@ def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square
     assert fem.switching is not None
     assert fem.residual < 1e-12
     errors = []
-    for segments in (8, 16, 32):
+    for segments in (4, 8, 16):
         lumped = with_shafts(f", segments: {segments}", PLAY, "lumped", SHAKEN, duration=0.05)
         assert lumped.switching is not None
         pairs = zip(lumped.switching.events, fem.switching.events, strict=True)
         errors.append(max(abs(one.time - other.time) / other.time for one, other in pairs))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
-    assert errors[2] < 2e-6
+    assert errors[2] < 8e-6
 
 
 def test_a_coupling_that_never_slips_is_linear_beside_finite_elements() -> None:
