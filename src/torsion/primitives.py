@@ -169,6 +169,12 @@ class Damper:
         """It follows from the mean torque there."""
         return bool(self.torque_factor or self.load_factor)
 
+    @property
+    def may_drive(self) -> bool:
+        """It can feed vibration: it follows the slope of a law, which may fall, or is negative itself."""
+        negative = min(self.constant, self.torque_factor, self.speed_factor) < 0.0
+        return negative or self.load_factor != 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Torque:

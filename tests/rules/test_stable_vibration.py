@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.primitives import Damper
 from torsion.rules.verdict_line import Checks
 
 TRAIN = """
@@ -50,3 +51,10 @@ def test_vibration_that_a_load_feeds_fails_where_it_grows(viscous: float, verdic
 
 def test_a_load_that_rises_with_speed_needs_no_such_row() -> None:
     assert judged(viscous=0.5, load="quadratic") == []
+
+
+@pytest.mark.parametrize("factor", ["constant", "torque_factor", "speed_factor"])
+def test_a_damping_that_is_negative_itself_is_looked_at_too(factor: str) -> None:
+    assert Damper(0, **{factor: -1e-3}).may_drive
+    assert not Damper(0, **{factor: 1.0}).may_drive
+    assert Damper(0, load_factor=0.5).may_drive

@@ -40,7 +40,7 @@ STANDING: dict[str, tuple[str, Callable[["Results"], bool]]] = {
     # Result that a rule judges which needs no name in the file: class, and whether it has anything to judge.
     "response": (
         "torsion.rules.stable_vibration:StableVibration",
-        lambda evidence: any(damper.load_factor for damper in evidence.system.dampers),
+        lambda evidence: any(damper.may_drive for damper in evidence.system.dampers),
     ),
     "stability": ("torsion.rules.stable_motion:StableMotion", lambda evidence: True),
     "lateral": ("torsion.rules.stable_motion:StableBending", lambda evidence: True),
