@@ -7,6 +7,7 @@ import errno
 import os
 import re
 import stat
+from collections.abc import Iterable
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -68,32 +69,39 @@ def check_file(file: str | FilePath, largest: int, size: int = 0) -> None:
 
 @dataclass(slots=True, eq=False)
 class Node:
-    """A value where it stands; `parts` are the values in it by key or position, `keys` the places of its keys."""
+    """A value where it stands; of a mapping or list `parts` are the values in it, by key or position."""
 
-    value: Any
+    plain: Any  # the value; of a mapping or list with parts its kind alone, {} or []
     line: int
     column: int
     parts: "dict[str | int, Node]" = field(default_factory=dict)
-    keys: dict[str, tuple[int, int]] = field(default_factory=dict)
-    size: int = 1  # values in it and itself, aliases written out
-    height: int = 0  # lists and mappings within each other
+    key_place: tuple[int, int] | None = None  # of a value in a mapping
     begin: int = 0  # position in the text of the file
     end: int = 0  # behind it; of a list or mapping without brackets behind the last value in it
     is_flow: bool = False  # it stands in brackets
     source: "Source | None" = None  # of a value that a table states: the text of that table
 
-    def as_list(self, parts: "list[Node]") -> "Node":
-        """Return the parts as a list in its place."""
-        values = [part.value for part in parts]
-        return replace(self, value=values, parts=dict(enumerate(parts)), keys={})
+    @property
+    def value(self) -> Any:
+        """The value as plain data."""
+        if not self.parts:
+            return self.plain
+        if isinstance(self.plain, list):
+            return [part.value for part in self.parts.values()]
+        return {key: part.value for key, part in self.parts.items()}
 
-    def as_mapping(
-        self, parts: "dict[str | int, Node]", keys: dict[str, tuple[int, int]] | None = None
-    ) -> "Node":
-        """Return the parts as a mapping in its place; `keys`: where its keys stand, else where the parts do."""
-        value = {str(key): part.value for key, part in parts.items()}
-        places = {str(key): (part.line, part.column) for key, part in parts.items()}
-        return replace(self, value=value, parts=parts, keys=places if keys is None else keys)
+    @property
+    def place(self) -> tuple[int, int]:
+        """Where it begins: at its key, where it has one."""
+        return self.key_place or (self.line, self.column)
+
+    def as_list(self, parts: "Iterable[Node]") -> "Node":
+        """Return the parts as a list in its place."""
+        return replace(self, plain=[], parts=dict(enumerate(parts)))
+
+    def as_mapping(self, parts: "dict[str | int, Node]") -> "Node":
+        """Return the parts as a mapping in its place."""
+        return replace(self, plain={}, parts=parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +116,7 @@ class Source:
     tables: "tuple[tuple[str, Source], ...]" = ()  # every table by the name that the text gives it
     faults: tuple[Fault, ...] = ()  # of its tables, which can be read all the same
 
-    @property
+    @cached_property
     def data(self) -> Any:
         return self.root.value
 
@@ -128,14 +136,12 @@ class Source:
     def find(self, path: Path, key: bool = False) -> tuple["Source", tuple[int, int]]:
         """The text in which the value at `path` stands, this one or a table's, and its place there."""
         node, source = self.root, self
-        label = node.line, node.column
         for step in path:
-            part = node.parts.get(step)
-            if part is None:
+            if step not in node.parts:
                 break
-            label = node.keys.get(str(step), (part.line, part.column))
-            node, source = part, part.source or source
-        return source, source.within(label if key else (node.line, node.column))
+            node = node.parts[step]
+            source = node.source or source
+        return source, source.within(node.place if key else (node.line, node.column))
 
     def within(self, position: tuple[int, int]) -> tuple[int, int]:
         """The place, or the end of the text if it lies behind it (where the parser puts what is missing there)."""

@@ -33,8 +33,6 @@ def replace_aliases(root: Node) -> Iterator[Fault]:
 
 def _train_faults(entries: Node) -> Iterator[Fault]:
     """Replace the aliases of a list of components or links."""
-    if not isinstance(entries.value, list):
-        return
     for entry in entries.parts.values():
         yield from _rename(entry, KINDS_BY_ALIAS)
         for kind, body in entry.parts.items():
@@ -44,10 +42,9 @@ def _train_faults(entries: Node) -> Iterator[Fault]:
 
 def _mapping_faults(node: Node, models: tuple[type[Any], ...]) -> Iterator[Fault]:
     """Replace the aliases of a mapping, or of every mapping in a list, that one of `models` declares."""
-    if isinstance(node.value, list):
+    if isinstance(node.plain, list):
         for part in node.parts.values():
             yield from _mapping_faults(part, models)
-    if not isinstance(node.value, dict):
         return
     fields = [entry for model in models for entry in keys_of(model).items()]
     yield from _rename(node, aliases_of(key for key, _ in fields))
@@ -62,17 +59,15 @@ def _mapping_faults(node: Node, models: tuple[type[Any], ...]) -> Iterator[Fault
 
 def _rename(node: Node, aliases: Mapping[str, str]) -> Iterator[Fault]:
     """Replace the aliases among the keys of a mapping; of two words for one key the first stays, with a fault."""
-    if not isinstance(node.value, dict) or not aliases.keys() & node.value.keys():
+    if not aliases.keys() & node.parts.keys():
         return
-    entries = [
-        (word, node.value.pop(word), node.parts.pop(word), node.keys.pop(word))
-        for word in list(node.value)
-    ]
-    written = {word: word for word, *_ in entries if word not in aliases}
-    for word, value, part, (line, column) in entries:
-        key = aliases.get(word, word)
+    entries, written = dict(node.parts), {word: word for word in node.parts if word not in aliases}
+    node.parts.clear()
+    for word, part in entries.items():
+        key = aliases.get(str(word), word)
         if written.setdefault(key, word) != word:
+            line, column = part.place
             message = f"`{word}` and `{written[key]}` are the same key"
             yield Fault((), message, "keep one of them", line=line, column=column)
         else:
-            node.value[key], node.parts[key], node.keys[key] = value, part, (line, column)
+            node.parts[key] = part

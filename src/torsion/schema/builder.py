@@ -134,7 +134,7 @@ def vary(
         raise input_error(overlay.faults, case)
     overlay.removed["cases",] = None
 
-    changes = [(path, node) for path, node, _ in overlay.puts]
+    changes = overlay.puts
     text = edited(source, changes, overlay.removed, overlay.applied().data)
     earlier = study.changes if study.case is None else study.case.changes
     changed = parse(text, study.file or "train.yaml")

@@ -218,16 +218,14 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
         body = case_node.parts.get(key) or Node({}, 1, 1)
         for words, node in body.parts.items():
             name, fault = str(words), (*path, key, words)
-            position = body.keys[name]
             factor = Fraction(repr(keys.scale[name])) if key == "scale" else None
             if factor == 1 and not overlay.permits_no_change:
                 message = f"{in_words(node.value)} of `{words}`: nothing changes"
                 overlay.refuse(fault, message, "a factor other than 1")
             else:
-                overlay.change(name, node, position, fault, factor)
+                overlay.change(name, node, fault, factor)
     if keys.speeds is not None:
-        places = case_node.parts["speeds"], case_node.keys["speeds"]
-        overlay.change("operation.speeds", *places, (*path, "speeds"))
+        overlay.change("operation.speeds", case_node.parts["speeds"], (*path, "speeds"))
     if keys.rules is not None:
         stated, rules = overlay.source.at(("rules",)), case_node.parts["rules"]
         if stated is not None and stated.value == rules.value:
@@ -236,7 +234,7 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
         else:
             before = "none" if stated is None else in_words(stated.value)
             overlay.changes.append(Change("rules", before, in_words(rules.value)))
-            overlay.put(("rules",), rules, case_node.keys["rules"])
+            overlay.put(("rules",), rules)
             # Without rules there is no limit that a design could keep; that of the file has this case among others.
             if not rules.value:
                 overlay.removed["analyses", "design"] = None

@@ -38,7 +38,7 @@ def edited(
             behind, begin = f"{text}\n".index("\n", node.end), "\n" + " " * (node.column - 1)
             written = "".join(begin + entry for entry in entries)
             if node.is_flow:
-                behind, written = node.end - 1, ", " * bool(node.value) + ", ".join(entries)
+                behind, written = node.end - 1, ", " * bool(node.parts) + ", ".join(entries)
             edits.append((behind, behind, written))
         edits += [_removal(source, path) for path in gone if source.at(path)]
         # From the last to the first; of several at one place the first stands first.
@@ -88,7 +88,7 @@ def _removal(source: Source, path: Path) -> Edit:
     parent, node = _own_node(source, path[:-1]), _own_node(source, path)
     if len(parent.parts) == 1 and len(path) > 1:
         return _removal(source, path[:-1])
-    text, (line, column) = source.text, parent.keys[str(path[-1])]
+    text, (line, column) = source.text, node.place
     line_start = line_starts(text)[line - 1]
     begin, end = line_start + column - 1, node.end
     if parent.is_flow:

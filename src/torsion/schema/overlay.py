@@ -36,7 +36,6 @@ STEP = re.compile(
 DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
 MAIN = ("train",)  # path of the main train
 LONGEST = 60  # characters of a value in words
-Place = tuple[int, int]  # line, column
 
 
 @dataclass
@@ -48,25 +47,23 @@ class Overlay:
     faults: list[Fault] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
     permits_no_change: bool = False  # a value may be what it is already
-    puts: list[tuple[Path, Node, Place]] = field(default_factory=list)  # with the places of keys
+    puts: list[tuple[Path, Node]] = field(default_factory=list)
     removed: dict[Path, None] = field(default_factory=dict)
 
     def refuse(self, fault: Path, message: str, hint: str) -> None:
         """Note what is said wrongly at a key of the case."""
         self.faults.append(Fault(fault, message, hint, at_key=True))
 
-    def put(self, path: Path, value: Node, key_place: Place | None = None) -> None:
-        """A value in place of what stands at a path, or beside it; `key_place`: where its key stands, or itself."""
+    def put(self, path: Path, value: Node) -> None:
+        """A value in place of what stands at a path, or beside it."""
         # Of what a table states, the case states this.
         file = Source(self.source.name, self.source.text)
-        key_place = key_place or (value.line, value.column)
-        self.puts.append((path, replace(value, source=value.source or file), key_place))
+        self.puts.append((path, replace(value, source=value.source or file)))
 
     def change(
         self,
         words: str,
         value: Node,
-        key_place: Place,
         fault: Path,
         factor: Fraction | None = None,
     ) -> None:
@@ -93,10 +90,10 @@ class Overlay:
                 message = f"{shown(given.value)} is not a number that can be multiplied"
                 self.refuse(fault, message, "give the new value with `set`")
                 return
-            value = Node(made, value.line, value.column)
+            value = replace(value, plain=made)
         before = "not given" if given is None else in_words(given.value)
         self.changes.append(Change(words, before, in_words(made)))
-        self.put(path, value, key_place)
+        self.put(path, value)
 
     def path(self, words: str, fault: Path) -> Path | None:
         """The path in the file that the words of a key stand for; None with its fault noted."""
@@ -180,8 +177,8 @@ class Overlay:
     def applied(self) -> Source:
         """The file with all of it; components keep the names that they have without it."""
         root = self.source.root
-        for path, value, key_place in self.puts:
-            root = _put_in(root, path, value, key_place)
+        for path, value in self.puts:
+            root = _put_in(root, path, value)
 
         # From behind, so that items of a list that are still to go keep their numbers.
         in_order = sorted(
@@ -192,18 +189,14 @@ class Overlay:
         return replace(self.source, root=root)
 
 
-def _put_in(node: Node, path: Path, new: Node, key_place: Place) -> Node:
+def _put_in(node: Node, path: Path, new: Node) -> Node:
     """The same with another value at a path; mappings on the way to it are made."""
-    if not path:
-        return new
     step, deeper = path[0], path[1:]
-    part = node.parts.get(step) or Node(None, *key_place, source=new.source)
-    inner, is_list = _put_in(part, deeper, new, key_place), isinstance(node.value, list)
-    value: Any = list(node.value) if is_list else dict(node.value or {})
-    value[step] = inner.value
-    label = node.keys.get(str(step), key_place) if deeper else key_place
-    keys = node.keys if is_list else {**node.keys, str(step): label}
-    return replace(node, value=value, parts={**node.parts, step: inner}, keys=keys)
+    if deeper:
+        part = node.parts.get(step) or Node({}, *new.place, key_place=new.place, source=new.source)
+        new = _put_in(part, deeper, new)
+    kind: Any = [] if isinstance(node.plain, list) else {}
+    return replace(node, plain=kind, parts={**node.parts, step: new})
 
 
 def _without(node: Node, path: Path) -> Node:
@@ -211,15 +204,14 @@ def _without(node: Node, path: Path) -> Node:
     step, deeper = path[0], path[1:]
     if step not in node.parts:
         return node
-    parts, keys = dict(node.parts), dict(node.keys)
+    parts = dict(node.parts)
     if deeper:
         parts[step] = _without(parts[step], deeper)
     else:
         del parts[step]
-        keys.pop(str(step), None)
-    if isinstance(node.value, list):
-        return node.as_list(list(parts.values()))
-    return node.as_mapping(parts, keys=keys)
+    if isinstance(node.plain, list):
+        return node.as_list(parts.values())
+    return node.as_mapping(parts)
 
 
 def multiplied(value: Any, factor: Fraction) -> int | float | str | None:

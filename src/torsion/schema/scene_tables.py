@@ -71,7 +71,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
     """The node with every table below it replaced; the node itself where there is none. `key` is what it stands at."""
     if table_name(node.value) and (key == TRAIN or key in MAPPINGS or key in PAIRS):
         return node.as_list(_table(node, key, reading))
-    if isinstance(node.value, list):
+    if isinstance(node.plain, list):
         parts = list[Node]()  # of a train rows of a table, or sections of a shaft, for an item
         for item in node.parts.values():
             if key == TRAIN and "shaft" in item.parts and SECTIONS in item.parts["shaft"].parts:
@@ -80,12 +80,10 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
                 parts += _table(item, key, reading)
             else:
                 parts.append(_spliced(item, key * (key in INNER), reading))
-        return node if parts == list(node.parts.values()) else node.as_list(parts)
-    if not isinstance(node.value, dict):
-        return node
-    if key == LIBRARY and {"from", ROW} <= node.value.keys():
+        return node.as_list(parts)
+    if key == LIBRARY and {"from", ROW} <= node.parts.keys():
         return _from_library(node, reading)
-    if key == "shaft" and SECTIONS in node.value:
+    if key == "shaft" and SECTIONS in node.parts:
         hint = "in a link, a case or the table of a train give one shaft a section"
         reading.end(node.parts[SECTIONS], "`sections` belong only in the list of a train", hint)
         return node
@@ -97,10 +95,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
         rows = None if name is None else _table(part, name, reading)
         inner[step] = _spliced(part, last, reading) if rows is None else part.as_list(rows)
-    if inner == node.parts:
-        return node
-    value = node.value | {step: part.value for step, part in inner.items()}
-    return replace(node, value=value, parts=inner)
+    return replace(node, parts=inner)
 
 
 def _sections(entry: Node, reading: Reading) -> list[Node]:
@@ -139,9 +134,8 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
         # Beside the row of a table what the scene states stays in the scene.
         scene = None if row.source is None else reading.source
         kept = {key: replace(part, source=part.source or scene) for key, part in common.items()}
-        keys = {key: place for key, place in shaft.keys.items() if key in kept} | section.keys
         named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
-        body = section.as_mapping({"name": named, **kept, **section.parts}, keys=keys)
+        body = section.as_mapping({"name": named, **kept, **section.parts})
         entries.append(body.as_mapping({"shaft": body}))
     if not entries:
         reading.end(listed, "there is no section", EXAMPLE)
@@ -206,12 +200,12 @@ def _from_library(node: Node, reading: Reading) -> Node:
         return node
     row = rows[sizes.index(wanted)]
     for key in node.parts.keys() & row.parts.keys() - {ROW, "source"}:
-        line, column = node.keys.get(str(key), (size.line, size.column))
+        line, column = node.parts[key].place
         message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
         where = Node(None, line, column, source=node.source)
         reading.end(where, message, "keep one; a case may `set` another value")
     stated = row.parts.get("source")
     origin = stated.value if stated else first_comment(table.text) or "no source stated"
-    source = replace(stated or row.parts[ROW], value=f"{name.value}, size {wanted}: {origin}")
-    parts = row.parts | {"source": source} | node.parts | {ROW: replace(size, value=wanted)}
-    return node.as_mapping(parts, keys=row.keys | node.keys)
+    source = replace(stated or row.parts[ROW], plain=f"{name.value}, size {wanted}: {origin}")
+    parts = row.parts | {"source": source} | node.parts | {ROW: replace(size, plain=wanted)}
+    return node.as_mapping(parts)

@@ -206,7 +206,7 @@ class Rows(Table):
                     position = Cell("", row.line, row.column)
                     self.fault(position, f"the row has no `{key}`", "every order stands at one")
                 else:
-                    table = tables.setdefault(str(row.value.pop(key)), (load, []))
+                    table = tables.setdefault(str(load.value), (load, []))
                     table[1].append(self._harmonic(row))
             nodes = [
                 load.as_mapping({key: load, "rows": load.as_list(harmonics)})
@@ -334,13 +334,13 @@ class Rows(Table):
             return self._harmonic(body)
         if kind is None:
             return body
-        return self._node({}, begin).as_mapping({word: body}, keys={word: (kind.line, kind.column)})
+        body.key_place = kind.line, kind.column
+        return self._node({}, begin).as_mapping({word: body})
 
     def _node(self, value: Any, cell: Cell) -> Node:
         """A value with all that is in it, at the place of its cell."""
         parts = {step: self._node(item, cell) for step, item in entries_of(value)}
-        keys = dict.fromkeys(map(str, parts), (cell.line, cell.column))
-        return Node(value, cell.line, cell.column, parts, keys, source=self.source)
+        return Node(value, cell.line, cell.column, parts, source=self.source)
 
     def _state(self, body: Node, cell: Cell, column: Column, kind: str) -> None:
         """Enter under its key what a cell says: text, a number with the unit of its column, or what brackets hold."""
@@ -376,8 +376,6 @@ class Rows(Table):
                         f"{item} {column.unit}" if is_number(str(item)) else item for item in value
                     ]
         body.parts[column.key] = self._node(value, cell)
-        body.keys[column.key] = (cell.line, cell.column)
-        body.value[column.key] = value
 
     def _harmonic(self, body: Node) -> Node:
         """A row from its cells: [order, amplitude, phase], or a mapping where the table has `a` and `b`."""

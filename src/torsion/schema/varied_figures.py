@@ -304,6 +304,6 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
         changes = {key: node for key, node in row.parts.items() if key not in (LABEL, *STATED)}
         origin = changes.get("source")
         words = f"{name}, {label}" + ("" if origin is None else f": {origin.value}")
-        changes["source"] = replace(origin or row.parts[LABEL], value=words)
+        changes["source"] = replace(origin or row.parts[LABEL], plain=words)
         yield Row(label, tuple(((*part.path, key), node) for key, node in changes.items()), stated)
     faults += reading.faults

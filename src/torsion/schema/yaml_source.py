@@ -6,6 +6,7 @@ merge keys, repeated keys, keys other than text and several documents are refuse
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
@@ -18,8 +19,10 @@ from torsion.schema.fault_text import input_error, missing_mark
 from torsion.user_files import LARGEST_SCENE, Node, Source, end_of, read_file
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
+_TOO_DEEP = f"more than {_DEEPEST} lists and mappings within each other"
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_END: Any = yaml.CollectionEndEvent
 
 _FORBIDDEN = re.compile(
     "[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]"
@@ -122,28 +125,27 @@ def parse_source(text: str, name: str) -> Source:
             sign = "there is a byte order mark (U+FEFF) here"
             hint = "save the file as UTF-8 without it"
         raise input_error([_fault(sign, hint, *end_of(text[: forbidden.start()]))], bare)
-    builder = _Builder(bare.lines)
+    builder, root = _Builder(bare.lines, yaml.parse(text, Loader=_LOADER)), bare.root
     try:
-        for event in yaml.parse(text, Loader=_LOADER):
-            builder.take(event)
+        root = builder.document()
     except _EndError:
         pass
     except yaml.MarkedYAMLError as error:
         builder.faults.append(_syntax(error, bare))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         builder.faults.append(_fault(f"this is not YAML: {error}", "", 1, 1))
-    if builder.root.value is None and not builder.faults:
+    if root.plain is None and not builder.faults:
         builder.faults.append(
             _fault("the file is empty", "a model file needs at least a name and a train", 1, 1)
         )
     if builder.faults:
         raise input_error(builder.faults, bare)
-    source = Source(name, text, builder.root)
-    if not (isinstance(source.data, dict) and ALIAS.search(text)):
+    source = Source(name, text, root)
+    if not (isinstance(root.plain, dict) and ALIAS.search(text)):
         return source
     from torsion.schema.aliases import replace_aliases
 
-    return replace(source, faults=tuple(replace_aliases(source.root)))
+    return replace(source, faults=tuple(replace_aliases(root)))
 
 
 def yaml_text(value: object, *, is_flow: bool = False) -> str:
@@ -164,131 +166,121 @@ class _EndError(Exception):
     """What was noted last is a fault after which nothing more can be read."""
 
 
-class _Builder:
-    """Nodes from the events of the YAML parser, without recursion: depth is bounded before it can hurt."""
+def _size(node: Node) -> tuple[int, int]:
+    """How many values a node is with those in it, and how many lists and mappings lie within each other there."""
+    sizes = [(1, int(isinstance(node.plain, list | dict))), *map(_size, node.parts.values())]
+    counts, heights = zip(*sizes, strict=True)
+    return sum(counts), heights[0] + max(heights[1:], default=0)
 
-    def __init__(self, lines: list[str]) -> None:
-        self.root = Node(None, 1, 1)
-        self._lines = lines
+
+class _Builder:
+    """Nodes from the events of the YAML parser; depth is bounded before it can hurt."""
+
+    def __init__(self, lines: list[str], events: Iterator[Any]) -> None:
+        self._lines, self._events = lines, events
         self.faults: list[Fault] = []
         self._anchors: dict[str, Node] = {}
-        self._open: list[Node] = []
-        self._keys: list[
-            str | int | None
-        ] = []  # of every open node: what the next value belongs to
-        self._documents = 0
+        self._count = 0  # values so far, aliases written out
         self._last = 0  # position behind the last value that was read
 
-    def take(self, event: Any) -> None:
-        """Take the next event: the key of the value that follows, a value, or the end of a list or mapping."""
-        end: Any = event.end_mark
-        if isinstance(event, yaml.DocumentStartEvent):
-            self._documents += 1
-            if self._documents > 1:
+    def document(self) -> Node:
+        """Return the value of the one document that there may be, or nothing."""
+        root, documents = Node(None, 1, 1), 0
+        for event in self._events:
+            if isinstance(event, yaml.NodeEvent):
+                root = self._value(event, 0)
+            documents += isinstance(event, yaml.DocumentStartEvent)
+            if documents > 1:
                 hint = "one file, one model: remove '---'"
-                self._note("a second document begins here", hint, event)
-                raise _EndError
-        elif isinstance(event, yaml.NodeEvent):
-            awaits_key = self._keys[-1:] == [None]
-            if not awaits_key:
-                self._take_value(event)
-                return
-            if not isinstance(event, yaml.ScalarEvent):
-                self._note("a key must be text", "put it in quotes", event)
-                raise _EndError
-            (line, column), keys = _position(event.start_mark), self._open[-1].keys
-            key: str = event.value
-            self._check(event)
-            if event.implicit[0] and not isinstance(resolved(key), str):
-                # The key may be the second half of a number like 1,5.
-                before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
-                if before and key.isdecimal():
-                    hint = f"a decimal comma? write {before[1]}.{key}"
-                self._note(f"the key {key or 'before this colon'} is not text", hint, event)
-            elif event.implicit[0] and key == "<<":
-                self._note("merge keys (<<) are not read", "write the keys out", event)
-            # After a repeated key nothing but faults is kept.
-            self._keys[-1] = key
-            if key in keys:
-                message = f"the key '{key}' is already in line {keys[key][0]}"
-                self._note(message, "remove one", event)
-            keys.setdefault(key, (line, column))
-        elif isinstance(event, yaml.CollectionEndEvent):
-            self._keys.pop()
-            node = self._open.pop()
-            if node.is_flow:
-                self._last = end.index
-            node.end = self._last
-            self._attach(node)
+                raise self._end("a second document begins here", hint, event)
+        return root
 
     def _note(self, message: str, hint: str, event: Any) -> None:
         """Note a fault at an event."""
         self.faults.append(_fault(message, hint, *_position(event.start_mark)))
 
-    def _take_value(self, event: Any) -> None:
-        """Attach a scalar or what an alias stands for, open a list or mapping; refuse what makes the file too large."""
-        is_alias, begins = (
-            isinstance(event, kind) for kind in (yaml.AliasEvent, yaml.CollectionStartEvent)
-        )
-        target, message, hint = self._anchors.get(event.anchor) if is_alias else None, "", ""
-        if not is_alias:
-            self._check(event)
-        elif target is None:
-            message = f"nothing above is named &{event.anchor}"
-            hint = "put text that begins with * in quotes"
-        elif target in self._open:
-            message = f"*{event.anchor} lies within the part that it repeats"
-        if not message and len(self._open) + (target.height if target else begins) > _DEEPEST:
-            message = f"more than {_DEEPEST} lists and mappings within each other"
-        elif target and sum(node.size for node in self._open) + target.size > _LARGEST:
-            message = message or f"aliases make more than {_LARGEST} values of this file"
-        if message:
-            self._note(message, hint, event)
-            raise _EndError
-        node = Node(None, *_position(event.start_mark))
-        if target is not None:
-            node = replace(target, line=node.line, column=node.column, is_flow=False, source=None)
-        elif event.anchor:
-            self._anchors[event.anchor] = node
-        node.begin = event.start_mark.index
-        if begins:
-            is_mapping = isinstance(event, yaml.MappingStartEvent)
-            node.is_flow = bool(event.flow_style)
-            node.value, node.height = ({} if is_mapping else []), 1
-            self._open.append(node)
-            self._keys.append(None if is_mapping else 0)
-            return
+    def _end(self, message: str, hint: str, event: Any) -> "_EndError":
+        """Note a fault that ends the reading."""
+        self._note(message, hint, event)
+        return _EndError()
+
+    def _value(self, event: Any, depth: int, *, is_name: bool = False) -> Node:
+        """Return what begins with an event, in so many lists and mappings, to its end; refuse a file that is too large."""
+        node = Node(None, *_position(event.start_mark), begin=event.start_mark.index)
+        if isinstance(event, yaml.AliasEvent):
+            node = self._repeated(node, event, depth)
+        else:
+            self._check(event, is_name=is_name)
+            self._count += 1
+            if event.anchor:
+                self._anchors[event.anchor] = node
         if isinstance(event, yaml.ScalarEvent):
-            node.value = resolved(event.value) if event.implicit[0] else event.value
-        node.end = self._last = event.end_mark.index
-        self._attach(node)
+            node.plain = resolved(event.value) if event.implicit[0] else event.value
+        if not isinstance(event, yaml.CollectionStartEvent):
+            node.end = self._last = event.end_mark.index
+            return node
+        if depth == _DEEPEST:
+            raise self._end(_TOO_DEEP, "", event)
+        node.is_flow = bool(event.flow_style)
+        node.plain = {} if isinstance(event, yaml.MappingStartEvent) else []
+        while not isinstance(inner := next(self._events), _END):
+            step: str | int = len(node.parts)
+            key_place = None
+            if isinstance(event, yaml.MappingStartEvent):
+                step, key_place = self._key(inner, node), _position(inner.start_mark)
+                inner = next(self._events)
+            part = self._value(inner, depth + 1, is_name=step == "name")
+            part.key_place = key_place
+            node.parts[step] = part
+        if node.is_flow:
+            self._last = inner.end_mark.index
+        node.end = self._last
+        return node
 
-    def _attach(self, node: Node) -> None:
-        """Put a complete node where it belongs."""
-        if not self._open:
-            self.root = node
-            return
-        parent, key = self._open[-1], self._keys[-1]
-        parent.size += node.size
-        parent.height = max(parent.height, node.height + 1)
-        if isinstance(key, int):
-            parent.value.append(node.value)
-            parent.parts[key] = node
-            self._keys[-1] = key + 1
-            return
-        if key is not None:
-            parent.value[key] = node.value
-            parent.parts[key] = node
-        self._keys[-1] = None
+    def _key(self, event: Any, node: Node) -> str:
+        """Return the key of a mapping at an event; after a faulty one nothing but faults is kept."""
+        if not isinstance(event, yaml.ScalarEvent):
+            raise self._end("a key must be text", "put it in quotes", event)
+        (line, column), key = _position(event.start_mark), event.value
+        self._check(event, is_name=True)
+        if event.implicit[0] and not isinstance(resolved(key), str):
+            # The key may be the second half of a number like 1,5.
+            before, hint = _HALF.search(self._lines[line - 1][: column - 1]), "put it in quotes"
+            if before and key.isdecimal():
+                hint = f"a decimal comma? write {before[1]}.{key}"
+            self._note(f"the key {key or 'before this colon'} is not text", hint, event)
+        elif event.implicit[0] and key == "<<":
+            self._note("merge keys (<<) are not read", "write the keys out", event)
+        if key in node.parts:
+            message = f"the key '{key}' is already in line {node.parts[key].place[0]}"
+            self._note(message, "remove one", event)
+        return str(key)
 
-    def _check(self, event: Any) -> None:
+    def _repeated(self, node: Node, event: Any, depth: int) -> Node:
+        """Return what an alias stands for in the place of a node; refuse what makes the file too large."""
+        target = self._anchors.get(event.anchor)
+        if target is None:
+            hint = "put text that begins with * in quotes"
+            raise self._end(f"nothing above is named &{event.anchor}", hint, event)
+        if not target.end:
+            message = f"*{event.anchor} lies within the part that it repeats"
+            raise self._end(message, "", event)
+        size, height = _size(target)
+        self._count += size
+        if depth + height > _DEEPEST:
+            raise self._end(_TOO_DEEP, "", event)
+        if self._count > _LARGEST:
+            message = f"aliases make more than {_LARGEST} values of this file"
+            raise self._end(message, "", event)
+        return replace(node, plain=target.plain, parts=target.parts)
+
+    def _check(self, event: Any, *, is_name: bool) -> None:
         """Note a tag, and in a text a character that an escape makes and that the file itself must not hold."""
         if event.tag is not None:
             tag = event.tag.replace("tag:yaml.org,2002:", "!!")
             self._note(f"tags are not read: {tag}", "remove it, or put text in quotes", event)
         if not isinstance(event, yaml.ScalarEvent):
             return
-        is_name = self._keys[-1:] in ([None], ["name"])  # names and keys are one line
         if sign := CONTROLS.search(event.value):
             hint = "remove its escape: names and texts are printed on terminals"
             self._note(f"the character U+{ord(sign[0]):04X} is not allowed", hint, event)
