@@ -192,9 +192,9 @@ def _timed(method: str, setting: str, run: Callable[[], np.ndarray], known: np.n
     )
 
 
+@mp.workdps(DIGITS)
 def reference(case: Case, times: np.ndarray) -> np.ndarray:
     """(spans, times) torques to DIGITS digits, from the matrices: eigenvectors, and ramps in closed form."""
-    mp.mp.dps = DIGITS
     n = len(case.M)
     lower = mp.cholesky(mp.matrix(case.M.tolist()))
     inverse = lower**-1

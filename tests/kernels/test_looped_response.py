@@ -79,9 +79,9 @@ def test_torques_of_stiff_trains_with_two_loops_agree_with_many_digits(seed):
     assert answer.residual.max() < 1e-8
 
 
+@mp.workdps(60)
 def dense_reference(inertia, spans, force, w):
     """Torques of the spans, (begin, end, compliance, twist) each, by the dense dynamic stiffness with many digits."""
-    mp.mp.dps = 60
     n = len(inertia)
     matrix, right = mp.zeros(n), mp.matrix([mp.mpc(complex(value)) for value in force])
     for station in range(n):

@@ -23,9 +23,9 @@ def random_tree(rng, size, *, branched, held_leaf=False):
     return Tree(parent, flexibility, inertia, held)
 
 
+@mp.workdps(DIGITS)
 def reference(tree, w, force, twist, viscous, loss_factor, ground):
     """Angles and torques at one frequency by elimination with many digits; every input is taken as exact."""
-    mp.mp.dps = DIGITS
     number, imaginary = mp.mpf, mp.mpc(0, 1)
     w, n = number(float(w)), tree.size
     z, f = [mp.mpc(0)] * n, [mp.mpc(complex(value)) for value in force]
@@ -112,6 +112,7 @@ def test_torques_of_one_source_are_exact_to_1e_12_each_by_itself(seed, loss_fact
 
 
 @pytest.mark.parametrize("distance", [1e-4, 1e-7, 1e-10])
+@mp.workdps(DIGITS)
 def test_amplification_bounds_the_error_near_an_undamped_resonance(distance):
     tree = Tree(
         np.array([-1, 0, 1]),
@@ -119,7 +120,6 @@ def test_amplification_bounds_the_error_near_an_undamped_resonance(distance):
         np.array([0.3, 0.7, 1.1]),
         np.zeros(3, dtype=bool),
     )
-    mp.mp.dps = DIGITS
     a, b = (
         mp.mpf(1) / mp.mpf(0.3) + mp.mpf(1) / mp.mpf(0.7),
         mp.mpf(1) / mp.mpf(0.7) + mp.mpf(1) / mp.mpf(1.1),

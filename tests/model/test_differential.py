@@ -1,5 +1,6 @@
 """A differential against the equations of both halves with the constraint of the case, complex with complex."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import mpmath as mp
@@ -15,17 +16,23 @@ from torsion.output.chapters import mass_elastic
 from torsion.output.station_layout import layout
 from torsion.schema.scene_reader import parse
 
-mp.mp.dps = 40
-RATIO = mp.mpf(41) / 11
+with mp.workdps(40):
+    RATIO, SPIN = mp.mpf(41) / 11, mp.mpf(16) / 10
 J = {"motor": 0.2, "pinion": 0.004, "case": 0.09, "side": 0.003, "hub": 0.02, "wheel": 1.4}
 K0, K1, K2, C1 = 9e4, 2.2e4, 8e3, 4.0
-PLANET, N, SPIN = 0.0004, 4, mp.mpf(16) / 10
+PLANET, N = 0.0004, 4
 HALF = [
     {"coupling": {"name": "half shaft", "stiffness": K1, "viscous": C1}},
     {"disc": {"name": "hub", "inertia": J["hub"]}},
     {"coupling": {"name": "tyre", "stiffness": K2, "loss_factor": 0.1}},
     {"propeller": {"name": "wheel", "inertia": J["wheel"], "damping": 1.5}},
 ]
+
+
+@pytest.fixture(autouse=True)
+def _digits() -> Iterator[None]:
+    with mp.workdps(40):
+        yield
 
 
 def scene(**differential: Any) -> dict[str, Any]:

@@ -137,6 +137,7 @@ def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -
     )
 
 
+@mp.workdps(40)
 def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
     """Natural frequencies (rad/s) by unknowns disc, sun, ring, carrier, every planet, disc, in 40 digits.
 
@@ -144,7 +145,6 @@ def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
     the teeth: deflections z_s s + z_a p - (z_s + z_a) c and z_r r - z_b p - (z_r - z_b) c. Also that of planets which
     move against each other while all else rests.
     """
-    mp.mp.dps = 40
     n = given["planets"]
     driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
     driven = next(one for one in MEMBERS if one not in (driving, fixed))

@@ -1,6 +1,7 @@
 """Excitation at a gear mesh against the equations of motion written out, in 40 digits, complex with complex."""
 
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -14,11 +15,16 @@ import torsion
 from torsion.errors import InputError
 from torsion.schema.scene_reader import parse
 
-mp.mp.dps = 40
 J = {"motor": 3.0, "pinion": 0.05, "wheel": 0.6, "aux": 0.2, "load": 8.0}  # kg m2
 K1, C1, K2 = 2.0e5, 12.0, 9.0e5  # N m/rad, N m s/rad
 R1, R2 = Fraction(23, 57), Fraction(23, 41)  # speed of the wheels over that of the pinion
 SPEEDS = {"from": "300 rpm", "to": "1500 rpm", "steps": 7}
+
+
+@pytest.fixture(autouse=True)
+def _digits() -> Iterator[None]:
+    with mp.workdps(40):
+        yield
 
 
 def scene(mesh: float | None, second: float | None, **excitation: Any) -> dict[str, Any]:

@@ -209,9 +209,9 @@ def test_the_response_to_a_growing_torque_peaks_where_the_modes_say():
     np.testing.assert_allclose(shapes, modes.angle, atol=5e-3)
 
 
+@mp.workdps(DIGITS)
 def exact_roots(train, ground, viscous, loss):
     """All roots by the companion form with many digits; the data are taken as exact."""
-    mp.mp.dps = DIGITS
     moving = [i for i in range(train.size) if not train.held[i]]
     place, n = {i: p for p, i in enumerate(moving)}, len(moving)
     companion = mp.zeros(2 * n)
